@@ -1,0 +1,3 @@
+//! The `mve` command.
+
+fn main() {}

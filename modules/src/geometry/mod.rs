@@ -1,0 +1,1 @@
+//! Algorithms as free functions over plain data; no ports.

@@ -1,0 +1,3 @@
+//! Plain data about meshes: fixtures, adjacency, quadrics.
+
+pub mod fixtures;
