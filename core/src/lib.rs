@@ -1,1 +1,64 @@
-//! The runtime of mve.
+//! The runtime of mve: declarations of modules, maps of them, and what runs the maps.
+//!
+//! This crate knows no mesh, no file format and no window. A crate of modules declares
+//! [`Module`]s over its own [`Data`] types and hands them over in a [`Registry`]; everything else
+//! follows from the declarations:
+//!
+//! ```text
+//! map file → Map → Plan (every problem at once, or none) → run → RunOutcome
+//!                     ↑ one assignment of a Program          ↓ committed to a Store
+//! ```
+
+mod cache;
+mod cancel;
+mod data;
+mod describe;
+mod disk_cache;
+mod files;
+mod fingerprint;
+mod json;
+mod map;
+mod module;
+mod param;
+mod plan;
+mod port;
+mod problem;
+mod program;
+mod registry;
+mod run;
+mod schema;
+mod setting;
+mod store;
+mod template;
+pub mod testing;
+
+pub use cache::{Cache, CacheUse, LogLine};
+pub use cancel::CancelToken;
+pub use data::{Data, DataType, DecodeError, Scalar, Value};
+pub use describe::{describe_all, describe_module};
+pub use disk_cache::DiskCache;
+pub use files::FileHashes;
+pub use fingerprint::Fingerprint;
+pub use map::{Link, Map, MapError, Node, PortRef, ProgramSpec};
+pub use module::{Io, Module, ModuleError, Reporter};
+pub use param::{
+    ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,
+    ParamSpec, ParamType, Seed,
+};
+pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
+pub use port::{In, InputSpec, MaybeIn, Out, OutputSpec};
+pub use problem::{Place, Problem, Severity};
+pub use program::{
+    Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, run_program,
+};
+pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
+pub use run::{
+    Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome,
+    contain_panics, run,
+};
+pub use schema::schema;
+pub use setting::{Setting, Settings};
+pub use store::{StepRecord, StepStatus, Store, StoreError};
+
+/// The version of mve, as packages name it.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,0 +1,271 @@
+//! Values that were made before, by the key of the node that made them.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::cancel::CancelToken;
+use crate::data::Value;
+use crate::disk_cache::DiskCache;
+use crate::fingerprint::Fingerprint;
+use crate::module::Module;
+
+/// How long a thread that waits for another's result sleeps before it looks whether to stop.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Where a node's outputs came from, if not from running it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CacheUse {
+    /// From this process.
+    Memory,
+    /// From a folder that outlives it.
+    Disk,
+}
+
+/// All that a node's run gave.
+#[derive(Clone, Debug)]
+pub(crate) struct Made {
+    pub outputs: Vec<Value>,
+    pub log: Vec<LogLine>,
+    pub seconds: f64,
+}
+
+/// A line that a module wrote.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogLine {
+    /// Whether it reports trouble.
+    pub is_warning: bool,
+    /// What it says.
+    pub text: String,
+}
+
+/// A cache in memory, within a budget of bytes, over one on disk if there is one.
+///
+/// Runs on many threads may share it: of those that want the same key at the same time one makes
+/// the value and the others wait for it.
+#[derive(Debug)]
+pub struct Cache {
+    state: Mutex<State>,
+    changed: Condvar,
+    budget: usize,
+    disk: Option<DiskCache>,
+    wanted: Option<HashSet<Fingerprint>>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    slots: HashMap<Fingerprint, Slot>,
+    /// Keys by the time of their last use, for eviction.
+    by_age: BTreeMap<u64, Fingerprint>,
+    clock: u64,
+    bytes: usize,
+}
+
+#[derive(Debug)]
+enum Slot {
+    /// Some thread makes it.
+    Claimed,
+    Full {
+        made: Arc<Made>,
+        bytes: usize,
+        used: u64,
+    },
+}
+
+/// What came of asking for a key.
+pub(crate) enum Claim<'a> {
+    /// It is there.
+    Hit(Arc<Made>, CacheUse),
+    /// The caller makes it.
+    Mine(Ticket<'a>),
+    /// The run was stopped while another thread was making it.
+    Stopped,
+}
+
+/// The duty to make a value. Dropping it without [`Ticket::fulfill`] passes the duty on.
+pub(crate) struct Ticket<'a> {
+    cache: &'a Cache,
+    key: Fingerprint,
+}
+
+impl Cache {
+    /// A cache that keeps at most `budget` bytes of values in memory.
+    pub fn new(budget: usize, disk: Option<DiskCache>) -> Self {
+        let (state, changed) = (Mutex::default(), Condvar::new());
+        Self { state, changed, budget, disk, wanted: None }
+    }
+
+    /// Keeps only these keys in memory, when it is known which values are needed again.
+    pub fn only(mut self, keys: HashSet<Fingerprint>) -> Self {
+        self.wanted = Some(keys);
+        self
+    }
+
+    /// Bytes of values in memory.
+    pub fn bytes(&self) -> usize {
+        self.lock().bytes
+    }
+
+    /// Gives the value, or the duty to make it; waits while another thread has that duty.
+    pub(crate) fn claim(
+        &self,
+        key: Fingerprint,
+        module: &'static Module,
+        cancel: &CancelToken,
+    ) -> Claim<'_> {
+        let mut state = self.lock();
+        loop {
+            if let Some(made) = state.touch(key) {
+                return Claim::Hit(made, CacheUse::Memory);
+            }
+            if !state.slots.contains_key(&key) {
+                break;
+            }
+            if cancel.is_cancelled() {
+                return Claim::Stopped;
+            }
+            let waited = self.changed.wait_timeout(state, PATIENCE);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        state.slots.insert(key, Slot::Claimed);
+        drop(state);
+        let ticket = Ticket { cache: self, key };
+        match self.disk.as_ref().and_then(|disk| disk.load(key, module)) {
+            Some(made) => {
+                let made = Arc::new(made);
+                ticket.keep(&made);
+                Claim::Hit(made, CacheUse::Disk)
+            }
+            None => Claim::Mine(ticket),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Ticket<'_> {
+    /// Hands over what was made.
+    pub fn fulfill(self, made: &Arc<Made>) {
+        if let Some(disk) = &self.cache.disk {
+            disk.store(self.key, made);
+        }
+        self.keep(made);
+    }
+
+    fn keep(self, made: &Arc<Made>) {
+        let wanted = self.cache.wanted.as_ref();
+        let bytes: usize = made.outputs.iter().map(Value::byte_size).sum();
+        if bytes <= self.cache.budget && wanted.is_none_or(|keys| keys.contains(&self.key)) {
+            self.cache.lock().insert(self.key, Arc::clone(made), bytes, self.cache.budget);
+        }
+    }
+}
+
+impl Drop for Ticket<'_> {
+    fn drop(&mut self) {
+        let mut state = self.cache.lock();
+        if matches!(state.slots.get(&self.key), Some(Slot::Claimed)) {
+            state.slots.remove(&self.key);
+        }
+        self.cache.changed.notify_all();
+    }
+}
+
+impl State {
+    fn touch(&mut self, key: Fingerprint) -> Option<Arc<Made>> {
+        let Some(Slot::Full { made, used, .. }) = self.slots.get_mut(&key) else { return None };
+        self.clock += 1;
+        self.by_age.remove(used);
+        self.by_age.insert(self.clock, key);
+        *used = self.clock;
+        Some(Arc::clone(made))
+    }
+
+    fn insert(&mut self, key: Fingerprint, made: Arc<Made>, bytes: usize, budget: usize) {
+        while self.bytes + bytes > budget {
+            let Some((_, oldest)) = self.by_age.pop_first() else { break };
+            if let Some(Slot::Full { bytes, .. }) = self.slots.remove(&oldest) {
+                self.bytes -= bytes;
+            }
+        }
+        self.clock += 1;
+        self.by_age.insert(self.clock, key);
+        self.bytes += bytes;
+        self.slots.insert(key, Slot::Full { made, bytes, used: self.clock });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::ECHO;
+
+    fn text_of(n: usize) -> Arc<Made> {
+        let outputs = vec![Value::new("x".repeat(n))];
+        Arc::new(Made { outputs, log: Vec::new(), seconds: 1.0 })
+    }
+
+    fn key(n: u8) -> Fingerprint {
+        Fingerprint::of(&[n])
+    }
+
+    fn put(cache: &Cache, n: u8, made: &Arc<Made>) {
+        match cache.claim(key(n), &ECHO, &CancelToken::new()) {
+            Claim::Mine(ticket) => ticket.fulfill(made),
+            _ => panic!("key {n} was there"),
+        }
+    }
+
+    fn has(cache: &Cache, n: u8) -> bool {
+        matches!(cache.claim(key(n), &ECHO, &CancelToken::new()), Claim::Hit(..))
+    }
+
+    #[test]
+    fn the_budget_holds_and_the_oldest_goes() {
+        let cache = Cache::new(3000, None);
+        (0..2).for_each(|n| put(&cache, n, &text_of(1000)));
+        assert!(has(&cache, 0)); // now 1 is the oldest
+        put(&cache, 2, &text_of(1500));
+        assert!(cache.bytes() <= 3000);
+        assert!(has(&cache, 0) && has(&cache, 2) && !has(&cache, 1));
+    }
+
+    #[test]
+    fn what_is_larger_than_the_budget_is_not_kept() {
+        let cache = Cache::new(100, None);
+        put(&cache, 0, &text_of(1000));
+        assert!(!has(&cache, 0));
+    }
+
+    #[test]
+    fn one_thread_makes_and_the_others_wait() {
+        let cache = Cache::new(1 << 20, None);
+        let made = std::sync::atomic::AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| match cache.claim(key(7), &ECHO, &CancelToken::new()) {
+                    Claim::Mine(ticket) => {
+                        std::thread::sleep(Duration::from_millis(20));
+                        made.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+                        ticket.fulfill(&text_of(1));
+                    }
+                    Claim::Hit(value, _) => assert_eq!(value.outputs[0].summary(), "x"),
+                    Claim::Stopped => panic!("nobody stopped it"),
+                });
+            }
+        });
+        assert_eq!(made.into_inner(), 1);
+    }
+
+    #[test]
+    fn a_dropped_ticket_passes_the_duty_on() {
+        let cache = Cache::new(100, None);
+        drop(cache.claim(key(1), &ECHO, &CancelToken::new()));
+        assert!(matches!(cache.claim(key(1), &ECHO, &CancelToken::new()), Claim::Mine(_)));
+    }
+}

@@ -1,0 +1,109 @@
+//! Documentation of modules, drawn from their declarations, as Markdown.
+
+use std::fmt::Write;
+
+use crate::param::{Kind, ParamSpec};
+use crate::registry::{ModuleInfo, Registry};
+use crate::setting::between;
+
+/// All modules, by category.
+pub fn describe_all(registry: &Registry) -> String {
+    let mut text = String::from(
+        "# Modules\n\nMade by `mve modules --write docs/modules.md` from the declarations; do not \
+         edit.\n",
+    );
+    let mut categories: Vec<_> = registry.modules().iter().map(|info| info.category).collect();
+    categories.sort_unstable();
+    categories.dedup();
+    for category in categories {
+        let _ = write!(text, "\n## {category}\n");
+        for info in registry.modules().iter().filter(|info| info.category == category) {
+            text.push('\n');
+            text.push_str(&describe_module(info));
+        }
+    }
+    text
+}
+
+/// One module: what it does, takes, gives, and how it is set.
+pub fn describe_module(info: &ModuleInfo) -> String {
+    let module = info.module;
+    let mut text = format!("### {}\n\n{}\n", module.id, module.summary);
+    if !module.inputs.is_empty() {
+        text.push_str("\nInputs:\n\n");
+        for input in module.inputs {
+            let need = if input.is_required { "" } else { ", optional" };
+            let _ =
+                writeln!(text, "- `{}` ({}{need}): {}", input.name, input.data_type.id, input.doc);
+        }
+    }
+    if !module.outputs.is_empty() {
+        text.push_str("\nOutputs:\n\n");
+        for output in module.outputs {
+            let _ = writeln!(text, "- `{}` ({}): {}", output.name, output.data_type.id, output.doc);
+        }
+    }
+    if !module.params.is_empty() {
+        text.push_str("\nParameters:\n\n");
+        describe_params(module.params, 0, &mut text);
+    }
+    text
+}
+
+fn describe_params(params: &[ParamSpec], depth: usize, text: &mut String) {
+    let indent = "  ".repeat(depth);
+    for spec in params {
+        let _ = writeln!(text, "{indent}- `{}` ({}): {}", spec.name, facts(spec, depth), spec.doc);
+        match spec.kind {
+            Kind::Enumeration { names, .. } => {
+                for (name, doc) in names {
+                    let _ = writeln!(text, "{indent}  - `{name}`: {doc}");
+                }
+            }
+            Kind::Choice { list, .. } => {
+                for place in 0..list.len() {
+                    let entry = list.spec(place);
+                    let _ = writeln!(text, "{indent}  - `{}`: {}", entry.id, entry.summary);
+                    describe_params(entry.params, depth + 2, text);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Type, range, unit, default, and whether a link can set it.
+fn facts(spec: &ParamSpec, depth: usize) -> String {
+    let (kind, range) = match spec.kind {
+        Kind::Flag { .. } => ("flag", String::new()),
+        Kind::Integer { hard: (low, high), .. } => {
+            ("whole number", between(low as f64, high as f64))
+        }
+        Kind::Number { hard: (low, high), .. } => ("number", between(low, high)),
+        Kind::Text { .. } => ("text", String::new()),
+        Kind::Seed { .. } => ("seed", String::new()),
+        Kind::Enumeration { .. } => ("one of the names below", String::new()),
+        Kind::Choice { .. } => ("choice among the entries below", String::new()),
+        Kind::InputFile { extensions, .. } => ("input file", ending(extensions)),
+        Kind::OutputFile { extensions, .. } => ("output file", ending(extensions)),
+    };
+    let mut facts = vec![format!("{kind}{range}")];
+    if !spec.unit.is_empty() {
+        facts.push(format!("in {}", spec.unit));
+    }
+    facts.push(match spec.default_setting() {
+        None => "required".to_owned(),
+        Some(crate::Setting::Off) => "default off".to_owned(),
+        Some(default) => format!("default {}", default.to_word()),
+    });
+    if depth == 0
+        && let Some(data_type) = spec.link_type()
+    {
+        facts.push(format!("takes a link from {}", data_type.id));
+    }
+    facts.join("; ")
+}
+
+fn ending(extensions: &[&str]) -> String {
+    if extensions.is_empty() { String::new() } else { format!(" .{}", extensions.join(", .")) }
+}

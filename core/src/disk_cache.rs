@@ -1,0 +1,159 @@
+//! Values in a folder, so that the next process does not make them again.
+//!
+//! One file a key: the hash of the rest, then the outputs. A file that does not hash to what it
+//! says is not there; nothing here is ever an error, because a cache can always be done without.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use serde::{Deserialize, Serialize};
+
+use crate::cache::{LogLine, Made};
+use crate::fingerprint::Fingerprint;
+use crate::module::Module;
+
+/// Outputs made in less time than this are made again sooner than they are read.
+const WORTH_SECONDS: f64 = 0.02;
+
+/// Length of the hash before the content.
+const HASH: usize = 32;
+
+/// A folder of values within a budget of bytes; the ones used longest ago go first.
+#[derive(Clone, Debug)]
+pub struct DiskCache {
+    folder: PathBuf,
+    budget: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    /// Type and bytes of each output.
+    outputs: Vec<(String, Vec<u8>)>,
+    log: Vec<LogLine>,
+    seconds: f64,
+}
+
+impl DiskCache {
+    /// A cache in this folder, which is made if it is not there.
+    pub fn open(folder: &Path, budget: u64) -> std::io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        Ok(Self { folder: folder.to_owned(), budget })
+    }
+
+    fn path(&self, key: Fingerprint) -> PathBuf {
+        self.folder.join(format!("{key}.values"))
+    }
+
+    pub(crate) fn load(&self, key: Fingerprint, module: &Module) -> Option<Made> {
+        let path = self.path(key);
+        let bytes = fs::read(&path).ok()?;
+        let (hash, content) = bytes.split_at_checked(HASH)?;
+        if blake3::hash(content).as_bytes() != hash {
+            return None;
+        }
+        let stored: Stored = postcard::from_bytes(content).ok()?;
+        let outputs = stored.outputs.iter().zip(module.outputs).map(|((type_id, bytes), spec)| {
+            (type_id == spec.data_type.id).then(|| (spec.decode)(bytes).ok()).flatten()
+        });
+        let outputs: Vec<_> = outputs.collect::<Option<_>>()?;
+        // The time of the file is the time of its last use; if it cannot be set, it goes sooner.
+        let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+        let is_whole = outputs.len() == module.outputs.len();
+        is_whole.then_some(Made { outputs, log: stored.log, seconds: stored.seconds })
+    }
+
+    pub(crate) fn store(&self, key: Fingerprint, made: &Made) {
+        if made.seconds < WORTH_SECONDS {
+            return;
+        }
+        let outputs = made.outputs.iter().map(|value| {
+            Ok::<_, postcard::Error>((value.data_type().id.to_owned(), value.encode()?))
+        });
+        let Ok(outputs) = outputs.collect::<Result<_, _>>() else { return };
+        let stored = Stored { outputs, log: made.log.clone(), seconds: made.seconds };
+        // A full disk costs the next process time, and nothing else.
+        if let Ok(content) = postcard::to_stdvec(&stored) {
+            let _ = self.write(key, &content);
+        }
+    }
+
+    fn write(&self, key: Fingerprint, content: &[u8]) -> std::io::Result<()> {
+        self.make_room(content.len() as u64)?;
+        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
+        file.write_all(blake3::hash(content).as_bytes())?;
+        file.write_all(content)?;
+        file.persist(self.path(key))?;
+        Ok(())
+    }
+
+    /// Removes the files used longest ago until `more` bytes fit.
+    fn make_room(&self, more: u64) -> std::io::Result<()> {
+        let mut files = Vec::new();
+        for file in fs::read_dir(&self.folder)? {
+            let file = file?;
+            let about = file.metadata()?;
+            files.push((about.modified()?, about.len(), file.path()));
+        }
+        files.sort();
+        let mut total: u64 = files.iter().map(|(_, size, _)| size).sum();
+        for (_, size, path) in files {
+            if total + more <= self.budget {
+                break;
+            }
+            fs::remove_file(path)?;
+            total -= size;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Value;
+    use crate::testing::ECHO;
+
+    fn made(text: &str) -> Made {
+        Made { outputs: vec![Value::new(text.to_owned())], log: Vec::new(), seconds: 1.0 }
+    }
+
+    #[test]
+    fn brings_back_what_was_stored_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = DiskCache::open(folder.path(), 1 << 20).unwrap();
+        let key = Fingerprint::of(b"a");
+        cache.store(key, &made("hello"));
+        assert_eq!(cache.load(key, &ECHO).unwrap().outputs[0].summary(), "hello");
+        assert!(cache.load(Fingerprint::of(b"b"), &ECHO).is_none());
+    }
+
+    #[test]
+    fn any_changed_byte_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = DiskCache::open(folder.path(), 1 << 20).unwrap();
+        let key = Fingerprint::of(b"a");
+        cache.store(key, &made("hello"));
+        let whole = fs::read(cache.path(key)).unwrap();
+        for place in 0..whole.len() {
+            let mut broken = whole.clone();
+            broken[place] ^= 1;
+            fs::write(cache.path(key), &broken).unwrap();
+            assert!(cache.load(key, &ECHO).is_none(), "byte {place}");
+            fs::write(cache.path(key), &whole[..place]).unwrap();
+            assert!(cache.load(key, &ECHO).is_none(), "cut at {place}");
+        }
+    }
+
+    #[test]
+    fn the_budget_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = DiskCache::open(folder.path(), 3000).unwrap();
+        for n in 0..10_u8 {
+            cache.store(Fingerprint::of(&[n]), &made(&"x".repeat(1000)));
+        }
+        let sizes = fs::read_dir(folder.path()).unwrap().map(|f| f.unwrap().metadata().unwrap());
+        assert!(sizes.map(|about| about.len()).sum::<u64>() <= 3000);
+    }
+}

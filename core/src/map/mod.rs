@@ -1,0 +1,426 @@
+//! The map: nodes, links, layout and programs, as one JSON file says them.
+//!
+//! A map always loads, unless the file is not JSON at all or was written by a newer mve. What does
+//! not fit is kept as it stands, saved back unchanged, and reported by [`Map::problems`]; whether
+//! the rest makes sense (do the modules exist, do the links fit) is for [`crate::Plan`] to say.
+
+mod text;
+
+use std::fmt;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map as JsonMap, Value as Json};
+use thiserror::Error;
+
+use crate::json;
+use crate::problem::Problem;
+
+/// The version of the format that this mve writes.
+const FORMAT: u64 = 1;
+
+/// Takes the JSON of one version of the format to the next.
+type Migration = fn(&mut JsonMap<String, Json>);
+
+/// Migration `i` takes version `i + 1` to `i + 2`.
+const MIGRATIONS: &[Migration] = &[];
+
+/// No map that a person made comes near this; it stops a wrong path from filling the memory.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Nodes, links, layout and programs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// What the map is for.
+    pub title: String,
+    /// Nodes by name, in the order of the file.
+    pub nodes: IndexMap<String, Node>,
+    /// Links, in the order of the file.
+    pub links: Vec<Link>,
+    /// Where each node is drawn.
+    pub layout: IndexMap<String, [f64; 2]>,
+    /// Programs by name.
+    pub programs: IndexMap<String, ProgramSpec>,
+    /// Fields of the file that this version does not know.
+    pub extra: JsonMap<String, Json>,
+    /// Parts of known sections that could not be understood: section, key, value.
+    leftovers: Vec<(&'static str, String, Json)>,
+    problems: Vec<Problem>,
+    source: Option<Arc<Source>>,
+}
+
+/// The text that a map was read from, and what it said.
+#[derive(Debug, PartialEq)]
+struct Source {
+    text: String,
+    map: Map,
+}
+
+/// One use of a module.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    /// Id of the module.
+    pub module: String,
+    /// Parameters that differ from their defaults.
+    #[serde(default, skip_serializing_if = "JsonMap::is_empty")]
+    pub params: JsonMap<String, Json>,
+    /// Fields that this version does not know.
+    #[serde(flatten)]
+    pub extra: JsonMap<String, Json>,
+}
+
+/// A port of a node: `load.mesh`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PortRef {
+    /// Name of the node.
+    pub node: String,
+    /// Name of the port or parameter.
+    pub port: String,
+}
+
+/// A link from an output to an input or a parameter: `load.mesh -> simplify.mesh`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Link {
+    /// The output.
+    pub from: PortRef,
+    /// The input or parameter.
+    pub to: PortRef,
+}
+
+/// A named sweep of the map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ProgramSpec {
+    /// Axes multiply; within an axis the lists are equally long and advance together. The last
+    /// axis varies fastest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<IndexMap<String, Vec<Json>>>,
+    /// Explicit assignments, after those of the axes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<IndexMap<String, Json>>,
+    /// How often each assignment runs, with seeds that differ from one to the next.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<u32>,
+    /// Seconds after which a step is stopped.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+    /// Fields that this version does not know.
+    #[serde(flatten)]
+    pub extra: JsonMap<String, Json>,
+}
+
+/// Why a file is no map, or was not written.
+#[derive(Debug, Error)]
+pub enum MapError {
+    /// The file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// It is not a JSON object.
+    #[error("not a map: {0}")]
+    NotJson(String),
+    /// A newer mve wrote it.
+    #[error("written in format {0}, and this mve reads formats up to {FORMAT}; use a newer mve")]
+    Newer(u64),
+}
+
+impl Map {
+    /// Reads a map file.
+    pub fn load(path: &Path) -> Result<Self, MapError> {
+        let fail = |source| MapError::Io { path: path.to_owned(), source };
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(fail)?;
+        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(fail)?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(MapError::NotJson("the file is larger than 64 MiB".to_owned()));
+        }
+        let text = String::from_utf8(bytes)
+            .map_err(|error| MapError::NotJson(format!("not text in UTF-8: {error}")))?;
+        Self::parse(&text)
+    }
+
+    /// Reads the text of a map file.
+    pub fn parse(text: &str) -> Result<Self, MapError> {
+        let (json, repeated) = json::parse(text)
+            .map_err(|error| MapError::NotJson(format!("not valid JSON: {error}")))?;
+        let Json::Object(mut object) = json else {
+            return Err(MapError::NotJson("the file is JSON, but not an object".to_owned()));
+        };
+        let mut map = Self::default();
+        for path in repeated {
+            let message = format!("\"{path}\" stands twice in the file; only the last one counts");
+            map.problems.push(Problem::error(message));
+        }
+        match object.remove("mve").map(|version| (version.as_u64(), version)) {
+            Some((Some(version), _)) if version > FORMAT => return Err(MapError::Newer(version)),
+            Some((Some(version), _)) if version > 0 => migrate(&mut object, version, MIGRATIONS),
+            Some((_, version)) => {
+                let message = format!("\"mve\": {version} is not a version; write \"mve\": 1");
+                map.problems.push(Problem::error(message));
+            }
+            None => {
+                let message = "the file does not say \"mve\": 1; is it a map of mve?";
+                map.problems.push(Problem::error(message));
+            }
+        }
+        map.fill(object);
+        let source = Source { text: text.to_owned(), map: map.clone() };
+        map.source = Some(Arc::new(source));
+        Ok(map)
+    }
+
+    /// What the file says that could not be understood.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// The text of the map's file. A map that was not changed since it was read has the text that
+    /// it was read from, byte for byte.
+    pub fn to_text(&self) -> String {
+        match &self.source {
+            Some(source) if self.says_the_same_as(&source.map) => source.text.clone(),
+            _ => text::canonical(&self.to_json()),
+        }
+    }
+
+    /// The map alone: what one step of a program needs, and cheap to copy.
+    pub(crate) fn without_programs(&self) -> Self {
+        Self { programs: IndexMap::new(), source: None, ..self.clone() }
+    }
+
+    /// Writes the map beside its target, then renames: readers see the old file or the new one.
+    pub fn save(&self, path: &Path) -> Result<(), MapError> {
+        let fail = |source| MapError::Io { path: path.to_owned(), source };
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        let mut file =
+            tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new("."))).map_err(fail)?;
+        file.write_all(self.to_text().as_bytes()).map_err(fail)?;
+        file.as_file().sync_all().map_err(fail)?;
+        file.persist(path).map_err(|error| fail(error.error))?;
+        Ok(())
+    }
+
+    /// The whole map as JSON, keys in the fixed order of the format.
+    pub fn to_json(&self) -> Json {
+        let mut file = JsonMap::new();
+        file.insert("mve".to_owned(), Json::from(FORMAT));
+        if !self.title.is_empty() {
+            file.insert("title".to_owned(), Json::from(self.title.as_str()));
+        }
+        let nodes = object_of(&self.nodes);
+        let links = self.links.iter().map(|link| Json::from(link.to_string())).collect();
+        file.insert("nodes".to_owned(), nodes);
+        file.insert("links".to_owned(), Json::Array(links));
+        file.insert("layout".to_owned(), object_of(&self.layout));
+        file.insert("programs".to_owned(), object_of(&self.programs));
+        for (section, key, value) in &self.leftovers {
+            match file.get_mut(*section) {
+                Some(Json::Array(array)) => array.push(value.clone()),
+                Some(Json::Object(object)) => {
+                    object.entry(key).or_insert_with(|| value.clone());
+                }
+                _ => {
+                    file.insert(key.clone(), value.clone());
+                }
+            }
+        }
+        file.retain(|key, value| {
+            !(matches!(key.as_str(), "links" | "layout" | "programs") && is_empty(value))
+        });
+        file.extend(self.extra.clone());
+        Json::Object(file)
+    }
+
+    fn says_the_same_as(&self, other: &Self) -> bool {
+        (&self.title, &self.nodes, &self.links, &self.layout)
+            == (&other.title, &other.nodes, &other.links, &other.layout)
+            && (&self.programs, &self.extra, &self.leftovers)
+                == (&other.programs, &other.extra, &other.leftovers)
+    }
+
+    fn fill(&mut self, object: JsonMap<String, Json>) {
+        for (key, value) in object {
+            match (key.as_str(), value) {
+                ("title", Json::String(title)) => self.title = title,
+                ("nodes", Json::Object(nodes)) => {
+                    for (name, value) in nodes {
+                        self.add_part("nodes", name, value, |map| &mut map.nodes);
+                    }
+                }
+                ("layout", Json::Object(layout)) => {
+                    for (name, value) in layout {
+                        self.add_part("layout", name, value, |map| &mut map.layout);
+                    }
+                }
+                ("programs", Json::Object(programs)) => {
+                    for (name, value) in programs {
+                        self.add_part("programs", name, value, |map| &mut map.programs);
+                    }
+                }
+                ("links", Json::Array(links)) => links.into_iter().for_each(|l| self.add_link(l)),
+                ("title" | "nodes" | "layout" | "programs" | "links", value) => {
+                    let message =
+                        format!("\"{key}\" is not what the format says; see `mve schema`");
+                    self.problems.push(Problem::error(message));
+                    self.leftovers.push(("", key, value));
+                }
+                (_, value) => {
+                    self.extra.insert(key, value);
+                }
+            }
+        }
+    }
+
+    fn add_part<T: for<'de> Deserialize<'de>>(
+        &mut self,
+        section: &'static str,
+        name: String,
+        value: Json,
+        target: fn(&mut Self) -> &mut IndexMap<String, T>,
+    ) {
+        match T::deserialize(&value) {
+            Ok(part) => {
+                target(self).insert(name, part);
+            }
+            Err(error) => {
+                let problem = Problem::error(format!("not understood: {error}"));
+                self.problems.push(match section {
+                    "programs" => problem.in_program(&name),
+                    _ => problem.at(&name),
+                });
+                self.leftovers.push((section, name, value));
+            }
+        }
+    }
+
+    fn add_link(&mut self, value: Json) {
+        match value.as_str().map(Link::from_str) {
+            Some(Ok(link)) => self.links.push(link),
+            _ => {
+                let message =
+                    format!("link {value} is not of the form \"node.output -> node.input\"");
+                self.problems.push(Problem::error(message));
+                self.leftovers.push(("links", String::new(), value));
+            }
+        }
+    }
+}
+
+fn migrate(object: &mut JsonMap<String, Json>, from: u64, migrations: &[Migration]) {
+    migrations.iter().skip(from as usize - 1).for_each(|migration| migration(object));
+}
+
+fn object_of<T: Serialize>(parts: &IndexMap<String, T>) -> Json {
+    // Names and parts of a map are plain data, which JSON can always say.
+    serde_json::to_value(parts).unwrap_or(Json::Null)
+}
+
+fn is_empty(value: &Json) -> bool {
+    value.as_array().is_some_and(Vec::is_empty) || value.as_object().is_some_and(JsonMap::is_empty)
+}
+
+impl fmt::Display for PortRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.node, self.port)
+    }
+}
+
+impl FromStr for PortRef {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let (node, port) = text.trim().split_once('.').ok_or(())?;
+        let is_bad = |part: &str| part.is_empty() || part.contains(char::is_whitespace);
+        if is_bad(node) || is_bad(port) {
+            return Err(());
+        }
+        Ok(Self { node: node.to_owned(), port: port.to_owned() })
+    }
+}
+
+impl fmt::Display for Link {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} -> {}", self.from, self.to)
+    }
+}
+
+impl FromStr for Link {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let (from, to) = text.split_once("->").ok_or(())?;
+        Ok(Self { from: from.parse()?, to: to.parse()? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ODD: &str = r#"{ "mve": 1, "title": "odd", "nodes": {
+        "a": { "module": "NotYetWritten", "params": { "x": 1.0 }, "color": "red" },
+        "b": 7 },
+      "links": ["a.out -> b.in", "nonsense", 3],
+      "programs": { "p": { "axes": [ { "a.x": [1, 2] } ], "note": "kept" }, "q": [] },
+      "future": { "z": [1] } }"#;
+
+    #[test]
+    fn an_unchanged_map_keeps_its_bytes() {
+        assert_eq!(Map::parse(ODD).unwrap().to_text(), ODD);
+    }
+
+    #[test]
+    fn a_changed_map_keeps_what_it_does_not_understand() {
+        let mut map = Map::parse(ODD).unwrap();
+        map.title = "changed".to_owned();
+        let text = map.to_text();
+        let again: Json = serde_json::from_str(&text).unwrap();
+        let mut expected: Json = serde_json::from_str(ODD).unwrap();
+        expected["title"] = Json::from("changed");
+        assert_eq!(again, expected);
+        assert_eq!(Map::parse(&text).unwrap().to_text(), text);
+        assert_eq!(map.problems().len(), 4); // node b, two links, program q
+    }
+
+    #[test]
+    fn canonical_text_is_a_fixed_point() {
+        let mut map = Map::parse(ODD).unwrap();
+        map.source = None;
+        let text = map.to_text();
+        let mut again = Map::parse(&text).unwrap();
+        again.source = None;
+        assert_eq!(again.to_text(), text);
+        assert!(text.ends_with("}\n"));
+    }
+
+    #[test]
+    fn a_newer_format_is_refused_and_a_missing_one_reported() {
+        assert!(matches!(Map::parse(r#"{"mve": 2}"#), Err(MapError::Newer(2))));
+        assert_eq!(Map::parse("{}").unwrap().problems().len(), 1);
+        assert!(matches!(Map::parse("[]"), Err(MapError::NotJson(_))));
+    }
+
+    #[test]
+    fn migrations_run_from_the_version_of_the_file() {
+        let add_two: Migration = |object| drop(object.insert("two".into(), Json::Null));
+        let add_three: Migration = |object| drop(object.insert("three".into(), Json::Null));
+        let mut object = JsonMap::new();
+        migrate(&mut object, 2, &[add_two, add_three]);
+        assert_eq!(object.keys().collect::<Vec<_>>(), ["three"]);
+    }
+
+    #[test]
+    fn duplicate_names_are_reported() {
+        let text = r#"{"mve": 1, "nodes": {"a": {"module": "X"}, "a": {"module": "Y"}}}"#;
+        let map = Map::parse(text).unwrap();
+        assert!(map.problems()[0].message.contains("\"nodes.a\" stands twice"));
+    }
+}

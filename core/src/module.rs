@@ -1,0 +1,223 @@
+//! Modules: declared units of work, and what they see of the run.
+
+use std::any::type_name;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::cancel::CancelToken;
+use crate::data::{Data, Value};
+use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
+use crate::port::{In, InputSpec, MaybeIn, Out, OutputSpec};
+use crate::setting::{Setting, Settings};
+
+/// A unit of work: what it is called, what goes in and out, and what it does.
+///
+/// `run` is a pure function of inputs and parameters, apart from the files that its parameters
+/// declare: equal inputs give bit-equal outputs, whatever the number of threads.
+pub struct Module {
+    /// CamelCase; never reused or renamed once published.
+    pub id: &'static str,
+    /// What it does, in one sentence.
+    pub summary: &'static str,
+    /// What it takes.
+    pub inputs: &'static [InputSpec],
+    /// What it gives.
+    pub outputs: &'static [OutputSpec],
+    /// How it is set.
+    pub params: &'static [ParamSpec],
+    /// What it does.
+    pub run: fn(&mut Io) -> Result<(), ModuleError>,
+}
+
+impl Module {
+    /// Whether it writes files, and so is run even where its outputs are known.
+    pub fn writes_files(&self) -> bool {
+        self.params.iter().any(|p| matches!(p.kind, crate::Kind::OutputFile { .. }))
+    }
+}
+
+/// Why a module gave no result.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ModuleError {
+    /// An input is not what the module can work on.
+    #[error("input \"{port}\": {message}")]
+    Input {
+        /// The port.
+        port: String,
+        /// The offending element, what was found and what was expected.
+        message: String,
+    },
+    /// A parameter does not go with the inputs or with another parameter.
+    #[error("parameter \"{name}\": {message}")]
+    Param {
+        /// The parameter.
+        name: String,
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// The numbers did not allow a result.
+    #[error("{0}")]
+    Numeric(String),
+    /// A file could not be read or written.
+    #[error("{}: {message}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, with the line where there is one, and what to do.
+        message: String,
+    },
+    /// The run was stopped.
+    #[error("stopped")]
+    Cancelled,
+    /// The module broke its own declaration, or panicked.
+    #[error("this is a bug in the module: {0}")]
+    Bug(String),
+}
+
+impl ModuleError {
+    /// An error about the input of this port.
+    pub fn input<T>(port: &In<T>, message: impl Into<String>) -> Self {
+        Self::Input { port: port.name.to_owned(), message: message.into() }
+    }
+
+    /// An error about a file, with its path.
+    pub fn io(path: &Path, message: impl Into<String>) -> Self {
+        Self::Io { path: path.to_owned(), message: message.into() }
+    }
+}
+
+/// What hears of a module's progress while it runs. Calls come from the thread that runs it.
+pub trait Reporter {
+    /// The share of the work that is done, 0 to 1.
+    fn progress(&self, share: f64);
+    /// A line for the log.
+    fn log(&self, line: &str);
+    /// Trouble that does not stop the module.
+    fn warn(&self, line: &str);
+}
+
+/// What a running module sees: its inputs, its parameters, and whom to tell.
+pub struct Io<'a> {
+    pub(crate) module: &'static Module,
+    pub(crate) settings: &'a Settings,
+    pub(crate) inputs: Vec<Option<Value>>,
+    pub(crate) outputs: Vec<Option<Value>>,
+    pub(crate) cancel: &'a CancelToken,
+    pub(crate) reporter: &'a dyn Reporter,
+}
+
+impl<'a> Io<'a> {
+    pub(crate) fn new(
+        module: &'static Module,
+        settings: &'a Settings,
+        inputs: Vec<Option<Value>>,
+        cancel: &'a CancelToken,
+        reporter: &'a dyn Reporter,
+    ) -> Self {
+        let outputs = vec![None; module.outputs.len()];
+        Self { module, settings, inputs, outputs, cancel, reporter }
+    }
+
+    /// The value of a required input, shared.
+    pub fn get<T: Data>(&self, port: In<T>) -> Result<Arc<T>, ModuleError> {
+        self.value(port.name).and_then(Value::get).ok_or_else(|| undeclared::<T>(port.name))
+    }
+
+    /// The value of an optional input, shared.
+    pub fn maybe<T: Data>(&self, port: MaybeIn<T>) -> Option<Arc<T>> {
+        self.value(port.name).and_then(Value::get)
+    }
+
+    /// The value of a required input, to be changed: moved where this node is the last that needs
+    /// it, else copied.
+    pub fn take<T: Data>(&mut self, port: In<T>) -> Result<T, ModuleError> {
+        let place = self.module.inputs.iter().position(|input| input.name == port.name);
+        place
+            .and_then(|place| self.inputs.get_mut(place)?.take())
+            .and_then(Value::take)
+            .ok_or_else(|| undeclared::<T>(port.name))
+    }
+
+    /// Gives an output its value.
+    pub fn put<T: Data>(&mut self, port: Out<T>, value: T) {
+        self.put_shared(port, Arc::new(value));
+    }
+
+    /// Gives an output a value that is shared with others, such as an input passed on.
+    pub fn put_shared<T: Data>(&mut self, port: Out<T>, value: Arc<T>) {
+        let place = self.module.outputs.iter().position(|output| output.name == port.name);
+        if let Some(slot) = place.and_then(|place| self.outputs.get_mut(place)) {
+            *slot = Some(Value::from_shared(value));
+        }
+    }
+
+    /// The value of a parameter.
+    pub fn param<T: ParamType>(&self, param: Param<T>) -> Result<T, ModuleError> {
+        self.settings.get(&param)
+    }
+
+    /// The entry that a choice names, with its parameters.
+    pub fn choice<B: Sync>(&self, param: ChoiceParam<B>) -> Result<Chosen<B>, ModuleError> {
+        let chosen = match self.settings.find(param.spec.name) {
+            Some(Setting::Choice { id, params }) => Some((id, params)),
+            _ => None,
+        };
+        chosen
+            .and_then(|(id, params)| {
+                let entry = param.choices.entries.iter().find(|listed| listed.item.id == *id)?;
+                Some(Chosen { entry: entry.item, params: params.clone() })
+            })
+            .ok_or_else(|| undeclared::<B>(param.spec.name))
+    }
+
+    /// Tells how far the work is, from 0 to 1, and gives up with [`ModuleError::Cancelled`] once
+    /// the run is stopped. To be called at least ten times a second.
+    pub fn progress(&self, share: f64) -> Result<(), ModuleError> {
+        self.reporter.progress(share);
+        self.check()
+    }
+
+    /// Gives up with [`ModuleError::Cancelled`] once the run is stopped.
+    pub fn check(&self) -> Result<(), ModuleError> {
+        if self.cancel.is_cancelled() { Err(ModuleError::Cancelled) } else { Ok(()) }
+    }
+
+    /// The token itself, for loops on other threads.
+    pub fn cancel(&self) -> &'a CancelToken {
+        self.cancel
+    }
+
+    /// Writes a line to the log of the run.
+    pub fn log(&self, line: impl AsRef<str>) {
+        self.reporter.log(line.as_ref());
+    }
+
+    /// Reports trouble that does not stop the module.
+    pub fn warn(&self, line: impl AsRef<str>) {
+        self.reporter.warn(line.as_ref());
+    }
+
+    fn value(&self, name: &str) -> Option<&Value> {
+        let place = self.module.inputs.iter().position(|input| input.name == name)?;
+        self.inputs.get(place)?.as_ref()
+    }
+
+    /// The outputs, once the module has returned; an error names the one that it forgot.
+    pub(crate) fn finish(self) -> Result<Vec<Value>, ModuleError> {
+        let specs = self.module.outputs.iter();
+        specs
+            .zip(self.outputs)
+            .map(|(spec, value)| {
+                let complaint = || format!("it gave output \"{}\" no value", spec.name);
+                value.ok_or_else(|| ModuleError::Bug(complaint()))
+            })
+            .collect()
+    }
+}
+
+fn undeclared<T>(name: &str) -> ModuleError {
+    let what = type_name::<T>();
+    ModuleError::Bug(format!("it reads \"{name}\" as {what}, which it has not declared"))
+}

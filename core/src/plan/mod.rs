@@ -1,0 +1,206 @@
+//! A checked map: every problem found at once, or nodes in an order in which they can run.
+
+mod assign;
+mod keys;
+mod outputs;
+mod wiring;
+
+use std::path::{Path, PathBuf};
+
+use crate::files::FileHashes;
+use crate::fingerprint::Fingerprint;
+use crate::map::Map;
+use crate::param::Kind;
+use crate::problem::{Problem, did_you_mean};
+use crate::registry::{ModuleInfo, Registry};
+use crate::setting::{Setting, Settings};
+
+pub use assign::assign;
+
+/// What a plan needs to know beside the map.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanOptions<'a> {
+    /// The folder that input paths are relative to.
+    pub map_folder: &'a Path,
+    /// The folder that output paths are relative to; `None` where every run has a fresh one.
+    pub output_folder: Option<&'a Path>,
+    /// Whether savers may write outside the output folder.
+    pub output_scope: OutputScope,
+    /// Number of the repeat, from 0; seeds are raised by it.
+    pub repeat: u32,
+    /// Fingerprints of input files.
+    pub files: &'a FileHashes,
+}
+
+/// Where savers may write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputScope {
+    /// Within the output folder only.
+    Folder,
+    /// Wherever the map says: for the maps of people that one trusts.
+    Anywhere,
+}
+
+/// Nodes in the order in which they run, with all that they need.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The nodes; inputs come from earlier ones only.
+    pub nodes: Vec<PlanNode>,
+    /// What is odd about the map but does not stop it.
+    pub warnings: Vec<Problem>,
+    /// Hash of all that determines the outputs of the whole plan.
+    pub id: Fingerprint,
+}
+
+/// A node, ready to run.
+#[derive(Clone)]
+pub struct PlanNode {
+    /// Its name in the map.
+    pub name: String,
+    /// What it runs.
+    pub info: ModuleInfo,
+    /// Its parameters, all of them set. Those with a link change when it runs.
+    pub settings: Settings,
+    /// Files that it reads, with the fingerprints of their content.
+    pub reads: Vec<(PathBuf, Fingerprint)>,
+    /// Files that it writes, relative to the output folder unless absolute.
+    pub writes: Vec<PathBuf>,
+    /// Hash of all that determines its outputs.
+    pub key: Fingerprint,
+    /// For each declared input, where its value comes from.
+    pub(crate) inputs: Vec<Option<Source>>,
+    /// Parameters with a link: their place among the declared ones, and where the value comes from.
+    pub(crate) linked: Vec<(usize, Source)>,
+    /// Nodes that take a value from this one, each once.
+    pub(crate) consumers: Vec<usize>,
+}
+
+/// An output of a node of the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Source {
+    pub node: usize,
+    pub output: usize,
+}
+
+impl std::fmt::Debug for PlanNode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {} {:?}", self.name, self.info.module.id, self.key)
+    }
+}
+
+impl PlanNode {
+    /// All the nodes that it takes values from; a node may come more than once.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = Source> {
+        self.inputs.iter().flatten().copied().chain(self.linked.iter().map(|(_, source)| *source))
+    }
+}
+
+impl Plan {
+    /// Checks a map. The error is the list of all its problems, at least one of them an error.
+    pub fn new(
+        map: &Map,
+        registry: &Registry,
+        options: &PlanOptions,
+    ) -> Result<Self, Vec<Problem>> {
+        let mut problems = map.problems().to_vec();
+        if map.nodes.is_empty() && problems.is_empty() {
+            problems.push(Problem::error("the map has no nodes: there is nothing to run"));
+        }
+        let wiring = wiring::wire(map, registry, &mut problems);
+        let mut nodes = Vec::with_capacity(map.nodes.len());
+        for (place, (name, _)) in map.nodes.iter().enumerate() {
+            if let Some(info) = wiring.modules[place] {
+                let linked = &wiring.linked[place];
+                let node = prepare(map, name, info, linked, options, &mut problems);
+                nodes.push(Some(node));
+            } else {
+                nodes.push(None);
+            }
+        }
+        let order = wiring::order(map, &wiring, &mut problems);
+        let has_errors = |problems: &[Problem]| problems.iter().any(Problem::is_error);
+        // Names of output files quote the parameters of other nodes, so they wait for all of them.
+        let names = outputs::names(map, &nodes, options, &mut problems);
+        if has_errors(&problems) {
+            return Err(problems);
+        }
+        let mut nodes = wiring::arrange(nodes, &wiring, &order);
+        keys::fill(&mut nodes, &names);
+        let id = keys::plan_id(&nodes, options.repeat);
+        outputs::fill(&mut nodes, &names, &id, options, &mut problems);
+        if has_errors(&problems) {
+            return Err(problems);
+        }
+        Ok(Self { nodes, warnings: problems, id })
+    }
+
+    /// The node of this name.
+    pub fn find(&self, name: &str) -> Option<&PlanNode> {
+        self.nodes.iter().find(|node| node.name == name)
+    }
+}
+
+/// Reads a node's parameters and fingerprints its input files.
+fn prepare(
+    map: &Map,
+    name: &str,
+    info: ModuleInfo,
+    linked: &[(usize, wiring::From)],
+    options: &PlanOptions,
+    problems: &mut Vec<Problem>,
+) -> PlanNode {
+    let specs = info.module.params;
+    let by_link: Vec<&str> = linked.iter().map(|(place, _)| specs[*place].name).collect();
+    let mut faults = Vec::new();
+    let empty = serde_json::Map::new();
+    let given = map.nodes.get(name).map_or(&empty, |node| &node.params);
+    let mut settings = Settings::parse(specs, given, &by_link, &mut faults);
+    problems.extend(faults.into_iter().map(|f| Problem::error(f.message).at(name).port(&f.path)));
+    for link in &by_link {
+        if given.contains_key(*link) {
+            let message = "is set and linked; the link counts";
+            problems.push(Problem::warning(message).at(name).port(link));
+        }
+    }
+    let mut reads = Vec::new();
+    for (spec, (_, setting)) in specs.iter().zip(&mut settings.0) {
+        match (spec.kind, setting) {
+            (Kind::InputFile { also_reads, .. }, Setting::File { written, resolved }) => {
+                *resolved = options.map_folder.join(written.as_str());
+                match options.files.fingerprint(resolved) {
+                    Ok(fingerprint) => reads.push((resolved.clone(), fingerprint)),
+                    Err(complaint) => {
+                        let message = format!("{}: {complaint}", resolved.display());
+                        problems.push(Problem::error(message).at(name).port(spec.name));
+                        continue;
+                    }
+                }
+                // What a file names may be missing; the module says so when it matters.
+                for path in also_reads(resolved) {
+                    if let Ok(fingerprint) = options.files.fingerprint(&path) {
+                        reads.push((path, fingerprint));
+                    }
+                }
+            }
+            (Kind::Seed { .. }, Setting::Integer(seed)) => *seed += i64::from(options.repeat),
+            _ => {}
+        }
+    }
+    PlanNode {
+        name: name.to_owned(),
+        info,
+        settings,
+        reads,
+        writes: Vec::new(),
+        key: Fingerprint::of(b""),
+        inputs: Vec::new(),
+        linked: Vec::new(),
+        consumers: Vec::new(),
+    }
+}
+
+/// A problem about a name that no node has.
+fn no_such_node(map: &Map, name: &str) -> String {
+    let hint = did_you_mean(name, map.nodes.keys().map(String::as_str));
+    format!("there is no node \"{name}\"{hint}")
+}

@@ -1,0 +1,249 @@
+//! Files that a plan writes: their names, and that no two are the same.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
+use crate::fingerprint::Fingerprint;
+use crate::map::{Map, PortRef};
+use crate::param::Kind;
+use crate::problem::Problem;
+use crate::setting::{Setting, Settings};
+use crate::template::{Piece, as_name, pieces};
+
+/// Stands for the id of the step until it is known; no name in a file system holds it.
+const STEP: char = '\0';
+
+/// The name of one output file.
+pub(super) struct Name {
+    node: String,
+    param: &'static str,
+    /// The name, with [`STEP`] where the id of the step goes.
+    pub text: String,
+    also_writes: &'static [&'static str],
+}
+
+/// The names of all output files.
+pub(super) struct Names(Vec<Name>);
+
+impl Names {
+    /// Those of one node.
+    pub fn of<'a>(&'a self, node: &'a str) -> impl Iterator<Item = &'a Name> {
+        self.0.iter().filter(move |name| name.node == node)
+    }
+}
+
+/// Puts parameters into the templates of all output files.
+pub(super) fn names(
+    map: &Map,
+    nodes: &[Option<PlanNode>],
+    options: &PlanOptions,
+    problems: &mut Vec<Problem>,
+) -> Names {
+    let mut names = Vec::new();
+    for node in nodes.iter().flatten() {
+        for (spec, (_, setting)) in node.info.module.params.iter().zip(&node.settings.0) {
+            let (Kind::OutputFile { also_writes, .. }, Setting::File { written, .. }) =
+                (spec.kind, setting)
+            else {
+                continue;
+            };
+            match expand(written, map, nodes, options.repeat) {
+                Ok(text) => {
+                    let (node, param) = (node.name.clone(), spec.name);
+                    names.push(Name { node, param, text, also_writes });
+                }
+                Err(message) => {
+                    problems.push(Problem::error(message).at(&node.name).port(spec.name));
+                }
+            }
+        }
+    }
+    Names(names)
+}
+
+fn expand(
+    template: &str,
+    map: &Map,
+    nodes: &[Option<PlanNode>],
+    repeat: u32,
+) -> Result<String, String> {
+    let mut text = String::new();
+    for piece in pieces(template)? {
+        match piece {
+            Piece::Literal(literal) if literal.contains(char::is_control) => {
+                return Err("a path cannot hold control characters".to_owned());
+            }
+            Piece::Literal(literal) => text.push_str(literal),
+            Piece::Reference("step") => text.push(STEP),
+            Piece::Reference("repeat") => text.push_str(&repeat.to_string()),
+            Piece::Reference(name) => {
+                let word = resolve(name, map, nodes).map_err(|why| format!("{{{name}}}: {why}"))?;
+                text.push_str(&as_name(&word));
+            }
+        }
+    }
+    Ok(text)
+}
+
+/// The value that a reference such as `load.path.stem` or `simplify.cost` stands for.
+fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, String> {
+    let form = "write {node.param}, {step} or {repeat}";
+    let PortRef { node, port } = name.parse().map_err(|()| form.to_owned())?;
+    let place = map.nodes.get_index_of(&node).ok_or_else(|| no_such_node(map, &node))?;
+    // A node of an unknown module has been reported.
+    let Some(Some(found)) = nodes.get(place) else { return Ok(String::new()) };
+    let mut path = port.split('.');
+    let first = path.next().unwrap_or_default();
+    if map.links.iter().any(|link| link.to.node == node && link.to.port == first) {
+        return Err("comes by link, so it is not known before the run".to_owned());
+    }
+    let mut setting = found.settings.find(first).ok_or("there is no such parameter")?;
+    for part in path {
+        match setting {
+            Setting::File { written, .. } => {
+                return file_part(written, part).ok_or_else(|| {
+                    format!("a path has parts stem, name and extension, not \"{part}\"")
+                });
+            }
+            Setting::Choice { params, .. } => {
+                setting = params.find(part).ok_or("there is no such parameter")?;
+            }
+            _ => return Err("there is no such parameter".to_owned()),
+        }
+    }
+    Ok(setting.to_word())
+}
+
+fn file_part(path: &str, part: &str) -> Option<String> {
+    let path = Path::new(path);
+    let found = match part {
+        "stem" => path.file_stem(),
+        "name" => path.file_name(),
+        "extension" => path.extension(),
+        _ => return None,
+    };
+    Some(found.unwrap_or_default().to_string_lossy().into_owned())
+}
+
+/// Gives every node the paths that it writes, and refuses those that meet or climb out.
+pub(super) fn fill(
+    nodes: &mut [PlanNode],
+    names: &Names,
+    id: &Fingerprint,
+    options: &PlanOptions,
+    problems: &mut Vec<Problem>,
+) {
+    let mut writers: BTreeMap<PathBuf, String> = BTreeMap::new();
+    for name in &names.0 {
+        let text = name.text.replace(STEP, &id.short());
+        let port = || PortRef { node: name.node.clone(), port: name.param.to_owned() };
+        let problem = |message: String| Problem::error(message).at(&name.node).port(name.param);
+        let Some(path) = tidy(&text, options.output_scope) else {
+            problems.push(problem(format!(
+                "\"{text}\" leaves the output folder; name a file inside it, or run the map with \
+                 --allow-outside if you trust it"
+            )));
+            continue;
+        };
+        let beside = name.also_writes.iter().map(|extension| path.with_extension(extension));
+        for written in std::iter::once(path.clone()).chain(beside) {
+            if let Some(other) = writers.insert(written.clone(), port().to_string()) {
+                let message = format!("{other} writes \"{}\" too", written.display());
+                problems.push(problem(format!("{message}; give each a name of its own")));
+            }
+        }
+        if let Some(node) = nodes.iter_mut().find(|node| node.name == name.node) {
+            resolve_setting(&mut node.settings, name.param, &path);
+            node.writes.push(path);
+        }
+    }
+    check_folders(&writers, problems);
+    if let Some(folder) = options.output_folder {
+        check_inputs(nodes, &writers, folder, problems);
+    }
+}
+
+fn resolve_setting(settings: &mut Settings, param: &str, path: &Path) {
+    for (name, setting) in &mut settings.0 {
+        if let Setting::File { resolved, .. } = setting
+            && *name == param
+        {
+            *resolved = path.to_owned();
+        }
+    }
+}
+
+/// The path without `.`; `None` if it names no file, or leaves the folder where it must not.
+fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
+    let mut path = PathBuf::new();
+    for part in Path::new(text).components() {
+        match part {
+            Component::CurDir => {}
+            Component::Normal(name) => path.push(name),
+            other if scope == OutputScope::Anywhere => path.push(other),
+            _ => return None,
+        }
+    }
+    let names_a_file = path.file_name().is_some() && !text.ends_with(['/', '\\']);
+    names_a_file.then_some(path)
+}
+
+/// A path that is a file for one saver and a folder for another.
+fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem>) {
+    for (path, writer) in writers {
+        for folder in path.ancestors().skip(1) {
+            if let Some(other) = writers.get(folder) {
+                problems.push(Problem::error(format!(
+                    "{other} writes the file \"{}\", which {writer} needs as a folder",
+                    folder.display()
+                )));
+            }
+        }
+    }
+}
+
+/// No run overwrites what it reads.
+fn check_inputs(
+    nodes: &[PlanNode],
+    writers: &BTreeMap<PathBuf, String>,
+    folder: &Path,
+    problems: &mut Vec<Problem>,
+) {
+    let absolute = |path: &Path| path.canonicalize().ok();
+    for (written, writer) in writers {
+        let Some(target) = absolute(&folder.join(written)) else { continue };
+        for node in nodes {
+            if node.reads.iter().any(|(path, _)| absolute(path).as_ref() == Some(&target)) {
+                let message = format!(
+                    "{writer} would overwrite \"{}\", which this node reads; write to another \
+                     folder or name",
+                    target.display()
+                );
+                problems.push(Problem::error(message).at(&node.name));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_stay_in_their_folder() {
+        let inside = |text| tidy(text, OutputScope::Folder);
+        assert_eq!(inside("./a//b.obj"), Some(PathBuf::from("a/b.obj")));
+        for bad in ["../a", "/etc/a", "a/../../b", "", ".", "a/"] {
+            assert_eq!(inside(bad), None, "{bad}");
+        }
+        assert_eq!(tidy("/tmp/a", OutputScope::Anywhere), Some(PathBuf::from("/tmp/a")));
+    }
+
+    #[test]
+    fn parts_of_a_file_name() {
+        assert_eq!(file_part("m/bunny.v2.obj", "stem").as_deref(), Some("bunny.v2"));
+        assert_eq!(file_part("m/bunny.obj", "name").as_deref(), Some("bunny.obj"));
+        assert_eq!(file_part("m/bunny.obj", "folder"), None);
+    }
+}

@@ -1,0 +1,90 @@
+//! Typed, named inputs and outputs of modules.
+
+use std::marker::PhantomData;
+
+use crate::data::{Data, DataType, DecodeError, Value, decode};
+
+/// A required input: the plan refuses a map that leaves it unlinked.
+#[derive(Debug)]
+pub struct In<T> {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+    of: PhantomData<fn() -> T>,
+}
+
+/// An optional input.
+#[derive(Debug)]
+pub struct MaybeIn<T> {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+    of: PhantomData<fn() -> T>,
+}
+
+/// An output. A module that finishes has put a value into each.
+#[derive(Debug)]
+pub struct Out<T> {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+    of: PhantomData<fn() -> T>,
+}
+
+/// What the runtime knows of an input.
+#[derive(Clone, Copy, Debug)]
+pub struct InputSpec {
+    /// Snake case, unique among the inputs and parameters of its module.
+    pub name: &'static str,
+    /// What it takes, in a sentence.
+    pub doc: &'static str,
+    /// The type that it takes.
+    pub data_type: DataType,
+    /// Whether the module runs only with it.
+    pub is_required: bool,
+}
+
+/// What the runtime knows of an output.
+#[derive(Clone, Copy, Debug)]
+pub struct OutputSpec {
+    /// Snake case, unique among the outputs of its module.
+    pub name: &'static str,
+    /// What it gives, in a sentence.
+    pub doc: &'static str,
+    /// The type that it gives.
+    pub data_type: DataType,
+    pub(crate) decode: fn(&[u8]) -> Result<Value, DecodeError>,
+}
+
+impl<T: Data> In<T> {
+    /// Declares the input.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, of: PhantomData }
+    }
+
+    /// The declaration, for [`crate::Module::inputs`].
+    pub const fn spec(&self) -> InputSpec {
+        InputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, is_required: true }
+    }
+}
+
+impl<T: Data> MaybeIn<T> {
+    /// Declares the input.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, of: PhantomData }
+    }
+
+    /// The declaration, for [`crate::Module::inputs`].
+    pub const fn spec(&self) -> InputSpec {
+        InputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, is_required: false }
+    }
+}
+
+impl<T: Data> Out<T> {
+    /// Declares the output.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, of: PhantomData }
+    }
+
+    /// The declaration, for [`crate::Module::outputs`].
+    pub const fn spec(&self) -> OutputSpec {
+        OutputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, decode: decode::<T> }
+    }
+}

@@ -1,0 +1,116 @@
+//! What is wrong with a map: where, what, and what to do.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// Whether a problem stops a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The map does not run.
+    Error,
+    /// The map runs, perhaps not as meant.
+    Warning,
+}
+
+/// Where in a map a problem is.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Place {
+    /// Name of the node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Name of its port, or dotted path of its parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub port: Option<String>,
+    /// Name of the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub program: Option<String>,
+}
+
+/// One problem of a map.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Problem {
+    /// Whether it stops a run.
+    pub severity: Severity,
+    /// Where it is.
+    #[serde(flatten)]
+    pub place: Place,
+    /// What is wrong and what to do about it.
+    pub message: String,
+}
+
+impl Problem {
+    pub(crate) fn error(message: impl Into<String>) -> Self {
+        Self { severity: Severity::Error, place: Place::default(), message: message.into() }
+    }
+
+    pub(crate) fn warning(message: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, ..Self::error(message) }
+    }
+
+    pub(crate) fn at(mut self, node: &str) -> Self {
+        self.place.node = Some(node.to_owned());
+        self
+    }
+
+    pub(crate) fn port(mut self, port: &str) -> Self {
+        self.place.port = Some(port.to_owned());
+        self
+    }
+
+    pub(crate) fn in_program(mut self, program: &str) -> Self {
+        self.place.program = Some(program.to_owned());
+        self
+    }
+
+    /// Whether it stops a run.
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { node, port, program } = &self.place;
+        if let Some(program) = program {
+            write!(f, "program \"{program}\": ")?;
+        }
+        match (node, port) {
+            (Some(node), Some(port)) => write!(f, "{node}.{port}: ")?,
+            (Some(node), None) => write!(f, "{node}: ")?,
+            _ => {}
+        }
+        f.write_str(&self.message)
+    }
+}
+
+/// `; did you mean "…"?` where one of the candidates is close to `name`, else nothing.
+pub(crate) fn did_you_mean<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> String {
+    let lower = name.to_lowercase();
+    candidates
+        .map(|known| (strsim::jaro_winkler(&lower, &known.to_lowercase()), known))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, known)| format!("; did you mean \"{known}\"?"))
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_close_name_is_offered_and_a_far_one_is_not() {
+        let known = ["target_faces", "cost", "placement"];
+        let hint = did_you_mean("target_face", known.into_iter());
+        assert_eq!(hint, "; did you mean \"target_faces\"?");
+        assert_eq!(did_you_mean("path", ["cost"].into_iter()), "");
+    }
+
+    #[test]
+    fn a_problem_says_where() {
+        let problem = Problem::error("is missing").at("load").port("path").in_program("costs");
+        assert_eq!(problem.to_string(), "program \"costs\": load.path: is missing");
+    }
+}

@@ -1,0 +1,276 @@
+//! From axes, explicit steps and repeats to a checked list of steps.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use indexmap::IndexMap;
+use serde_json::Value as Json;
+
+use super::{Program, Step};
+use crate::data::{Data, DataType};
+use crate::files::FileHashes;
+use crate::fingerprint::Fingerprint;
+use crate::map::{Map, ProgramSpec};
+use crate::plan::{Plan, assign};
+use crate::problem::{Problem, did_you_mean};
+use crate::registry::Registry;
+
+/// No table that a person reads is longer; it stops a slip from filling the memory.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Problems of single steps that are listed; more say nothing new.
+const MOST_PROBLEMS: usize = 20;
+
+type Assignment = IndexMap<String, Json>;
+
+impl Program {
+    /// Checks a program of a map: every step is planned, and the files that steps write are
+    /// compared. The error lists all problems.
+    pub fn new(
+        map: &Map,
+        name: &str,
+        registry: &Registry,
+        map_folder: &Path,
+    ) -> Result<Self, Vec<Problem>> {
+        let Some(spec) = map.programs.get(name) else {
+            let hint = did_you_mean(name, map.programs.keys().map(String::as_str));
+            let all: Vec<_> = map.programs.keys().map(String::as_str).collect();
+            let all = if all.is_empty() { "no programs".to_owned() } else { all.join(", ") };
+            let message = format!("the map has no such program; it has {all}{hint}");
+            return Err(vec![Problem::error(message).in_program(name)]);
+        };
+        let in_program = |problem: Problem| problem.in_program(name);
+        let assignments =
+            assignments(spec).map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
+        let mut varied = Vec::new();
+        for path in assignments.iter().flat_map(|assignment| assignment.keys()) {
+            if !varied.contains(path) {
+                varied.push(path.clone());
+            }
+        }
+        let time_limit = spec.time_limit.map(Duration::try_from_secs_f64).transpose();
+        let time_limit = time_limit.map_err(|error| {
+            vec![Problem::error(format!("\"time_limit\": {error}")).in_program(name)]
+        })?;
+        let mut program = Self {
+            name: name.to_owned(),
+            steps: Vec::with_capacity(assignments.len()),
+            varied,
+            warnings: Vec::new(),
+            map: map.without_programs(),
+            map_folder: map_folder.to_owned(),
+            registry: registry.clone(),
+            files: FileHashes::new(),
+            time_limit,
+            shared: HashSet::new(),
+            inputs: IndexMap::new(),
+            columns: Vec::new(),
+        };
+        let mut checker = Checker::default();
+        for assignment in assignments {
+            for repeat in 0..spec.repeats.unwrap_or(1) {
+                program.add_step(&assignment, repeat, &mut checker);
+            }
+        }
+        program.shared = checker.keys.into_iter().filter(|(_, n)| *n > 1).map(|(k, _)| k).collect();
+        let n_hidden = checker.problems.len().saturating_sub(MOST_PROBLEMS);
+        checker.problems.truncate(MOST_PROBLEMS);
+        if n_hidden > 0 {
+            let message = format!("{n_hidden} more problems of this kind");
+            checker.problems.push(Problem::error(message));
+        }
+        if checker.problems.iter().any(Problem::is_error) {
+            return Err(checker.problems.into_iter().map(in_program).collect());
+        }
+        program.warnings = checker.problems;
+        Ok(program)
+    }
+
+    fn add_step(&mut self, params: &Assignment, repeat: u32, checker: &mut Checker) {
+        match self.plan(params, repeat) {
+            Err(problems) => problems.into_iter().for_each(|p| checker.report(p, params)),
+            Ok(plan) => {
+                plan.warnings.iter().for_each(|p| checker.report(p.clone(), params));
+                if self.columns.is_empty() {
+                    self.columns = columns(&plan);
+                }
+                let id = plan.id.short();
+                checker.check_outputs(&plan, &id, params);
+                for node in &plan.nodes {
+                    self.inputs.extend(node.reads.iter().cloned());
+                }
+                self.steps.push(Step { id, repeat, params: params.clone() });
+            }
+        }
+    }
+}
+
+impl Program {
+    /// The plan of the map with these parameters.
+    pub(super) fn plan(&self, params: &Assignment, repeat: u32) -> Result<Plan, Vec<Problem>> {
+        let mut map = self.map.clone();
+        for (path, value) in in_order(params) {
+            assign(&mut map, &self.registry, path, value.clone()).map_err(|p| vec![p])?;
+        }
+        Plan::new(&map, &self.registry, &self.plan_options(repeat))
+    }
+}
+
+/// Shorter paths first, so that a choice is made before its parameters are set.
+fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
+    let mut sorted: Vec<_> = params.iter().collect();
+    sorted.sort_by_key(|(path, _)| path.split('.').count());
+    sorted
+}
+
+/// What is remembered of the steps so far to check the next.
+#[derive(Default)]
+struct Checker {
+    /// The step that writes each path, by id.
+    writers: BTreeMap<PathBuf, (String, String)>,
+    /// In how many different steps each key occurs.
+    keys: HashMap<Fingerprint, u32>,
+    ids: HashSet<String>,
+    problems: Vec<Problem>,
+    reported: HashSet<String>,
+}
+
+impl Checker {
+    /// Reports a problem once, with the step where it was first seen.
+    fn report(&mut self, problem: Problem, params: &Assignment) {
+        if self.reported.insert(problem.to_string()) {
+            let step = shown(params);
+            let message = match step.is_empty() {
+                true => problem.message.clone(),
+                false => format!("{} (with {step})", problem.message),
+            };
+            self.problems.push(Problem { message, ..problem });
+        }
+    }
+
+    fn check_outputs(&mut self, plan: &Plan, id: &str, params: &Assignment) {
+        if !self.ids.insert(id.to_owned()) {
+            return;
+        }
+        for node in &plan.nodes {
+            *self.keys.entry(node.key).or_default() += 1;
+            for path in &node.writes {
+                let step = shown(params);
+                let new = (id.to_owned(), step.clone());
+                if let Some((_, other)) = self.writers.insert(path.clone(), new) {
+                    let message = format!(
+                        "two steps write \"{}\": {other}; and {step}. Put a varied parameter or \
+                         {{step}} into the name",
+                        path.display()
+                    );
+                    self.problems.push(Problem::error(message).at(&node.name));
+                }
+            }
+        }
+    }
+}
+
+/// An assignment in a line.
+fn shown(params: &Assignment) -> String {
+    params.iter().map(|(path, value)| format!("{path} = {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// All assignments of a program: the product of its axes, then its explicit steps.
+fn assignments(spec: &ProgramSpec) -> Result<Vec<Assignment>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let mut all = vec![Assignment::new()];
+    let mut total = 1_usize;
+    for (place, axis) in spec.axes.iter().enumerate() {
+        let lengths: Vec<String> =
+            axis.iter().map(|(path, list)| format!("{path} has {}", list.len())).collect();
+        let length = axis.values().map(Vec::len).min().unwrap_or(0);
+        if axis.values().any(|list| list.len() != length) {
+            let message = format!(
+                "axis {}: lists that advance together must be equally long, but {}; lists that \
+                 should multiply go into axes of their own",
+                place + 1,
+                lengths.join(", ")
+            );
+            problems.push(Problem::error(message));
+        } else if length == 0 {
+            let message = format!("axis {} is empty: give it a list of values", place + 1);
+            problems.push(Problem::error(message));
+        }
+        total = total.saturating_mul(length);
+        if !problems.is_empty() || total > MOST_STEPS {
+            continue;
+        }
+        let values =
+            |i: usize| axis.iter().map(move |(path, list)| (path.clone(), list[i].clone()));
+        all = all
+            .iter()
+            .flat_map(|before| (0..length).map(move |i| (before, i)))
+            .map(|(before, i)| before.clone().into_iter().chain(values(i)).collect())
+            .collect();
+    }
+    if spec.axes.is_empty() && !spec.steps.is_empty() {
+        all.clear();
+    }
+    total =
+        total.saturating_add(spec.steps.len()).saturating_mul(spec.repeats.unwrap_or(1) as usize);
+    if total > MOST_STEPS {
+        let message = format!("the program has {total} steps; the most is {MOST_STEPS}");
+        problems.push(Problem::error(message));
+    }
+    if spec.repeats == Some(0) {
+        problems.push(Problem::error("\"repeats\" is 0: nothing would run"));
+    }
+    all.extend(spec.steps.iter().cloned());
+    if problems.is_empty() { Ok(all) } else { Err(problems) }
+}
+
+/// The nodes of a plan with those of their outputs that fit a table cell.
+fn columns(plan: &Plan) -> Vec<(String, Vec<&'static str>)> {
+    let is_scalar = |t: DataType| [f64::TYPE, bool::TYPE, String::TYPE].contains(&t);
+    plan.nodes
+        .iter()
+        .map(|node| {
+            let outputs = node.info.module.outputs.iter();
+            let names = outputs.filter(|output| is_scalar(output.data_type)).map(|o| o.name);
+            (node.name.clone(), names.collect())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spec(json: &str) -> ProgramSpec {
+        serde_json::from_str(json).unwrap()
+    }
+
+    #[test]
+    fn axes_multiply_and_lists_advance_together() {
+        let spec = spec(
+            r#"{"axes": [{"a.x": [1, 2], "a.y": ["p", "q"]}, {"b.z": [5, 6, 7]}],
+                "steps": [{"a.x": 9}]}"#,
+        );
+        let all = assignments(&spec).unwrap();
+        assert_eq!(all.len(), 2 * 3 + 1);
+        assert_eq!(shown(&all[0]), "a.x = 1, a.y = \"p\", b.z = 5");
+        assert_eq!(shown(&all[4]), "a.x = 2, a.y = \"q\", b.z = 6");
+        assert_eq!(shown(&all[6]), "a.x = 9");
+    }
+
+    #[test]
+    fn steps_alone_do_not_add_the_map_as_it_is() {
+        assert_eq!(assignments(&spec(r#"{"steps": [{"a.x": 1}]}"#)).unwrap().len(), 1);
+        assert_eq!(assignments(&spec("{}")).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn slips_are_reported_before_they_cost_memory() {
+        let uneven = spec(r#"{"axes": [{"a.x": [1, 2], "a.y": [1]}]}"#);
+        assert!(assignments(&uneven).unwrap_err()[0].message.contains("equally long"));
+        let axis = format!("{{\"a.x\": [{}0]}}", "0,".repeat(999));
+        let huge = spec(&format!("{{\"axes\": [{axis}, {axis}, {axis}]}}"));
+        assert!(assignments(&huge).unwrap_err()[0].message.contains("1000000000 steps"));
+    }
+}

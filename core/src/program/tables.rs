@@ -1,0 +1,201 @@
+//! The tables of a program's results, made from the records of its store.
+
+use std::sync::Arc;
+
+use serde_json::{Map as JsonMap, Value as Json};
+
+use super::Program;
+use crate::data::Scalar;
+use crate::store::{StepRecord, Store, StoreError};
+
+/// Writes `results.csv`, `results.jsonl` and `summary.md`.
+pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> {
+    store.alone(|| {
+        let (header, rows) = table(program, store);
+        store.write("results.csv", csv(&header, &rows).as_bytes())?;
+        store.write("results.jsonl", json_lines(program, store).as_bytes())?;
+        store.write("summary.md", summary(program, store, &header, &rows).as_bytes())
+    })
+}
+
+fn finished(program: &Program, store: &Store) -> Vec<(usize, Arc<StepRecord>)> {
+    let places = 0..program.steps.len();
+    places.filter_map(|place| Some((place, program.record(store, place)?))).collect()
+}
+
+/// Header and rows: the step, what was varied, what came out, seconds, status.
+pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
+    let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
+    let outputs: Vec<(&str, &str)> = program
+        .columns
+        .iter()
+        .flat_map(|(node, names)| names.iter().map(move |name| (node.as_str(), *name)))
+        .filter(|(node, name)| !program.varied.contains(&format!("{node}.{name}")))
+        .collect();
+    let mut header = vec!["step".to_owned()];
+    header.extend(has_repeats.then(|| "repeat".to_owned()));
+    header.extend(program.varied.iter().cloned());
+    header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
+    header.push("seconds".to_owned());
+    header.extend(program.columns.iter().map(|(node, _)| format!("seconds.{node}")));
+    header.extend(["status".to_owned(), "reason".to_owned()]);
+    let row = |(place, record): &(usize, Arc<StepRecord>)| {
+        let step = &program.steps[*place];
+        let mut row = vec![step.id.clone()];
+        row.extend(has_repeats.then(|| step.repeat.to_string()));
+        row.extend(program.varied.iter().map(|p| step.params.get(p).map_or(String::new(), word)));
+        row.extend(outputs.iter().map(|(node, name)| {
+            let scalar = record.nodes.get(*node).and_then(|node| node.scalars.get(*name));
+            scalar.map_or(String::new(), cell)
+        }));
+        row.push(number(record.seconds));
+        row.extend(program.columns.iter().map(|(node, _)| {
+            let seconds = record.nodes.get(node).and_then(|node| node.seconds);
+            seconds.map_or(String::new(), number)
+        }));
+        row.push(record.status.word().to_owned());
+        row.push(record.status.reason().unwrap_or_default().to_owned());
+        row
+    };
+    (header, finished(program, store).iter().map(row).collect())
+}
+
+/// A JSON value without quotes where it is a text.
+fn word(json: &Json) -> String {
+    json.as_str().map_or_else(|| json.to_string(), str::to_owned)
+}
+
+fn cell(scalar: &Scalar) -> String {
+    match scalar {
+        Scalar::Number(value) => number(*value),
+        other => other.to_string(),
+    }
+}
+
+/// The shortest text that reads back as the number, with an exponent where it is long.
+fn number(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite();
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
+/// RFC 4180, lines ended by a line feed.
+fn csv(header: &[String], rows: &[Vec<String>]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in std::iter::once(header).chain(rows.iter().map(Vec::as_slice)) {
+        // Writing equally long rows to memory cannot fail.
+        let _ = writer.write_record(row);
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+fn json_lines(program: &Program, store: &Store) -> String {
+    let mut text = String::new();
+    for (place, record) in finished(program, store) {
+        let step = &program.steps[place];
+        let mut outputs = JsonMap::new();
+        let mut seconds = JsonMap::new();
+        for (name, node) in &record.nodes {
+            for (output, scalar) in &node.scalars {
+                let value = serde_json::to_value(scalar).unwrap_or(Json::Null);
+                outputs.insert(format!("{name}.{output}"), value);
+            }
+            if let Some(own) = node.seconds {
+                seconds.insert(name.clone(), Json::from(own));
+            }
+        }
+        let row = serde_json::json!({
+            "step": step.id,
+            "repeat": step.repeat,
+            "params": step.params,
+            "outputs": outputs,
+            "seconds": record.seconds,
+            "seconds_by_node": seconds,
+            "status": record.status.word(),
+            "reason": record.status.reason(),
+        });
+        text.push_str(&row.to_string());
+        text.push('\n');
+    }
+    text
+}
+
+/// The results for a person, in Markdown.
+fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<String>]) -> String {
+    let records = finished(program, store);
+    let failed: Vec<_> = records.iter().filter(|(_, r)| r.status.reason().is_some()).collect();
+    let title = if program.map.title.is_empty() { "Results" } else { &program.map.title };
+    let mut text = format!("# {title}\n\nProgram `{}`: ", program.name);
+    text.push_str(&format!(
+        "{} of {} steps finished, {} failed. Made by mve {}.\n\n",
+        records.len(),
+        program.steps.len(),
+        failed.len(),
+        crate::VERSION
+    ));
+    let is_shown =
+        |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
+    let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
+    let line = |cells: &[String], short: bool| {
+        let cells = shown.iter().map(|place| {
+            let cell = &cells[*place];
+            let brief = cell.parse::<f64>().ok().filter(|_| short).map(brief);
+            brief.unwrap_or_else(|| cell.clone()).replace('|', "\\|")
+        });
+        format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+    };
+    text.push_str(&line(header, false));
+    text.push_str(&format!("|{}\n", "---|".repeat(shown.len())));
+    rows.iter().for_each(|row| text.push_str(&line(row, true)));
+    if !failed.is_empty() {
+        text.push_str("\n## Failed steps\n\n");
+        for (_, record) in failed {
+            let reason = record.status.reason().unwrap_or_default();
+            let params: Vec<_> = record.params.iter().map(|(p, v)| format!("{p} = {v}")).collect();
+            text.push_str(&format!("- `{}` ({}): {reason}\n", record.id, params.join(", ")));
+        }
+    }
+    text.push_str(
+        "\nAll columns, with every digit: `results.csv`. Meshes and other files: `outputs/`. What \
+         exactly ran: `plan.json` and `steps/`.\n",
+    );
+    text
+}
+
+/// A number to five significant digits, for reading.
+fn brief(value: f64) -> String {
+    let size = value.abs();
+    if value == value.trunc() && size < 1e15 {
+        value.to_string()
+    } else if (1e-3..1e6).contains(&size) {
+        let digits = (4.0 - size.log10().floor()).clamp(0.0, 8.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_exactly() {
+        for value in [0.0, 0.1, 1e-300, 1e300, 123_456.0, -1.5e-7, f64::MIN_POSITIVE] {
+            assert_eq!(number(value).parse::<f64>().unwrap(), value);
+            assert!(number(value).len() < 25);
+        }
+        assert_eq!(number(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn brief_numbers_keep_five_digits() {
+        let numbers = [(0.0123456, "0.012346"), (6945.0, "6945"), (2.66e-5, "2.6600e-5")];
+        numbers.iter().for_each(|(value, text)| assert_eq!(brief(*value), *text));
+    }
+
+    #[test]
+    fn csv_quotes_what_needs_it() {
+        let row = vec!["a,b".to_owned(), "say \"x\"".to_owned()];
+        assert_eq!(csv(&["h".into(), "i".into()], &[row]), "h,i\n\"a,b\",\"say \"\"x\"\"\"\n");
+    }
+}

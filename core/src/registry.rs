@@ -1,0 +1,128 @@
+//! The modules that a program knows.
+
+use crate::fingerprint::{Fingerprint, FingerprintBuilder};
+use crate::module::Module;
+
+/// Something declared in a file of its own, with a hash of that file.
+///
+/// The hash is a part of every result's identity, so an edited cost function, metric or module
+/// never finds results of its older self in a cache or a store, and nobody has to remember to
+/// raise a version number.
+pub struct Listed<T: 'static> {
+    /// The declaration.
+    pub item: &'static T,
+    /// [`source_hash`] of its file.
+    pub source: u64,
+}
+
+impl<T> Clone for Listed<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Listed<T> {}
+
+/// Hash of a source file, at compile time: FNV-1a, 64 bits (Fowler, Noll, Vo 1991), line ends as
+/// they are.
+pub const fn source_hash(source: &[u8]) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut place = 0;
+    while place < source.len() {
+        hash = (hash ^ source[place] as u64).wrapping_mul(0x0100_0000_01b3);
+        place += 1;
+    }
+    hash
+}
+
+/// The modules of one folder.
+pub struct ModuleList {
+    /// Name of the folder: `filters`. Editors group and color by it.
+    pub category: &'static str,
+    /// The modules, sorted by file name.
+    pub modules: &'static [Listed<Module>],
+}
+
+/// A module as a registry knows it.
+#[derive(Clone, Copy)]
+pub struct ModuleInfo {
+    /// The declaration.
+    pub module: &'static Module,
+    /// Folder that it stands in.
+    pub category: &'static str,
+    /// Determined by the module's own source and all that it shares with others.
+    pub version: Fingerprint,
+}
+
+/// All modules, by id.
+#[derive(Clone, Default)]
+pub struct Registry {
+    modules: Vec<ModuleInfo>,
+}
+
+impl Registry {
+    /// An empty registry.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds lists of modules. `shared` stands for the code that they share: any text that changes
+    /// when that code does. Of two modules with one id the first stays.
+    pub fn with(mut self, lists: &[&ModuleList], shared: &str) -> Self {
+        for list in lists {
+            for listed in list.modules {
+                let mut version = FingerprintBuilder::new("module");
+                version.text(shared);
+                version.part(&listed.source.to_le_bytes());
+                self.modules.push(ModuleInfo {
+                    module: listed.item,
+                    category: list.category,
+                    version: version.finish(),
+                });
+            }
+        }
+        self.modules.sort_by_key(|info| info.module.id);
+        self.modules.dedup_by_key(|info| info.module.id);
+        self
+    }
+
+    /// The module of this id.
+    pub fn find(&self, id: &str) -> Option<ModuleInfo> {
+        let place = self.modules.binary_search_by_key(&id, |info| info.module.id).ok()?;
+        self.modules.get(place).copied()
+    }
+
+    /// All modules, sorted by id.
+    pub fn modules(&self) -> &[ModuleInfo] {
+        &self.modules
+    }
+}
+
+/// Declares the files of a folder, and the list of what they hold.
+///
+/// `registered! { pub static COSTS: Entry<CostBuild> = COST in edge_length, quadric; }` declares
+/// `mod edge_length; mod quadric;` and a slice of [`Listed`] over `edge_length::COST` and
+/// `quadric::COST`.
+#[macro_export]
+macro_rules! registered {
+    ($(#[$doc:meta])* $vis:vis static $list:ident: $type:ty = $item:ident in $($file:ident),+ $(,)?;) => {
+        $(mod $file;)+
+        $(#[$doc])*
+        $vis static $list: &[$crate::Listed<$type>] = &[$($crate::Listed {
+            item: &$file::$item,
+            source: $crate::source_hash(include_bytes!(concat!(stringify!($file), ".rs"))),
+        }),+];
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn source_hash_is_fnv_1a() {
+        // From the test vectors of the authors of FNV.
+        assert_eq!(source_hash(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(source_hash(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+}

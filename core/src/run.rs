@@ -1,0 +1,504 @@
+//! Running a plan: nodes start as soon as their inputs are there, on a few threads.
+
+use std::any::Any;
+use std::cell::{Cell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError};
+use std::time::{Duration, Instant};
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
+use crate::cancel::CancelToken;
+use crate::data::{Scalar, Value};
+use crate::fingerprint::Fingerprint;
+use crate::module::{Io, ModuleError, Reporter};
+use crate::plan::{Plan, PlanNode, Source};
+use crate::setting::{Setting, Settings};
+
+/// Progress of one node is told at most this often.
+const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
+
+/// How to run a plan.
+#[derive(Clone, Copy)]
+pub struct RunOptions<'a> {
+    /// Where savers write.
+    pub output_folder: &'a Path,
+    /// How many nodes run at once, at least 1. Modules have threads of their own beside these.
+    pub threads: usize,
+    /// Values made before.
+    pub cache: Option<&'a Cache>,
+    /// Stops the run.
+    pub cancel: &'a CancelToken,
+    /// Hears what happens, from several threads.
+    pub observer: &'a (dyn Fn(&Event) + Sync),
+    /// Which values the outcome holds.
+    pub keep: Keep,
+}
+
+/// Which values of a run outlive it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// The scalars only, as part of the records; others go with their last consumer.
+    Scalars,
+    /// Every output of every node.
+    All,
+}
+
+/// Something that happened to a node.
+#[derive(Clone, Debug, Serialize)]
+pub struct Event<'a> {
+    /// The node.
+    pub node: &'a str,
+    /// What happened.
+    #[serde(flatten)]
+    pub kind: EventKind<'a>,
+}
+
+/// What can happen to a node.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub enum EventKind<'a> {
+    /// Its module was started.
+    Started,
+    /// Its module is this far, 0 to 1.
+    Progress {
+        /// How far.
+        share: f64,
+    },
+    /// Its module says something.
+    Log {
+        /// What.
+        text: &'a str,
+    },
+    /// Its module reports trouble, and goes on.
+    Warning {
+        /// What.
+        text: &'a str,
+    },
+    /// It came to its end: done, failed, skipped or stopped.
+    Ended {
+        /// How, and what it gave.
+        record: &'a NodeRecord,
+    },
+}
+
+/// How a node ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+pub enum NodeStatus {
+    /// Its outputs are there.
+    Done,
+    /// Its module gave an error or panicked.
+    Failed {
+        /// What a person should read.
+        error: String,
+    },
+    /// A node that it takes a value from did not get done.
+    Skipped {
+        /// The node that failed.
+        because_of: String,
+    },
+    /// The run was stopped before it was done.
+    Stopped,
+}
+
+/// What is kept of a node's run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NodeRecord {
+    /// Id of its module.
+    pub module: String,
+    /// How it ended.
+    #[serde(flatten)]
+    pub status: NodeStatus,
+    /// Hash of all that determines its outputs.
+    pub key: Fingerprint,
+    /// Seconds that its module ran; none if it did not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// Where its outputs came from, if not from running it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cached: Option<CacheUse>,
+    /// Its outputs that fit a table cell.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub scalars: IndexMap<String, Scalar>,
+    /// Its other outputs, in a line each.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub values: IndexMap<String, String>,
+    /// Files that it wrote, relative to the output folder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<PathBuf>,
+    /// What its module said.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub log: Vec<LogLine>,
+}
+
+/// A node's record and, if they were to be kept, its outputs.
+#[derive(Clone, Debug)]
+pub struct NodeOutcome {
+    /// What happened.
+    pub record: NodeRecord,
+    /// Outputs by name.
+    pub outputs: IndexMap<&'static str, Value>,
+}
+
+/// What came of a run: every node of the plan, by name.
+#[derive(Clone, Debug, Default)]
+pub struct RunOutcome {
+    /// In the order of the plan.
+    pub nodes: IndexMap<String, NodeOutcome>,
+}
+
+impl RunOutcome {
+    /// Whether every node is done.
+    pub fn is_done(&self) -> bool {
+        self.nodes.values().all(|node| node.record.status == NodeStatus::Done)
+    }
+
+    /// Whether some node was stopped.
+    pub fn is_stopped(&self) -> bool {
+        self.nodes.values().any(|node| node.record.status == NodeStatus::Stopped)
+    }
+
+    /// The nodes that failed, and why.
+    pub fn failures(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.nodes.iter().filter_map(|(name, node)| match &node.record.status {
+            NodeStatus::Failed { error } => Some((name.as_str(), error.as_str())),
+            _ => None,
+        })
+    }
+}
+
+/// Runs a plan to its end. Failures are part of the outcome.
+pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
+    let runner =
+        Runner { plan, options, state: Mutex::new(State::new(plan)), changed: Condvar::new() };
+    let threads = options.threads.clamp(1, plan.nodes.len().max(1));
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(|| runner.work());
+        }
+        runner.work();
+    });
+    let state = runner.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let names = plan.nodes.iter().map(|node| node.name.clone());
+    let outcomes = state.outcomes.into_iter().flatten();
+    RunOutcome { nodes: names.zip(outcomes).collect() }
+}
+
+struct Runner<'a> {
+    plan: &'a Plan,
+    options: &'a RunOptions<'a>,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    /// Nodes that can start; the last one starts first, so that values find their consumers soon.
+    ready: Vec<usize>,
+    /// For each node, how many nodes it still waits for.
+    waiting: Vec<usize>,
+    /// For each node and output, the value while somebody needs it, and for how many it still is.
+    values: Vec<Vec<(Option<Value>, usize)>>,
+    outcomes: Vec<Option<NodeOutcome>>,
+    n_ended: usize,
+}
+
+impl State {
+    fn new(plan: &Plan) -> Self {
+        let mut values: Vec<Vec<_>> = Vec::with_capacity(plan.nodes.len());
+        let mut waiting = vec![0; plan.nodes.len()];
+        for node in &plan.nodes {
+            values.push(vec![(None, 0); node.info.module.outputs.len()]);
+            node.sources().for_each(|source| values[source.node][source.output].1 += 1);
+            node.consumers.iter().for_each(|consumer| waiting[*consumer] += 1);
+        }
+        let ready = (0..plan.nodes.len()).rev().filter(|place| waiting[*place] == 0).collect();
+        let outcomes = plan.nodes.iter().map(|_| None).collect();
+        Self { ready, waiting, values, outcomes, n_ended: 0 }
+    }
+
+    /// The value of an output; the last one to ask owns it alone.
+    fn fetch(&mut self, source: Source) -> Option<Value> {
+        let (value, needed) = &mut self.values[source.node][source.output];
+        *needed -= 1;
+        if *needed == 0 { value.take() } else { value.clone() }
+    }
+}
+
+impl Runner<'_> {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes nodes that are ready until all have ended.
+    fn work(&self) {
+        let mut state = self.lock();
+        while state.n_ended < self.plan.nodes.len() {
+            let Some(place) = state.ready.pop() else {
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            let node = &self.plan.nodes[place];
+            let inputs = node.inputs.iter().map(|s| s.and_then(|s| state.fetch(s))).collect();
+            let linked = node.linked.iter().map(|(p, s)| (*p, state.fetch(*s))).collect();
+            drop(state);
+            let (outcome, outputs) = self.run_node(node, inputs, linked);
+            state = self.lock();
+            self.end(&mut state, place, outcome, outputs);
+            self.changed.notify_all();
+        }
+    }
+
+    /// Enters what came of a node; consumers become ready, or are skipped.
+    fn end(
+        &self,
+        state: &mut State,
+        place: usize,
+        outcome: NodeOutcome,
+        outputs: Option<Vec<Value>>,
+    ) {
+        let node = &self.plan.nodes[place];
+        state.outcomes[place] = Some(outcome);
+        state.n_ended += 1;
+        if let Some(outputs) = outputs {
+            for ((slot, needed), value) in state.values[place].iter_mut().zip(outputs) {
+                *slot = (*needed > 0).then_some(value);
+            }
+            for consumer in node.consumers.iter().rev() {
+                state.waiting[*consumer] -= 1;
+                if state.waiting[*consumer] == 0 && state.outcomes[*consumer].is_none() {
+                    state.ready.push(*consumer);
+                }
+            }
+            return;
+        }
+        let status = self.status_behind(state, place);
+        let mut lost = node.consumers.clone();
+        while let Some(place) = lost.pop() {
+            if state.outcomes[place].is_none() {
+                let node = &self.plan.nodes[place];
+                state.outcomes[place] = Some(self.not_run(node, status.clone(), Vec::new()));
+                state.n_ended += 1;
+                lost.extend(&node.consumers);
+            }
+        }
+    }
+
+    /// The status of the nodes that hang on one without outputs.
+    fn status_behind(&self, state: &State, place: usize) -> NodeStatus {
+        match state.outcomes[place].as_ref().map(|outcome| &outcome.record.status) {
+            Some(NodeStatus::Failed { .. }) => {
+                NodeStatus::Skipped { because_of: self.plan.nodes[place].name.clone() }
+            }
+            _ => NodeStatus::Stopped,
+        }
+    }
+
+    fn not_run(&self, node: &PlanNode, status: NodeStatus, log: Vec<LogLine>) -> NodeOutcome {
+        let record = NodeRecord { log, ..blank(node, status) };
+        let outcome = NodeOutcome { record, outputs: IndexMap::new() };
+        self.tell(node, EventKind::Ended { record: &outcome.record });
+        outcome
+    }
+
+    fn tell(&self, node: &PlanNode, kind: EventKind) {
+        (self.options.observer)(&Event { node: &node.name, kind });
+    }
+
+    /// Runs one node, or finds its outputs in the cache.
+    fn run_node(
+        &self,
+        node: &PlanNode,
+        inputs: Vec<Option<Value>>,
+        linked: Vec<(usize, Option<Value>)>,
+    ) -> (NodeOutcome, Option<Vec<Value>>) {
+        let cache = self.options.cache.filter(|_| !node.info.module.writes_files());
+        let claim = cache.map(|c| c.claim(node.key, node.info.module, self.options.cancel));
+        let (made, cached) = match claim {
+            Some(Claim::Hit(made, cached)) => (Ok(made), Some(cached)),
+            Some(Claim::Stopped) => (Err((ModuleError::Cancelled, Vec::new())), None),
+            Some(Claim::Mine(ticket)) => {
+                let made = self.make(node, inputs, linked).map(Arc::new);
+                if let Ok(made) = &made {
+                    ticket.fulfill(made);
+                }
+                (made, None)
+            }
+            None => (self.make(node, inputs, linked).map(Arc::new), None),
+        };
+        let made = match made {
+            Ok(made) => made,
+            Err((error, log)) => {
+                let status = match error {
+                    ModuleError::Cancelled => NodeStatus::Stopped,
+                    error => NodeStatus::Failed { error: error.to_string() },
+                };
+                return (self.not_run(node, status, log), None);
+            }
+        };
+        let record = self.record(node, &made, cached);
+        self.tell(node, EventKind::Ended { record: &record });
+        let outputs = Arc::try_unwrap(made).map_or_else(|made| made.outputs.clone(), |m| m.outputs);
+        let names = node.info.module.outputs.iter().map(|output| output.name);
+        let kept = match self.options.keep {
+            Keep::All => names.zip(outputs.iter().cloned()).collect(),
+            Keep::Scalars => IndexMap::new(),
+        };
+        (NodeOutcome { record, outputs: kept }, Some(outputs))
+    }
+
+    fn record(&self, node: &PlanNode, made: &Made, cached: Option<CacheUse>) -> NodeRecord {
+        let mut record = blank(node, NodeStatus::Done);
+        for (spec, value) in node.info.module.outputs.iter().zip(&made.outputs) {
+            match value.scalar() {
+                Some(scalar) => drop(record.scalars.insert(spec.name.to_owned(), scalar)),
+                None => drop(record.values.insert(spec.name.to_owned(), value.summary())),
+            }
+        }
+        record.seconds = cached.is_none().then_some(made.seconds);
+        record.cached = cached;
+        record.files = node.writes.clone();
+        record.log = made.log.clone();
+        record
+    }
+
+    /// Runs the module, and turns a panic into an error. An error comes with the log so far.
+    fn make(
+        &self,
+        node: &PlanNode,
+        inputs: Vec<Option<Value>>,
+        linked: Vec<(usize, Option<Value>)>,
+    ) -> Result<Made, (ModuleError, Vec<LogLine>)> {
+        if self.options.cancel.is_cancelled() {
+            return Err((ModuleError::Cancelled, Vec::new()));
+        }
+        let settings = self.settle(node, linked).map_err(|error| (error, Vec::new()))?;
+        self.tell(node, EventKind::Started);
+        let module = node.info.module;
+        let listener =
+            Listener { runner: self, node, log: RefCell::default(), told: Cell::new(None) };
+        let start = Instant::now();
+        let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener);
+        let outputs = contained(|| (module.run)(&mut io)).and_then(|()| io.finish());
+        let seconds = start.elapsed().as_secs_f64();
+        let log = listener.log.into_inner();
+        match outputs {
+            Ok(outputs) => Ok(Made { outputs, log, seconds }),
+            Err(error) => Err((error, log)),
+        }
+    }
+
+    /// The node's parameters, with those that come by link and with the files in their folder.
+    fn settle(
+        &self,
+        node: &PlanNode,
+        linked: Vec<(usize, Option<Value>)>,
+    ) -> Result<Settings, ModuleError> {
+        let mut settings = node.settings.clone();
+        for (place, value) in linked {
+            if let Some(scalar) = value.and_then(|value| value.scalar()) {
+                settings.0[place].1 = node.info.module.params[place].parse_linked(&scalar)?;
+            }
+        }
+        for (spec, (_, setting)) in node.info.module.params.iter().zip(&mut settings.0) {
+            if let (crate::Kind::OutputFile { .. }, Setting::File { resolved, .. }) =
+                (spec.kind, setting)
+            {
+                *resolved = self.options.output_folder.join(&*resolved);
+                if let Some(folder) = resolved.parent() {
+                    std::fs::create_dir_all(folder).map_err(|error| {
+                        ModuleError::io(folder, format!("cannot make this folder: {error}"))
+                    })?;
+                }
+            }
+        }
+        Ok(settings)
+    }
+}
+
+fn blank(node: &PlanNode, status: NodeStatus) -> NodeRecord {
+    NodeRecord {
+        module: node.info.module.id.to_owned(),
+        status,
+        key: node.key,
+        seconds: None,
+        cached: None,
+        scalars: IndexMap::new(),
+        values: IndexMap::new(),
+        files: Vec::new(),
+        log: Vec::new(),
+    }
+}
+
+struct Listener<'a> {
+    runner: &'a Runner<'a>,
+    node: &'a PlanNode,
+    log: RefCell<Vec<LogLine>>,
+    told: Cell<Option<Instant>>,
+}
+
+impl Reporter for Listener<'_> {
+    fn progress(&self, share: f64) {
+        let now = Instant::now();
+        if self.told.get().is_none_or(|told| now - told >= PROGRESS_PAUSE) {
+            self.told.set(Some(now));
+            self.runner.tell(self.node, EventKind::Progress { share: share.clamp(0.0, 1.0) });
+        }
+    }
+
+    fn log(&self, line: &str) {
+        self.log.borrow_mut().push(LogLine { is_warning: false, text: line.to_owned() });
+        self.runner.tell(self.node, EventKind::Log { text: line });
+    }
+
+    fn warn(&self, line: &str) {
+        self.log.borrow_mut().push(LogLine { is_warning: true, text: line.to_owned() });
+        self.runner.tell(self.node, EventKind::Warning { text: line });
+    }
+}
+
+/// Modules at work: while there are any, a panic is theirs, and the hook keeps quiet.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+
+thread_local! {
+    /// Where the last panic of this thread happened.
+    static PLACE: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Keeps panics of modules off standard error; their messages and places become part of the
+/// node's error. For programs with a display of their own; call it once at their start.
+pub fn contain_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if AT_WORK.load(Ordering::Relaxed) == 0 {
+                return before(info);
+            }
+            let place = info.location().map(|l| format!("{}:{}", l.file(), l.line()));
+            PLACE.with_borrow_mut(|known| *known = place);
+        }));
+    });
+}
+
+/// Calls `work`; a panic becomes an error.
+pub(crate) fn contained<T>(
+    work: impl FnOnce() -> Result<T, ModuleError>,
+) -> Result<T, ModuleError> {
+    AT_WORK.fetch_add(1, Ordering::Relaxed);
+    let result = catch_unwind(AssertUnwindSafe(work));
+    AT_WORK.fetch_sub(1, Ordering::Relaxed);
+    result.unwrap_or_else(|payload| {
+        let place = PLACE.take().map(|place| format!(" at {place}")).unwrap_or_default();
+        Err(ModuleError::Bug(format!("it panicked{place}: {}", message_of(&*payload))))
+    })
+}
+
+fn message_of(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<&str>().copied();
+    text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
+}

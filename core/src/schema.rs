@@ -1,0 +1,175 @@
+//! The JSON Schema of map files, drawn from the registry, so that text editors complete and check.
+
+use serde_json::{Map as JsonMap, Value as Json, json};
+
+use crate::param::{Kind, ParamSpec};
+use crate::registry::Registry;
+
+/// The schema, draft 2020-12.
+pub fn schema(registry: &Registry) -> Json {
+    let modules: Vec<Json> = registry
+        .modules()
+        .iter()
+        .map(|info| {
+            json!({
+                "properties": {
+                    "module": { "const": info.module.id, "description": info.module.summary },
+                    "params": object_of(info.module.params),
+                }
+            })
+        })
+        .collect();
+    let ids: Vec<&str> = registry.modules().iter().map(|info| info.module.id).collect();
+    let assignment = |values: Json| {
+        json!({
+            "type": "object",
+            "propertyNames": { "pattern": "^[^.]+\\..+$" },
+            "additionalProperties": values
+        })
+    };
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A map of mve",
+        "type": "object",
+        "required": ["mve", "nodes"],
+        "properties": {
+            "mve": { "const": 1, "description": "Version of the format." },
+            "title": { "type": "string", "description": "What the map is for." },
+            "nodes": {
+                "description": "Uses of modules, by name.",
+                "type": "object",
+                "propertyNames": { "pattern": "^[^\\s./\\\\{}>]+$" },
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["module"],
+                    "properties": { "module": { "type": "string", "examples": ids } },
+                    "anyOf": modules
+                }
+            },
+            "links": {
+                "description": "\"node.output -> node.input\"",
+                "type": "array",
+                "items": { "type": "string", "pattern": "^[^.]+\\.\\S+\\s*->\\s*[^.]+\\.\\S+$" }
+            },
+            "layout": {
+                "description": "Where each node is drawn.",
+                "type": "object",
+                "additionalProperties": {
+                    "type": "array",
+                    "items": { "type": "number" },
+                    "minItems": 2,
+                    "maxItems": 2
+                }
+            },
+            "programs": {
+                "description": "Sweeps of the map, by name.",
+                "type": "object",
+                "additionalProperties": {
+                    "type": "object",
+                    "properties": {
+                        "axes": {
+                            "description": "Axes multiply; the lists of one axis advance together.",
+                            "type": "array",
+                            "items": assignment(json!({ "type": "array", "minItems": 1 }))
+                        },
+                        "steps": { "type": "array", "items": assignment(json!(true)) },
+                        "repeats": { "type": "integer", "minimum": 1 },
+                        "time_limit": {
+                            "description": "Seconds after which a step is stopped.",
+                            "type": "number",
+                            "exclusiveMinimum": 0
+                        }
+                    }
+                }
+            }
+        }
+    })
+}
+
+/// The schema of the parameters of a module or of an entry of a choice.
+fn object_of(params: &[ParamSpec]) -> Json {
+    let properties: JsonMap<String, Json> =
+        params.iter().map(|spec| (spec.name.to_owned(), of_param(spec))).collect();
+    let is_needed = |spec: &&ParamSpec| spec.default_setting().is_none();
+    let required: Vec<&str> = params.iter().filter(is_needed).map(|spec| spec.name).collect();
+    json!({
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false
+    })
+}
+
+fn of_param(spec: &ParamSpec) -> Json {
+    let mut schema = match spec.kind {
+        Kind::Flag { .. } => json!({ "type": "boolean" }),
+        Kind::Integer { default, hard: (low, high), .. } => json!({
+            "type": or_off("integer", default.is_none()), "minimum": low, "maximum": high
+        }),
+        Kind::Number { default, hard: (low, high), .. } => {
+            let mut number = json!({ "type": or_off("number", default.is_none()) });
+            if low > f64::MIN {
+                number["minimum"] = Json::from(low);
+            }
+            if high < f64::MAX {
+                number["maximum"] = Json::from(high);
+            }
+            number
+        }
+        Kind::Seed { .. } => json!({ "type": "integer", "minimum": 0, "maximum": u32::MAX }),
+        Kind::Text { .. } => json!({ "type": "string" }),
+        Kind::InputFile { .. } | Kind::OutputFile { .. } => {
+            json!({ "type": "string", "minLength": 1 })
+        }
+        Kind::Enumeration { names, .. } => {
+            let each = names.iter().map(|(name, doc)| json!({ "const": name, "description": doc }));
+            json!({ "anyOf": each.collect::<Vec<_>>() })
+        }
+        Kind::Choice { list, .. } => {
+            let entries = (0..list.len()).map(|place| list.spec(place));
+            let each = entries.flat_map(|entry| {
+                let alone = json!({ "const": entry.id, "description": entry.summary });
+                let with_params = json!({
+                    "type": "object",
+                    "description": entry.summary,
+                    "properties": { entry.id: object_of(entry.params) },
+                    "required": [entry.id],
+                    "additionalProperties": false
+                });
+                [alone, with_params]
+            });
+            json!({ "anyOf": each.collect::<Vec<_>>() })
+        }
+    };
+    let unit = if spec.unit.is_empty() { String::new() } else { format!(" Unit: {}.", spec.unit) };
+    schema["description"] = Json::from(format!("{}{unit}", spec.doc));
+    if let Some(default) = spec.default_setting() {
+        schema["default"] = default.to_json();
+    }
+    schema
+}
+
+fn or_off(kind: &str, can_be_off: bool) -> Json {
+    if can_be_off { json!([kind, "null"]) } else { json!(kind) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::registry;
+
+    #[test]
+    fn says_ranges_defaults_and_nested_choices() {
+        let schema = schema(&registry());
+        let modules = &schema["properties"]["nodes"]["additionalProperties"]["anyOf"];
+        let module = |id: &str| {
+            let all = modules.as_array().unwrap().iter();
+            all.clone().find(|m| m["properties"]["module"]["const"] == id).unwrap().clone()
+        };
+        let add = &module("Add")["properties"]["params"]["properties"]["amount"];
+        assert_eq!((&add["minimum"], &add["default"]), (&json!(-100.0), &json!(1.0)));
+        let pick = &module("Pick")["properties"]["params"]["properties"]["how"]["anyOf"];
+        assert_eq!(pick[0]["const"], "Scaled");
+        assert_eq!(pick[1]["properties"]["Scaled"]["properties"]["by"]["default"], 2.0);
+    }
+}

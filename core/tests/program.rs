@@ -1,0 +1,251 @@
+//! Programs and stores: every step once, whatever happens on the way.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use mve_core::testing::registry;
+use mve_core::{
+    CancelToken, Map, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing,
+    Store, StoreError, run_program,
+};
+
+const MAP: &str = r#"{"mve": 1, "title": "test", "nodes": {
+    "base": {"module": "Add", "params": {"amount": 1}},
+    "add": {"module": "Add"},
+    "echo": {"module": "Echo"},
+    "write": {"module": "Write", "params": {"path": "{add.amount}-{echo.say}.txt"}}},
+  "links": ["base.sum -> add.a", "echo.text -> write.text"],
+  "programs": {"p": {"axes": [{"add.amount": [1, 2, 99, 4]}, {"echo.say": ["x", "y"]}]}}}"#;
+
+fn program(text: &str) -> Program {
+    let map = Map::parse(text).unwrap();
+    match Program::new(&map, "p", &registry(), Path::new("/")) {
+        Ok(program) => program,
+        Err(problems) => panic!("{problems:#?}"),
+    }
+}
+
+fn options(cancel: &CancelToken) -> ProgramOptions<'_> {
+    ProgramOptions {
+        jobs: 3,
+        shard: Shard { index: 0, count: 1 },
+        sharing: Sharing::Shared,
+        memory: 1 << 30,
+        disk_cache: None,
+        time_limit: None,
+        retry: Retry::Nothing,
+        cancel,
+        observer: &|_| {},
+    }
+}
+
+fn run_in(folder: &Path, text: &str) -> ProgramOutcome {
+    let store = Store::open(folder).unwrap();
+    run_program(&program(text), &store, &options(&CancelToken::new())).unwrap()
+}
+
+/// The table without the columns that hold times.
+fn table(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join("results.csv")).unwrap();
+    reader
+        .deserialize::<BTreeMap<String, String>>()
+        .map(|row| {
+            let mut row = row.unwrap();
+            row.retain(|name, _| !name.starts_with("seconds"));
+            row
+        })
+        .collect()
+}
+
+#[test]
+fn a_program_leaves_rows_files_and_a_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run_in(folder.path(), MAP);
+    assert_eq!((outcome.steps, outcome.ran, outcome.failed, outcome.missing), (8, 8, 2, 0));
+    let rows = table(folder.path());
+    assert_eq!(rows.len(), 8);
+    assert_eq!(rows[3]["add.amount"], "2");
+    assert_eq!(rows[3]["echo.say"], "y");
+    assert_eq!(rows[3]["add.sum"], "3");
+    assert_eq!(rows[4]["status"], "failed");
+    assert!(rows[4]["reason"].contains("add: 99 is too much"), "{:?}", rows[4]);
+    assert_eq!(std::fs::read_to_string(folder.path().join("outputs/4-x.txt")).unwrap(), "x");
+    let summary = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+    assert!(summary.contains("8 of 8 steps finished, 2 failed"));
+    let lines = std::fs::read_to_string(folder.path().join("results.jsonl")).unwrap();
+    let first: serde_json::Value = serde_json::from_str(lines.lines().next().unwrap()).unwrap();
+    assert_eq!(first["outputs"]["add.sum"], 2.0);
+}
+
+#[test]
+fn finished_steps_do_not_run_again_until_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    let before = table(folder.path());
+    let again = run_in(folder.path(), MAP);
+    assert_eq!((again.ran, again.found), (0, 8));
+    assert_eq!(table(folder.path()), before);
+    let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+    let retry = ProgramOptions { retry: Retry::Failed, ..options(&cancel) };
+    assert_eq!(run_program(&program(MAP), &store, &retry).unwrap().ran, 2);
+    assert_eq!(table(folder.path()), before);
+}
+
+#[test]
+fn a_longer_axis_runs_only_the_new_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    let longer = MAP.replace("[1, 2, 99, 4]", "[1, 2, 4, 5]");
+    let outcome = run_in(folder.path(), &longer);
+    assert_eq!((outcome.ran, outcome.found, outcome.others), (2, 6, 2));
+    assert_eq!(table(folder.path()).len(), 8);
+}
+
+#[test]
+fn a_broken_record_is_not_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    let before = table(folder.path());
+    let steps: Vec<_> = std::fs::read_dir(folder.path().join("steps")).unwrap().collect();
+    for step in steps.iter().take(3) {
+        let record = step.as_ref().unwrap().path().join("record.json");
+        let text = std::fs::read(&record).unwrap();
+        std::fs::write(&record, &text[..text.len() / 2]).unwrap();
+    }
+    assert_eq!(run_in(folder.path(), MAP).ran, 3);
+    assert_eq!(table(folder.path()), before);
+}
+
+#[test]
+fn a_stopped_program_goes_on_where_it_was() {
+    let whole = tempfile::tempdir().unwrap();
+    run_in(whole.path(), MAP);
+    let folder = tempfile::tempdir().unwrap();
+    let mut ran = 0;
+    for _ in 0..8 {
+        let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+        let stop_soon = |event: &ProgramEvent| {
+            if matches!(event, ProgramEvent::StepEnded { .. }) {
+                cancel.cancel();
+            }
+        };
+        let options = ProgramOptions { jobs: 1, observer: &stop_soon, ..options(&cancel) };
+        ran += run_program(&program(MAP), &store, &options).unwrap().ran;
+    }
+    assert_eq!(ran, 8);
+    assert_eq!(table(folder.path()), table(whole.path()));
+    assert_eq!(std::fs::read_dir(folder.path().join("work")).unwrap().count(), 0);
+}
+
+#[test]
+fn two_at_once_do_every_step_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let amounts: Vec<_> = (0..90).map(|i| i.to_string()).collect();
+    let text = MAP.replace("[1, 2, 99, 4]", &format!("[{}]", amounts.join(",")));
+    let started = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(|| {
+                let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+                let count = |event: &ProgramEvent| {
+                    if matches!(event, ProgramEvent::StepStarted { .. }) {
+                        started.fetch_add(1, Ordering::Relaxed);
+                    }
+                };
+                let options = ProgramOptions { observer: &count, ..options(&cancel) };
+                run_program(&program(&text), &store, &options).unwrap();
+            });
+        }
+    });
+    assert_eq!(started.into_inner(), 180);
+    assert_eq!(table(folder.path()).len(), 180);
+}
+
+#[test]
+fn shards_divide_the_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut ran = Vec::new();
+    for index in 0..3 {
+        let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+        let shard = Shard { index, count: 3 };
+        let options = ProgramOptions { shard, ..options(&cancel) };
+        ran.push(run_program(&program(MAP), &store, &options).unwrap().ran);
+    }
+    assert_eq!(ran, [3, 3, 2]);
+}
+
+#[test]
+fn timing_runs_everything_and_sharing_does_not() {
+    let seconds_of_base = |sharing| {
+        let folder = tempfile::tempdir().unwrap();
+        let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+        let options = ProgramOptions { sharing, jobs: 1, ..options(&cancel) };
+        run_program(&program(MAP), &store, &options).unwrap();
+        let mut reader = csv::Reader::from_path(folder.path().join("results.csv")).unwrap();
+        let rows = reader.deserialize::<BTreeMap<String, String>>();
+        rows.filter(|row| !row.as_ref().unwrap()["seconds.base"].is_empty()).count()
+    };
+    assert_eq!(seconds_of_base(Sharing::Timing), 8);
+    assert_eq!(seconds_of_base(Sharing::Shared), 1);
+}
+
+#[test]
+fn a_step_over_its_time_is_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = MAP
+        .replace("[1, 2, 99, 4]", "[1, -1]")
+        .replace(r#""programs": {"p": {"#, r#""programs": {"p": {"time_limit": 0.05, "#);
+    let outcome = run_in(folder.path(), &text);
+    assert_eq!((outcome.ran, outcome.failed), (4, 2));
+    let rows = table(folder.path());
+    assert_eq!(rows[2]["status"], "timed out");
+    assert_eq!(rows[2]["reason"], "add: not done within the time limit of 0.05 s");
+}
+
+#[test]
+fn repeats_are_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = MAP
+        .replace("{add.amount}-", "{add.amount}-{repeat}-")
+        .replace(r#""programs": {"p": {"#, r#""programs": {"p": {"repeats": 2, "#);
+    run_in(folder.path(), &text);
+    let rows = table(folder.path());
+    assert_eq!(rows.len(), 16);
+    assert_eq!((rows[0]["repeat"].as_str(), rows[1]["repeat"].as_str()), ("0", "1"));
+}
+
+#[test]
+fn steps_that_write_one_file_are_refused() {
+    let map = Map::parse(&MAP.replace("{add.amount}-{echo.say}", "{echo.say}")).unwrap();
+    let problems = Program::new(&map, "p", &registry(), Path::new("/")).err().unwrap();
+    assert!(problems[0].to_string().contains("two steps write \"x.txt\""), "{problems:?}");
+}
+
+#[test]
+fn problems_of_steps_name_the_step() {
+    let map = Map::parse(&MAP.replace("[1, 2, 99, 4]", "[1, 1000]")).unwrap();
+    let problems = Program::new(&map, "p", &registry(), Path::new("/")).err().unwrap();
+    let text = problems[0].to_string();
+    assert!(text.starts_with("program \"p\": add.amount: 1000 is not a number"), "{text}");
+    assert!(text.contains("(with add.amount = 1000, echo.say = \"x\")"), "{text}");
+    assert_eq!(problems.len(), 1);
+}
+
+#[test]
+fn a_folder_with_other_things_is_not_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
+    assert!(matches!(Store::open(folder.path()), Err(StoreError::NotAStore(_))));
+}
+
+#[test]
+fn a_time_limit_given_by_hand_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+    let text = MAP.replace("[1, 2, 99, 4]", "[-1]");
+    let limit = Some(Duration::from_millis(20));
+    let options = ProgramOptions { time_limit: limit, ..options(&cancel) };
+    assert_eq!(run_program(&program(&text), &store, &options).unwrap().failed, 2);
+}
