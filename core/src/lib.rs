@@ -46,7 +46,7 @@ pub use param::{
     ParamSpec, ParamType, Seed,
 };
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
-pub use port::{In, InputSpec, MaybeIn, Out, OutputSpec};
+pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity};
 pub use program::{
     Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, run_program,

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::cancel::CancelToken;
 use crate::data::{Data, Value};
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
-use crate::port::{In, InputSpec, MaybeIn, Out, OutputSpec};
+use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 use crate::setting::{Setting, Settings};
 
 /// A unit of work: what it is called, what goes in and out, and what it does.
@@ -128,6 +128,11 @@ impl<'a> Io<'a> {
     /// The value of an optional input, shared.
     pub fn maybe<T: Data>(&self, port: MaybeIn<T>) -> Option<Arc<T>> {
         self.value(port.name).and_then(Value::get)
+    }
+
+    /// The value of an input of any type.
+    pub fn any(&self, port: AnyIn) -> Result<Value, ModuleError> {
+        self.value(port.name).cloned().ok_or_else(|| undeclared::<Value>(port.name))
     }
 
     /// The value of a required input, to be changed: moved where this node is the last that needs

@@ -20,6 +20,17 @@ pub struct MaybeIn<T> {
     of: PhantomData<fn() -> T>,
 }
 
+/// A required input that takes a value of any type.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyIn {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+}
+
+/// What an [`AnyIn`] takes.
+pub(crate) const ANY: DataType =
+    DataType { id: "Any", doc: "A value of any type.", color: [200, 200, 200] };
+
 /// An output. A module that finishes has put a value into each.
 #[derive(Debug)]
 pub struct Out<T> {
@@ -62,6 +73,18 @@ impl<T: Data> In<T> {
     /// The declaration, for [`crate::Module::inputs`].
     pub const fn spec(&self) -> InputSpec {
         InputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, is_required: true }
+    }
+}
+
+impl AnyIn {
+    /// Declares the input.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc }
+    }
+
+    /// The declaration, for [`crate::Module::inputs`].
+    pub const fn spec(&self) -> InputSpec {
+        InputSpec { name: self.name, doc: self.doc, data_type: ANY, is_required: true }
     }
 }
 

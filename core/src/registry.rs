@@ -115,6 +115,19 @@ macro_rules! registered {
     };
 }
 
+/// Declares the modules of a folder, sorted: `modules! { "filters": flip_faces, simplificator }`.
+#[macro_export]
+macro_rules! modules {
+    ($category:literal: $($file:ident),+ $(,)?) => {
+        $crate::registered! {
+            static MODULES: $crate::Module = MODULE in $($file),+;
+        }
+        /// The modules of this folder.
+        pub static LIST: $crate::ModuleList =
+            $crate::ModuleList { category: $category, modules: MODULES };
+    };
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,8 @@
 //! Running one module without a map, for tests of modules; and small modules for tests of the
 //! runtime.
 
+use std::cell::RefCell;
+
 use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
 
@@ -59,12 +61,24 @@ impl Trial {
     /// # Panics
     /// If a parameter does not fit its declaration.
     pub fn run_until(self, cancel: &CancelToken) -> Result<Outputs, ModuleError> {
-        struct Quiet;
-        impl Reporter for Quiet {
-            fn progress(&self, _: f64) {}
-            fn log(&self, _: &str) {}
-            fn warn(&self, _: &str) {}
-        }
+        self.run_and_listen(cancel, &Listener::default())
+    }
+
+    /// Runs the module, for the lines and warnings that it writes.
+    ///
+    /// # Panics
+    /// If a parameter does not fit its declaration.
+    pub fn log(self) -> Result<Vec<String>, ModuleError> {
+        let listener = Listener::default();
+        self.run_and_listen(&CancelToken::new(), &listener)?;
+        Ok(listener.0.into_inner())
+    }
+
+    fn run_and_listen(
+        self,
+        cancel: &CancelToken,
+        listener: &Listener,
+    ) -> Result<Outputs, ModuleError> {
         let mut faults = Vec::new();
         let mut settings = Settings::parse(self.module.params, &self.params, &[], &mut faults);
         let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
@@ -75,9 +89,25 @@ impl Trial {
                 *resolved = written.as_str().into();
             }
         }
-        let mut io = Io::new(self.module, &settings, self.inputs, cancel, &Quiet);
+        let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener);
         let outputs = contained(|| (self.module.run)(&mut io)).and_then(|()| io.finish())?;
         Ok(self.module.outputs.iter().map(|output| output.name).zip(outputs).collect())
+    }
+}
+
+/// Keeps what a module says.
+#[derive(Default)]
+struct Listener(RefCell<Vec<String>>);
+
+impl Reporter for Listener {
+    fn progress(&self, _: f64) {}
+
+    fn log(&self, line: &str) {
+        self.0.borrow_mut().push(line.to_owned());
+    }
+
+    fn warn(&self, line: &str) {
+        self.0.borrow_mut().push(format!("warning: {line}"));
     }
 }
 
@@ -113,7 +143,7 @@ const A: MaybeIn<f64> = MaybeIn::new("a", "A number, 0 without a link.");
 const SUM: Out<f64> = Out::new("sum", "The sum.");
 const AMOUNT: Param<f64> = Param::number("amount", "What is added.", 1.0).within(-100.0, 100.0);
 
-/// Adds a number to its input. An amount of 13 panics, 99 fails, and −1 waits to be stopped.
+/// Adds a number to its input. An amount of −13 panics, 99 fails, and −1 waits to be stopped.
 pub static ADD: Module = Module {
     id: "Add",
     summary: "Adds.",
@@ -128,7 +158,7 @@ pub static ADD: Module = Module {
                 std::thread::sleep(std::time::Duration::from_millis(1));
             }
         }
-        assert!(amount != 13.0, "thirteen brings bad luck");
+        assert!(amount != -13.0, "thirteen brings bad luck");
         if amount == 99.0 {
             return Err(ModuleError::Numeric("99 is too much".to_owned()));
         }

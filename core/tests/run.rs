@@ -79,7 +79,7 @@ fn a_linked_value_is_held_to_the_range() {
 fn a_panic_is_an_error_of_its_node_and_others_go_on() {
     contain_panics();
     let text = r#"{"mve": 1, "nodes": {
-        "bad": {"module": "Add", "params": {"amount": 13}},
+        "bad": {"module": "Add", "params": {"amount": -13}},
         "behind": {"module": "Add"},
         "good": {"module": "Add", "params": {"amount": 2}}},
         "links": ["bad.sum -> behind.a"]}"#;

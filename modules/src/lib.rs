@@ -4,5 +4,18 @@
 //! over it, with no ports; the other folders hold one file per module, cost, placement or metric.
 
 pub mod data;
+pub mod generate;
 pub mod geometry;
+pub mod measure;
 pub mod mesh;
+mod prelude;
+
+use mve_core::{ModuleList, Registry};
+
+/// The modules of this crate, by folder.
+static LISTS: [&ModuleList; 2] = [&generate::LIST, &measure::LIST];
+
+/// All modules of this crate.
+pub fn registry() -> Registry {
+    Registry::new().with(&LISTS, env!("MVE_SHARED_SOURCES"))
+}

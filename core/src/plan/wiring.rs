@@ -6,6 +6,7 @@ use super::{PlanNode, Source, no_such_node};
 use crate::data::DataType;
 use crate::map::{Link, Map};
 use crate::module::Module;
+use crate::port::ANY;
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
@@ -88,7 +89,7 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
         found
     });
     let (Some((output, given)), Some((target, wanted))) = (output, target) else { return };
-    if given != wanted {
+    if given != wanted && wanted != ANY {
         let message = format!(
             "takes {}, but \"{}\" gives {}; link an output that gives {}",
             wanted.id, link.from, given.id, wanted.id

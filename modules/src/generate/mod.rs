@@ -1,0 +1,3 @@
+//! Modules that make values from nothing.
+
+mve_core::modules! { "generate": constant }

@@ -1,0 +1,3 @@
+//! Modules that measure values, or show them.
+
+mve_core::modules! { "measure": print }
