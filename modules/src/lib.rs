@@ -5,4 +5,5 @@
 
 pub mod data;
 pub mod geometry;
+pub mod io;
 pub mod mesh;
