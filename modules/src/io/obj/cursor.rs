@@ -5,7 +5,6 @@
 //! such as `metal#2` are about.
 
 /// Where reading stands.
-#[derive(Clone)]
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
     pos: usize,
@@ -56,6 +55,11 @@ impl<'a> Cursor<'a> {
     /// Steps over bytes of the present line.
     pub fn advance(&mut self, n_bytes: usize) {
         self.pos += n_bytes;
+    }
+
+    /// Goes back to where the cursor was on the present line.
+    pub fn back_to(&mut self, pos: usize) {
+        self.pos = pos;
     }
 
     /// Bytes of the line end at an offset from here: 0, 1 or 2.

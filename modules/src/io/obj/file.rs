@@ -32,16 +32,22 @@ pub fn load(path: &Path, progress: &mut Progress) -> Result<(TriMesh, Vec<Warnin
 /// With the path, when a file cannot be written or the mesh cannot be said in the format (see
 /// [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path) -> Result<(), FileError> {
-    let mtl_path = path.with_extension("mtl");
-    let mtl_name = match mesh.materials.is_empty() {
-        true => None,
-        false => Some(mtl_path.file_name().unwrap_or(OsStr::new("materials.mtl"))),
-    };
-    if let Some(name) = mtl_name {
-        save_atomic(&mtl_path.with_file_name(name), |out| write_mtl(&mesh.materials, out))?;
+    if mesh.materials.is_empty() {
+        return save_atomic(path, |out| write_obj(mesh, out, None));
     }
-    let mtl_name = mtl_name.map(OsStr::to_string_lossy);
-    save_atomic(path, |out| write_obj(mesh, out, mtl_name.as_deref()))
+    let refuse = |source| FileError::write(path, source);
+    let mtl_path = path.with_extension("mtl");
+    let Some(mtl_name) = mtl_path.file_name().map(OsStr::to_string_lossy) else {
+        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+    };
+    if mtl_path == path {
+        let message = "that is the name of the material file; end it in .obj";
+        return Err(refuse(io::Error::new(io::ErrorKind::InvalidInput, message)));
+    }
+    // A mesh that cannot be written must not cost the old materials.
+    write_obj(mesh, &mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
+    save_atomic(&mtl_path, |out| write_mtl(&mesh.materials, out))?;
+    save_atomic(path, |out| write_obj(mesh, out, Some(&mtl_name)))
 }
 
 /// The material files that reading an OBJ file may open, whether they exist or not, without

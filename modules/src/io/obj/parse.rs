@@ -347,9 +347,9 @@ impl<'p> Reader<'p> {
     /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     #[inline]
     fn corner(&mut self, cursor: &mut Cursor) -> Result<Corner, Stop> {
-        let start = cursor.clone();
+        let start = cursor.pos();
         let mut corner = [NO_VALUE; 3];
-        for list in 0..3 {
+        for (list, value) in corner.iter_mut().enumerate() {
             if list > 0 {
                 if cursor.peek() != Some(b'/') {
                     break;
@@ -357,12 +357,12 @@ impl<'p> Reader<'p> {
                 cursor.advance(1);
             }
             match integer(cursor) {
-                Some(raw) => corner[list] = self.resolve(raw, list, cursor.line())?,
+                Some(raw) => *value = self.resolve(raw, list, cursor.line())?,
                 None if list > 0 => {}
-                None => return Err(bad_corner(start).into()),
+                None => return Err(bad_corner(cursor, start).into()),
             }
         }
-        if cursor.is_word_over() { Ok(corner) } else { Err(bad_corner(start).into()) }
+        if cursor.is_word_over() { Ok(corner) } else { Err(bad_corner(cursor, start).into()) }
     }
 
     /// The index from 0 for one of the file, which counts from 1, or back from -1.
@@ -422,18 +422,15 @@ fn numbers<const N: usize>(cursor: &mut Cursor, expected: &str) -> Result<[f64; 
     let mut values = [0.0; N];
     for value in &mut values {
         cursor.skip_blanks();
-        let mut after = cursor.clone();
-        match fast_float2::parse_partial(cursor.rest()) {
-            Ok((number, n_bytes)) => {
-                *value = number;
-                after.advance(n_bytes);
-            }
-            Err(_) => return Err(bad_word(cursor, expected)),
+        let start = cursor.pos();
+        if let Ok((number, n_bytes)) = fast_float2::parse_partial(cursor.rest()) {
+            *value = number;
+            cursor.advance(n_bytes);
         }
-        if !after.is_word_over() {
+        if cursor.pos() == start || !cursor.is_word_over() {
+            cursor.back_to(start);
             return Err(bad_word(cursor, expected));
         }
-        *cursor = after;
     }
     Ok(values)
 }
@@ -466,18 +463,25 @@ fn integer(cursor: &mut Cursor) -> Option<i64> {
     if is_negative || cursor.peek() == Some(b'+') {
         cursor.advance(1);
     }
-    let mut value = None;
+    let start = cursor.pos();
+    let mut value = 0_i64;
     while let Some(digit @ b'0'..=b'9') = cursor.peek() {
-        let so_far: i64 = value.unwrap_or(0);
-        value = Some(so_far.saturating_mul(10).saturating_add(i64::from(digit - b'0')));
+        // It may wrap; then there are too many digits, which is told below.
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit - b'0'));
         cursor.advance(1);
     }
-    value.map(|value| if is_negative { -value } else { value })
+    match cursor.pos() - start {
+        0 => return None,
+        1..=18 => {}
+        _ => value = i64::MAX,
+    }
+    Some(if is_negative { -value } else { value })
 }
 
 #[cold]
-fn bad_corner(mut start: Cursor) -> ObjError {
-    let (line, found) = (start.line(), quoted(start.word()));
+fn bad_corner(cursor: &mut Cursor, start: usize) -> ObjError {
+    cursor.back_to(start);
+    let (line, found) = (cursor.line(), quoted(cursor.word()));
     ObjError::Line { line, found, expected: "a corner v, v/vt, v//vn or v/vt/vn".to_owned() }
 }
 

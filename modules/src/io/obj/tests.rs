@@ -222,6 +222,24 @@ fn files_with_materials_come_back_as_they_were() {
 }
 
 #[test]
+fn a_mesh_that_cannot_be_said_leaves_both_files_alone() {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("a.obj");
+    let (mut mesh, _) = read(format!("{CORNERS}f 1 2 3\n")).expect("read");
+    mesh.materials.push(Default::default());
+    save(&mesh, &path).expect("save");
+    let before = std::fs::read(path.with_extension("mtl")).expect("read");
+    mesh.materials[0].name = "new".to_owned();
+    mesh.positions[1].x = f64::NAN;
+    let error = save(&mesh, &path).expect_err("not a number").to_string();
+    assert!(error.contains("a.obj: `v` 2 holds NaN"), "{error}");
+    assert_eq!(std::fs::read(path.with_extension("mtl")).expect("read"), before);
+    mesh.positions[1].x = 0.0;
+    let error = save(&mesh, &path.with_extension("mtl")).expect_err("one name").to_string();
+    assert!(error.contains("name of the material file"), "{error}");
+}
+
+#[test]
 fn files_that_cannot_be_read_are_named() {
     let folder = tempfile::tempdir().expect("folder");
     let load = |path: &std::path::Path| load(path, &mut |_| ControlFlow::Continue(()));
@@ -247,8 +265,8 @@ fn endless_devices_are_refused_and_a_full_disk_is_reported() {
 #[test]
 fn numbers_read_back_exactly_and_infinite_ones_are_refused() {
     let values = [0.1, -0.0, 1e-310, f64::MAX, f64::MIN_POSITIVE, 1.0 / 3.0, 123456789.0, 1e22];
-    let mut mesh = TriMesh::default();
-    mesh.positions = values.iter().map(|&x| DVec3::new(x, -x, x / 7.0)).collect();
+    let positions = values.iter().map(|&x| DVec3::new(x, -x, x / 7.0)).collect();
+    let mut mesh = TriMesh::new(positions, Vec::new());
     let (again, _) = read(written(&mesh)).expect("read");
     let bits = |mesh: &TriMesh| -> Vec<[u64; 3]> {
         mesh.positions.iter().map(|p| p.to_array().map(f64::to_bits)).collect()
