@@ -22,6 +22,7 @@ mod builder;
 mod cursor;
 mod file;
 mod materials;
+mod number;
 mod parse;
 mod triangulate;
 mod write;
