@@ -18,8 +18,7 @@ const N_STEPS: usize = 10_000;
 fn chain() -> Map {
     let node = |i| format!(r#""n{i}": {{"module": "Add", "params": {{"amount": 0}}}}"#);
     let nodes: Vec<_> = (0..N_NODES).map(node).collect();
-    let links: Vec<_> =
-        (1..N_NODES).map(|i| format!("\"n{}.sum -> n{i}.a\"", i - 1)).collect();
+    let links: Vec<_> = (1..N_NODES).map(|i| format!("\"n{}.sum -> n{i}.a\"", i - 1)).collect();
     let text = format!(
         r#"{{"mve": 1, "nodes": {{{}}}, "links": [{}]}}"#,
         nodes.join(","),

@@ -6,6 +6,7 @@
 pub mod data;
 pub mod generate;
 pub mod geometry;
+pub mod io;
 pub mod measure;
 pub mod mesh;
 mod prelude;
@@ -13,7 +14,7 @@ mod prelude;
 use mve_core::{ModuleList, Registry};
 
 /// The modules of this crate, by folder.
-static LISTS: [&ModuleList; 2] = [&generate::LIST, &measure::LIST];
+static LISTS: [&ModuleList; 3] = [&generate::LIST, &io::LIST, &measure::LIST];
 
 /// All modules of this crate.
 pub fn registry() -> Registry {
