@@ -6,3 +6,4 @@
 pub mod data;
 pub mod geometry;
 pub mod mesh;
+pub mod metric;

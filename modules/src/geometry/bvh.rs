@@ -116,6 +116,11 @@ impl Bvh {
         self.triangles.len()
     }
 
+    /// The faces that can be found, in the order of the tree.
+    pub fn faces(&self) -> &[FaceId] {
+        &self.faces
+    }
+
     /// How many faces of the mesh were left out for their coordinates.
     pub fn n_left_out(&self) -> usize {
         self.n_left_out
@@ -129,11 +134,6 @@ impl Bvh {
     /// The point of the face of `hit` nearest to `point`.
     pub fn closest_point(&self, point: DVec3, hit: &Hit) -> DVec3 {
         self.triangles[hit.slot as usize].closest_point(point)
-    }
-
-    /// The squared distance from `point` to the face of `hit`, a hit of another point.
-    pub fn distance_sq_to(&self, point: DVec3, hit: &Hit) -> f64 {
-        self.triangles[hit.slot as usize].distance_sq(point)
     }
 
     /// Asks for many points, best in an order in which neighbors follow each other.
@@ -166,6 +166,11 @@ impl Walker<'_> {
     /// Starts the next query with the face of `hit`, a hit of this walker's tree.
     pub fn start_from(&mut self, hit: &Hit) {
         self.last = Some(hit.slot);
+    }
+
+    /// The squared distance from `point` to the face of `hit`, which may be of another point.
+    pub fn distance_sq_to(&self, point: DVec3, hit: &Hit) -> f64 {
+        self.bvh.triangles[hit.slot as usize].distance_sq(point)
     }
 
     /// The face nearest to `point`: `None` when the tree has no face or the point is not finite.

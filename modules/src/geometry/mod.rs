@@ -3,5 +3,8 @@
 pub mod bvh;
 mod bvh_build;
 pub mod control;
+pub mod hausdorff;
+mod hausdorff_max;
 mod morton;
 pub mod point_triangle;
+pub mod sample;

@@ -1,0 +1,68 @@
+//! How far a simplified mesh is from its original: one file a metric.
+//!
+//! Every metric takes the two meshes and yields a [`Comparison`]: named numbers with units, fields
+//! on either mesh and images, whichever of them it has.
+
+mod hausdorff;
+
+use thiserror::Error;
+
+pub use hausdorff::HausdorffMetric;
+
+use crate::data::{Field, TriMesh};
+use crate::geometry::control::{Cancelled, Control};
+
+/// A measure of how a simplified mesh differs from its original.
+pub trait Metric: Send + Sync {
+    /// Compares the two; the same meshes and options give the same result on any number of threads.
+    fn compare(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Comparison, MetricError>;
+}
+
+/// What a metric found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Comparison {
+    /// The numbers, the most important first; names are unique.
+    pub scalars: Vec<NamedScalar>,
+    /// Fields over the elements of the original.
+    pub original_fields: Vec<Field>,
+    /// Fields over the elements of the simplified mesh.
+    pub simplified_fields: Vec<Field>,
+    /// What was left out or could not be measured, as sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Comparison {
+    /// The number of this name.
+    pub fn scalar(&self, name: &str) -> Option<f64> {
+        self.scalars.iter().find(|scalar| scalar.name == name).map(|scalar| scalar.value)
+    }
+}
+
+/// A number with its name and unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedScalar {
+    /// In lower case with underscores, the name of a column: `max_relative`.
+    pub name: &'static str,
+    /// What was measured.
+    pub value: f64,
+    /// `model units`, or empty for a number without unit.
+    pub unit: &'static str,
+    /// One sentence.
+    pub doc: &'static str,
+}
+
+/// Why a metric has no result.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MetricError {
+    /// A mesh that the metric cannot measure; the message names the mesh and what was expected.
+    #[error("{0}")]
+    Input(String),
+    /// The caller ended it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
