@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::fixtures::{mesh_of, tetrahedron};
+use crate::mesh::fixtures::{self, mesh_of, tetrahedron};
 
 fn measure(a: &TriMesh, b: &TriMesh) -> Hausdorff {
     let options = HausdorffOptions { n_samples: Some(20_000), ..Default::default() };
@@ -17,15 +17,9 @@ fn square(z: f64) -> TriMesh {
     mesh_of(&corners, &[[0, 1, 2], [0, 2, 3]])
 }
 
-/// The cube from `(x, 0, 0)` to `(x + 1, 1, 1)`.
+/// The unit cube moved along x.
 fn cube(x: f64) -> TriMesh {
-    let corner = |i: u32| [x + f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)];
-    let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
-    let quads: [[u32; 4]; 6] =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let faces: Vec<[u32; 3]> =
-        quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    mesh_of(&corners, &faces)
+    fixtures::cube(DVec3::X * x)
 }
 
 #[test]

@@ -5,6 +5,8 @@ mod bvh_build;
 pub mod control;
 pub mod hausdorff;
 mod hausdorff_max;
+pub mod mesh_info;
 mod morton;
+pub mod normals;
 pub mod point_triangle;
 pub mod sample;
