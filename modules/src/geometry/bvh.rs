@@ -9,7 +9,7 @@
 //! Many queries that lie near each other go through a [`Walker`], which starts each query with the
 //! face that the one before found.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec3A, Vec4};
 
 use super::bvh_build;
 use super::control::{Cancelled, Control};
@@ -37,7 +37,7 @@ pub(super) struct Node {
 
 impl Node {
     /// Squared distances from the box of a query to the four boxes.
-    #[inline]
+    #[inline(always)]
     fn distances_sq(&self, query: &QueryBox) -> Vec4 {
         let mut sum = Vec4::ZERO;
         for axis in 0..3 {
@@ -65,11 +65,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The smallest `f32` box around a point's image, one step wider on each side: the step is far
-    /// larger than the rounding of the subtraction, so distances between boxes are never too long.
-    pub fn around(&self, point: DVec3) -> (Vec3, Vec3) {
-        let local = (point - self.center) * self.scale;
-        (local.as_vec3().map(f32::next_down), local.as_vec3().map(f32::next_up))
+    /// An `f32` box around a point's image, wider on each side by far more than the rounding of
+    /// the subtraction and of the conversion, so that distances between boxes are never too long.
+    #[inline]
+    pub fn around(&self, point: DVec3) -> (Vec3A, Vec3A) {
+        let local = ((point - self.center) * self.scale).as_vec3a();
+        let margin = local.abs() * f32::EPSILON * 2.0 + Vec3A::splat(f32::MIN_POSITIVE);
+        (local - margin, local + margin)
     }
 
     /// The frame's squared distance that is no shorter than `distance_sq`, allowing for the
@@ -194,18 +196,10 @@ impl Walker<'_> {
         let mut bound = bvh.frame.bound(best);
         let stack = &mut self.stack;
         stack.clear();
-        stack.push(Pending { distance_sq: 0.0, child: 0 });
-        while let Some(pending) = stack.pop() {
+        let mut next = Some(Pending { distance_sq: 0.0, child: 0 });
+        while let Some(pending) = next {
             if pending.distance_sq > bound {
-                continue;
-            }
-            if pending.child & LEAF != 0 {
-                let slot = pending.child & !LEAF;
-                let found = bvh.triangles[slot as usize].distance_sq(point);
-                if found < best {
-                    (best, best_slot) = (found, slot);
-                    bound = bvh.frame.bound(best);
-                }
+                next = stack.pop();
                 continue;
             }
             let node = &bvh.nodes[pending.child as usize];
@@ -214,13 +208,20 @@ impl Walker<'_> {
             let distances = distances.to_array();
             let first = stack.len();
             while near != 0 {
-                let lane = near.trailing_zeros() as usize;
+                let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
-                if node.child[lane] != EMPTY {
-                    let pending = Pending { distance_sq: distances[lane], child: node.child[lane] };
-                    push_far_first(stack, first, pending);
+                let child = node.child[lane];
+                if child & LEAF == 0 {
+                    push_far_first(stack, first, Pending { distance_sq: distances[lane], child });
+                } else if child != EMPTY && child & !LEAF != best_slot && distances[lane] <= bound {
+                    let found = bvh.triangles[(child & !LEAF) as usize].distance_sq(point);
+                    if found < best {
+                        (best, best_slot) = (found, child & !LEAF);
+                        bound = bvh.frame.bound(best);
+                    }
                 }
             }
+            next = stack.pop();
         }
         (best, best_slot)
     }
@@ -269,7 +270,7 @@ impl Walker<'_> {
             let node = &bvh.nodes[pending.child as usize];
             let mut near = node.distances_sq(&query).cmple(Vec4::splat(bound)).bitmask();
             while near != 0 {
-                let lane = near.trailing_zeros() as usize;
+                let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
                 let child = node.child[lane];
                 if child & LEAF == 0 {
@@ -304,7 +305,7 @@ impl Walker<'_> {
             let distances = candidates.boxes.distances_sq(&query);
             let mut near = distances.cmple(Vec4::splat(bound)).bitmask();
             while near != 0 {
-                let lane = near.trailing_zeros() as usize;
+                let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
                 let candidate = candidates.boxes.child[lane];
                 if candidate == EMPTY || candidate & !LEAF == slot {
@@ -340,7 +341,7 @@ fn push_far_first(stack: &mut Vec<Pending>, first: usize, pending: Pending) {
 
 impl QueryBox {
     #[inline]
-    fn new(low: Vec3, high: Vec3) -> Self {
+    fn new(low: Vec3A, high: Vec3A) -> Self {
         Self { low: low.to_array().map(Vec4::splat), high: high.to_array().map(Vec4::splat) }
     }
 }
@@ -352,7 +353,7 @@ impl Node {
     }
 
     /// Puts a box and its content into a lane.
-    pub fn set_lane(&mut self, lane: usize, low: Vec3, high: Vec3, child: u32) {
+    pub fn set_lane(&mut self, lane: usize, low: Vec3A, high: Vec3A, child: u32) {
         for axis in 0..3 {
             self.low[axis][lane] = low[axis];
             self.high[axis][lane] = high[axis];

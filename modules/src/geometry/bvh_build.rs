@@ -2,7 +2,7 @@
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3A};
 
 use super::bvh::{Bvh, EMPTY, Frame, LEAF, Node, is_usable};
 use super::control::{Cancelled, Control};
@@ -19,14 +19,14 @@ const REPORT_SIZE: usize = 2048;
 /// A face and its box in the tree's frame.
 #[derive(Clone, Copy)]
 struct Item {
-    low: Vec3,
-    high: Vec3,
+    low: Vec3A,
+    high: Vec3A,
     face: u32,
 }
 
 impl Item {
     /// Twice the center of the box.
-    fn center(&self) -> Vec3 {
+    fn center(&self) -> Vec3A {
         self.low + self.high
     }
 }
@@ -34,21 +34,21 @@ impl Item {
 /// A box that grows.
 #[derive(Clone, Copy)]
 struct Bounds {
-    low: Vec3,
-    high: Vec3,
+    low: Vec3A,
+    high: Vec3A,
 }
 
 impl Bounds {
-    const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
-    fn add(&mut self, low: Vec3, high: Vec3) {
+    fn add(&mut self, low: Vec3A, high: Vec3A) {
         self.low = self.low.min(low);
         self.high = self.high.max(high);
     }
 
     /// Half the surface area; 0 when empty.
     fn half_area(&self) -> f32 {
-        let d = (self.high - self.low).max(Vec3::ZERO);
+        let d = (self.high - self.low).max(Vec3A::ZERO);
         d.x * d.y + d.y * d.z + d.z * d.x
     }
 }
@@ -190,51 +190,59 @@ fn split(items: &mut [Item], part: Part, depth: u32) -> [Part; 2] {
     } else {
         None
     };
-    let middle = by_bins.unwrap_or_else(|| {
+    let (count, bounds) = by_bins.unwrap_or_else(|| {
         let half = slice.len() / 2;
         slice.select_nth_unstable_by(half, |a, b| {
             a.center()[axis].total_cmp(&b.center()[axis]).then(a.face.cmp(&b.face))
         });
-        half
+        (half, [bounds_of(&slice[..half]), bounds_of(&slice[half..])])
     });
-    let cut = part.start + middle;
-    [(part.start, cut), (cut, part.end)].map(|(start, end)| {
-        let bounds = bounds_of(&items[start..end]);
-        Part { start, end, bounds }
-    })
+    let cut = part.start + count;
+    let [below, above] = bounds;
+    [
+        Part { start: part.start, end: cut, bounds: below },
+        Part { start: cut, end: part.end, bounds: above },
+    ]
 }
 
-/// Reorders the items by the cheapest plane between bins; returns how many lie before it.
-fn split_by_area(slice: &mut [Item], axis: usize, low: f32, extent: f32) -> Option<usize> {
-    let per_extent = N_BINS as f32 * (1.0 - 1e-6) / extent;
+/// Reorders the items by the cheapest plane between bins; returns how many lie before it, and the
+/// boxes of both sides.
+fn split_by_area(
+    slice: &mut [Item],
+    axis: usize,
+    low: f32,
+    extent: f32,
+) -> Option<(usize, [Bounds; 2])> {
+    let n_bins = if slice.len() < 2 * N_BINS { N_BINS / 2 } else { N_BINS };
+    let per_extent = n_bins as f32 * (1.0 - 1e-6) / extent;
     let bin_of =
-        |item: &Item| (((item.center()[axis] - low) * per_extent) as usize).min(N_BINS - 1);
+        |item: &Item| (((item.center()[axis] - low) * per_extent) as i32 as usize).min(n_bins - 1);
     let mut bins = [(Bounds::EMPTY, 0usize); N_BINS];
     for item in slice.iter() {
         let (bounds, count) = &mut bins[bin_of(item)];
         bounds.add(item.low, item.high);
         *count += 1;
     }
-    let cost = |(bounds, count): (Bounds, usize)| bounds.half_area() * count as f32;
-    let mut costs_above = [0.0; N_BINS];
-    let mut above = (Bounds::EMPTY, 0);
-    for cut in (1..N_BINS).rev() {
-        above.0.add(bins[cut].0.low, bins[cut].0.high);
-        above.1 += bins[cut].1;
-        costs_above[cut] = cost(above);
+    let mut above = [(Bounds::EMPTY, 0); N_BINS];
+    for cut in (1..n_bins).rev() {
+        let mut sum = if cut + 1 < n_bins { above[cut + 1] } else { (Bounds::EMPTY, 0) };
+        sum.0.add(bins[cut].0.low, bins[cut].0.high);
+        sum.1 += bins[cut].1;
+        above[cut] = sum;
     }
+    let cost = |(bounds, count): (Bounds, usize)| bounds.half_area() * count as f32;
     let mut below = (Bounds::EMPTY, 0);
-    let mut best: Option<(f32, usize)> = None;
-    for cut in 1..N_BINS {
+    let mut best: Option<(f32, usize, [Bounds; 2])> = None;
+    for cut in 1..n_bins {
         below.0.add(bins[cut - 1].0.low, bins[cut - 1].0.high);
         below.1 += bins[cut - 1].1;
-        let total = cost(below) + costs_above[cut];
+        let total = cost(below) + cost(above[cut]);
         let is_cut = below.1 > 0 && below.1 < slice.len();
-        if is_cut && best.is_none_or(|(least, _)| total < least) {
-            best = Some((total, cut));
+        if is_cut && best.is_none_or(|(least, ..)| total < least) {
+            best = Some((total, cut, [below.0, above[cut].0]));
         }
     }
-    let (_, cut) = best?;
+    let (_, cut, bounds) = best?;
     let mut n_before = 0;
     for k in 0..slice.len() {
         if bin_of(&slice[k]) < cut {
@@ -242,7 +250,7 @@ fn split_by_area(slice: &mut [Item], axis: usize, low: f32, extent: f32) -> Opti
             n_before += 1;
         }
     }
-    (n_before > 0 && n_before < slice.len()).then_some(n_before)
+    Some((n_before, bounds))
 }
 
 #[cfg(test)]

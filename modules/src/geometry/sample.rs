@@ -43,7 +43,7 @@ impl IndexedRandom {
     /// The number at `index` from 0 up to, but not, 1.
     #[inline]
     pub fn unit(self, index: u64) -> f64 {
-        (self.bits(index) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        (self.bits(index) >> 11) as i64 as f64 * (1.0 / (1u64 << 53) as f64)
     }
 }
 
@@ -158,6 +158,10 @@ fn corners_of(mesh: &TriMesh, face: usize) -> Option<[DVec3; 3]> {
     corners.iter().all(|p| p.is_finite()).then_some(corners)
 }
 
+/// Of each of the four parts of a triangle: its corner along both sides, in halves of a side, and
+/// the factor from half the side to half that of the part. The third part is the turned one.
+const PARTS: [[f64; 3]; 4] = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [1.0, 1.0, -0.5], [0.0, 1.0, 0.5]];
+
 /// One face as a run of cells of equal area.
 #[derive(Clone, Copy, Debug, Default)]
 struct FaceCells {
@@ -173,28 +177,26 @@ impl FaceCells {
     /// The point at a place along the areas, with random bits for the place in the last cell.
     #[inline]
     fn point(&self, place: f64, bits: u64) -> DVec3 {
-        let n_cells = (1u64 << (2 * self.levels)) as f64;
+        let n_cells = f64::from(1u32 << (2 * self.levels));
         let fraction = (place - self.before) * self.per_area;
-        let index = ((fraction * n_cells) as u64).min((1u64 << (2 * self.levels)) - 1);
+        let index = ((fraction * n_cells) as u32).min((1u32 << (2 * self.levels)) - 1);
         // The cell so far is the triangle (u, v), (u + s, v), (u, v + s) for a signed side s: the
         // middle one of four equal parts is turned over, the three others are not.
-        let (mut u, mut v, mut side) = (0.0, 0.0, 1.0);
+        let (mut u, mut v, mut side) = (0.0, 0.0, 0.5);
         for level in (0..self.levels).rev() {
-            let half = 0.5 * side;
-            match (index >> (2 * level)) & 3 {
-                0 => {}
-                1 => u += half,
-                2 => (u, v) = (u + half, v + half),
-                _ => v += half,
-            }
-            side = if (index >> (2 * level)) & 3 == 2 { -half } else { half };
+            // A table, not branches: the digits are as good as random.
+            let [du, dv, turn] = PARTS[(index >> (2 * level)) as usize & 3];
+            u += du * side;
+            v += dv * side;
+            side *= turn;
         }
+        side *= 2.0;
         let per_u32 = 1.0 / f64::from(u32::MAX) / (1.0 + 1e-9);
-        let mut s = f64::from(bits as u32) * per_u32;
-        let mut t = f64::from((bits >> 32) as u32) * per_u32;
-        if s + t > 1.0 {
-            (s, t) = (1.0 - s, 1.0 - t);
-        }
+        let s = f64::from(bits as u32) * per_u32;
+        let t = f64::from((bits >> 32) as u32) * per_u32;
+        // A point of the square beyond the diagonal is turned back: 1 - s where s + t > 1.
+        let (from, sign) = if s + t > 1.0 { (1.0, -1.0) } else { (0.0, 1.0) };
+        let (s, t) = (from + sign * s, from + sign * t);
         self.a + self.ab * (u + side * s) + self.ac * (v + side * t)
     }
 }
