@@ -21,8 +21,12 @@ pub(super) const EMPTY: u32 = u32::MAX;
 /// Set in a child that is a triangle.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Points of a batch beyond this many candidate faces are asked one by one.
-const MOST_CANDIDATES: usize = 64;
+/// Points that share one walk of the tree in [`Walker::distances_sq`].
+const GROUP: usize = 32;
+/// The points of a group with more candidates than this are asked one by one: that is faster.
+const MOST_CANDIDATES: usize = 20;
+/// Groups that are asked one by one, untried, from such a group on.
+const PAUSE: u32 = 16;
 
 /// Up to four boxes, one a lane, and what is in them.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +83,11 @@ impl Frame {
     #[inline]
     fn bound(&self, distance_sq: f64) -> f32 {
         (distance_sq * (self.scale * self.scale) * (1.0 + 1e-6)) as f32 + f32::MIN_POSITIVE
+    }
+
+    /// The same of a distance, allowing for the rounding of the sum that it is.
+    fn reach(&self, distance: f64) -> f32 {
+        self.bound(distance * distance * (1.0 + 1e-12))
     }
 }
 
@@ -140,7 +149,13 @@ impl Bvh {
 
     /// Asks for many points, best in an order in which neighbors follow each other.
     pub fn walker(&self) -> Walker<'_> {
-        Walker { bvh: self, stack: Vec::with_capacity(64), last: None, candidates: Vec::new() }
+        Walker {
+            bvh: self,
+            stack: Vec::with_capacity(64),
+            last: None,
+            candidates: Candidates::default(),
+            n_pause: 0,
+        }
     }
 }
 
@@ -151,17 +166,15 @@ struct Pending {
     child: u32,
 }
 
-/// Up to four triangles that may be nearest to a point of a batch.
-struct Candidates {
-    boxes: Node,
-}
-
 /// Queries of one tree, each starting from the answer of the one before.
 pub struct Walker<'a> {
     bvh: &'a Bvh,
     stack: Vec<Pending>,
     last: Option<u32>,
-    candidates: Vec<Candidates>,
+    /// Of the group of points in work.
+    candidates: Candidates,
+    /// Groups until the next is tried as one.
+    n_pause: u32,
 }
 
 impl Walker<'_> {
@@ -227,43 +240,43 @@ impl Walker<'_> {
     }
 
     /// The squared distance of every point, in order, into `out`; the same as [`Walker::closest`]
-    /// of each, and fast when the points lie close together, about as far from each other as from
-    /// the next face. Points that are not finite and trees without faces give infinity.
+    /// of each, and faster where points that follow each other lie closer together than the faces
+    /// are wide. Points that are not finite and trees without faces give infinity.
     pub fn distances_sq(&mut self, points: &[DVec3], out: &mut Vec<f64>) {
         out.clear();
-        let is_batch = points.len() > 2 && points.iter().all(|&p| is_usable(p));
-        if !(is_batch && self.gather(points)) {
-            let each =
-                points.iter().map(|&p| self.closest(p).map_or(f64::INFINITY, |h| h.distance_sq));
-            out.extend(each);
-            return;
-        }
-        for &point in points {
-            out.push(self.scan(point));
+        for group in points.chunks(GROUP) {
+            self.n_pause = self.n_pause.saturating_sub(1);
+            let is_group = self.n_pause == 0 && group.iter().all(|&p| is_usable(p));
+            if is_group && self.group_distances_sq(group, out) {
+                continue;
+            }
+            if is_group {
+                self.n_pause = PAUSE;
+            }
+            let distance = |p: &DVec3| self.closest(*p).map_or(f64::INFINITY, |h| h.distance_sq);
+            out.extend(group.iter().map(distance));
         }
     }
 
-    /// Collects the triangles that may be nearest to one of the points; says whether they are few.
+    /// Walks the tree once for all points of a group, if few faces may be nearest to one of them:
+    /// otherwise says `false` and leaves `out` as it was.
     ///
-    /// With `c` the middle point of the batch and `r` the largest distance of the others from it,
-    /// every point has a face within `d(c) + r`: a face whose box is farther than that from the box
-    /// around the points is nearest to none.
-    fn gather(&mut self, points: &[DVec3]) -> bool {
+    /// With `c` the middle point of the group and `r` the largest distance of the others from it,
+    /// every point has a face within `d(c) + r`, and within its distance from the face nearest to
+    /// `c`: a face whose box is farther than that from the box around the points is nearest to none.
+    fn group_distances_sq(&mut self, points: &[DVec3], out: &mut Vec<f64>) -> bool {
         let middle = points[points.len() / 2];
         let Some(hit) = self.closest(middle) else { return false };
-        let (mut low, mut high) = (points[0], points[0]);
-        let mut radius_sq = 0.0f64;
-        for &point in points {
-            low = low.min(point);
-            high = high.max(point);
-            radius_sq = radius_sq.max(point.distance_squared(middle));
-        }
         let bvh = self.bvh;
-        let reach = hit.distance_sq.sqrt() + radius_sq.sqrt();
-        let bound = bvh.frame.bound(reach * reach * (1.0 + 1e-12));
-        let query = QueryBox::new(bvh.frame.around(low).0, bvh.frame.around(high).1);
+        let spread = Spread::of(points, middle);
+        let triangle = &bvh.triangles[hit.slot as usize];
+        let first = out.len();
+        out.extend(points.iter().map(|&p| triangle.distance_sq(p)));
+        let most_sq = out[first..].iter().copied().fold(0.0, f64::max);
+        let reach = (hit.distance_sq.sqrt() + spread.radius).min(most_sq.sqrt());
+        let bound = bvh.frame.reach(reach);
+        let query = spread.query(&bvh.frame);
         self.candidates.clear();
-        let mut fill = 4;
         self.stack.clear();
         self.stack.push(Pending { distance_sq: 0.0, child: 0 });
         while let Some(pending) = self.stack.pop() {
@@ -275,50 +288,96 @@ impl Walker<'_> {
                 let child = node.child[lane];
                 if child & LEAF == 0 {
                     self.stack.push(Pending { distance_sq: 0.0, child });
-                } else if child != EMPTY {
-                    if fill == 4 {
-                        self.candidates.push(Candidates { boxes: Node::empty() });
-                        fill = 0;
-                    }
-                    let last = self.candidates.len() - 1;
-                    self.candidates[last].boxes.copy_lane(fill, node, lane);
-                    fill += 1;
+                } else if child != EMPTY && child & !LEAF != hit.slot {
+                    self.candidates.push(node, lane);
                 }
             }
-            if self.candidates.len() * 4 > MOST_CANDIDATES {
+            if self.candidates.n > MOST_CANDIDATES {
+                out.truncate(first);
                 return false;
+            }
+        }
+        if self.candidates.n > 0 {
+            for (distance_sq, &point) in out[first..].iter_mut().zip(points) {
+                *distance_sq = self.candidates.nearest_sq(bvh, point, *distance_sq);
             }
         }
         true
     }
+}
 
-    /// The squared distance of a point of the batch to the nearest candidate.
+/// The box around some points, and how far they are from one of them.
+struct Spread {
+    low: DVec3,
+    high: DVec3,
+    radius: f64,
+}
+
+impl Spread {
+    fn of(points: &[DVec3], middle: DVec3) -> Self {
+        let (mut low, mut high) = (middle, middle);
+        let mut radius_sq = 0.0f64;
+        for &point in points {
+            low = low.min(point);
+            high = high.max(point);
+            radius_sq = radius_sq.max(point.distance_squared(middle));
+        }
+        Self { low, high, radius: radius_sq.sqrt() }
+    }
+
+    fn query(&self, frame: &Frame) -> QueryBox {
+        QueryBox::new(frame.around(self.low).0, frame.around(self.high).1)
+    }
+}
+
+/// Triangles that may be nearest, four boxes a node.
+#[derive(Default)]
+struct Candidates {
+    boxes: Vec<Node>,
+    n: usize,
+}
+
+impl Candidates {
+    fn clear(&mut self) {
+        self.boxes.clear();
+        self.n = 0;
+    }
+
     #[inline]
-    fn scan(&mut self, point: DVec3) -> f64 {
-        let bvh = self.bvh;
-        let mut slot = self.last.unwrap_or(0);
-        let mut best = bvh.triangles[slot as usize].distance_sq(point);
+    fn push(&mut self, node: &Node, lane: usize) {
+        if self.n & 3 == 0 {
+            self.boxes.push(Node::empty());
+        }
+        if let Some(last) = self.boxes.last_mut() {
+            last.copy_lane(self.n & 3, node, lane);
+        }
+        self.n += 1;
+    }
+
+    /// The least squared distance of these triangles, or the given one if that is less.
+    #[inline]
+    fn nearest_sq(&self, bvh: &Bvh, point: DVec3, distance_sq: f64) -> f64 {
+        let mut best = distance_sq;
         let mut bound = bvh.frame.bound(best);
         let (low, high) = bvh.frame.around(point);
         let query = QueryBox::new(low, high);
-        for candidates in &self.candidates {
-            let distances = candidates.boxes.distances_sq(&query);
+        for boxes in &self.boxes {
+            let distances = boxes.distances_sq(&query);
             let mut near = distances.cmple(Vec4::splat(bound)).bitmask();
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
-                let candidate = candidates.boxes.child[lane];
-                if candidate == EMPTY || candidate & !LEAF == slot {
+                if boxes.child[lane] == EMPTY {
                     continue;
                 }
-                let found = bvh.triangles[(candidate & !LEAF) as usize].distance_sq(point);
+                let slot = (boxes.child[lane] & !LEAF) as usize;
+                let found = bvh.triangles[slot].distance_sq(point);
                 if found < best {
-                    (best, slot) = (found, candidate & !LEAF);
+                    best = found;
                     bound = bvh.frame.bound(best);
                 }
             }
         }
-        self.last = Some(slot);
         best
     }
 }

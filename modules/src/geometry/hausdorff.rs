@@ -22,8 +22,8 @@ use crate::data::{Domain, Field, TriMesh};
 
 /// Samples of one chunk: about a millisecond of work.
 const CHUNK: usize = 8192;
-/// Samples that share one walk of the tree.
-const BATCH: usize = 16;
+/// Samples asked for at once; a multiple of what the walker takes together.
+const BATCH: usize = 256;
 /// Seeds of the streams that are not the surface samples' own.
 const EDGE_STREAM: u64 = 0x45c1_20f7_9d3b_6a8e;
 

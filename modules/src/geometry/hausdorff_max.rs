@@ -204,10 +204,67 @@ fn bounded(
     if let Some(hit) = walker.closest(center) {
         found.offer(hit.distance_sq, center);
         bound_sq = bound_sq.min(bound_by(walker, &hit));
-        // No point is farther from the center than the farthest corner is.
-        let radius_sq = corners.iter().map(|p| p.distance_squared(center)).fold(0.0, f64::max);
-        let by_center = hit.distance_sq.sqrt() + radius_sq.sqrt();
+        let by_center = covered(corners, hits.map(|h| h.distance_sq), center, hit.distance_sq);
         bound_sq = bound_sq.min(by_center * by_center);
     }
     Part { corners, hits, bound_sq }
+}
+
+/// A bound from the distances at the corners and the center alone: moving by some length changes
+/// the distance by at most that length, and no point of the third between two corners and the
+/// center is farther from all three than their [`cover_radius`].
+fn covered(corners: [DVec3; 3], corners_sq: [f64; 3], center: DVec3, center_sq: f64) -> f64 {
+    (0..3)
+        .map(|k| {
+            let next = (k + 1) % 3;
+            let known = corners_sq[k].max(corners_sq[next]).max(center_sq).sqrt();
+            known + cover_radius(corners[k], corners[next], center)
+        })
+        .fold(0.0, f64::max)
+        * (1.0 + 1e-12)
+}
+
+/// The largest distance that a point of the triangle can have from the nearest of its corners.
+///
+/// Where the angle at `c` is obtuse, as it mostly is at a center, the points equally far from `c`
+/// and from `p` meet the side `pq` at `|pc|² |pq| / (2 pc · pq)` from `p`, and those for `q` alike:
+/// these are the farthest. Otherwise half the longest side over the sine of 60° is enough, as the
+/// largest angle of a triangle that is not obtuse is between 60° and 90°.
+fn cover_radius(p: DVec3, q: DVec3, c: DVec3) -> f64 {
+    let (pq, pc, qc) = (q - p, c - p, c - q);
+    if pc.dot(qc) < 0.0 {
+        let along =
+            |from: DVec3, side: DVec3| 0.5 * from.length_squared() * pq.length() / from.dot(side);
+        let radius = along(pc, pq).max(along(qc, -pq));
+        if radius.is_finite() {
+            return radius;
+        }
+    }
+    let longest_sq = pq.length_squared().max(pc.length_squared()).max(qc.length_squared());
+    longest_sq.sqrt() / 3f64.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn any_point() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_of_a_triangle_is_covered(p in any_point(), q in any_point(), c in any_point()) {
+            let radius = cover_radius(p, q, c);
+            for i in 0..=30 {
+                for j in 0..=30 - i {
+                    let (s, t) = (f64::from(i) / 30.0, f64::from(j) / 30.0);
+                    let x = p + (q - p) * s + (c - p) * t;
+                    let nearest = x.distance(p).min(x.distance(q)).min(x.distance(c));
+                    prop_assert!(nearest <= radius * (1.0 + 1e-12), "{} {}", nearest, radius);
+                }
+            }
+        }
+    }
 }
