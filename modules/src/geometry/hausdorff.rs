@@ -228,7 +228,7 @@ fn directed(
             sums.most.offer(hit.distance_sq, from.mesh.positions[v.idx()]);
         }
     }
-    offer_edges(from, to, options, &mut sums.most);
+    offer_edges(from, to, options, &mut sums.most, control.part(0.7, 0.7))?;
     let mut max_upper_bound = None;
     if let Some(tolerance) = options.max_tolerance {
         let task = MaxSearch {
@@ -347,9 +347,15 @@ fn vertex_sums(from: &Surface, hits: &[Option<Hit>], most: Found) -> Sums {
 }
 
 /// Looks along the edges for a larger maximum.
-fn offer_edges(from: &Surface, to: &Surface, options: &HausdorffOptions, most: &mut Found) {
+fn offer_edges(
+    from: &Surface,
+    to: &Surface,
+    options: &HausdorffOptions,
+    most: &mut Found,
+    control: Control,
+) -> Result<(), Cancelled> {
     if options.n_edge_samples == 0 {
-        return;
+        return Ok(());
     }
     let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * from.bvh.n_faces());
     for face in from.bvh.faces() {
@@ -361,11 +367,17 @@ fn offer_edges(from: &Surface, to: &Surface, options: &HausdorffOptions, most: &
     let ends: Vec<[DVec3; 2]> =
         edges.iter().map(|e| e.map(|v| from.mesh.positions[v as usize])).collect();
     let points = sample_edges(&ends, options.n_edge_samples, options.seed ^ EDGE_STREAM);
-    let chunks: Vec<Sums> =
-        points.par_chunks(CHUNK).map(|chunk| chunk_sums(chunk.iter().copied(), &to.bvh)).collect();
+    let chunks: Vec<Sums> = points
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            control.at(0.0)?;
+            Ok(chunk_sums(chunk.iter().copied(), &to.bvh))
+        })
+        .collect::<Result<_, Cancelled>>()?;
     for chunk in chunks {
         most.offer(chunk.most.distance_sq, chunk.most.point);
     }
+    Ok(())
 }
 
 #[cfg(test)]

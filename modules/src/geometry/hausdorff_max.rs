@@ -5,7 +5,8 @@
 //! bound: the distance from one triangle of the target is a convex function of the point, so over
 //! a part of a face it is largest at a corner of that part, and so is the distance from the whole
 //! target at most `min over triangles t of (max over corners of distance to t)`. The triangles
-//! tried are those nearest to the corners and to the center. A part whose bound exceeds the largest
+//! tried are those nearest to the corners and to the center. Where the target is finer than the
+//! part, [`covered`] bounds better: the distance changes no faster than the point moves. A part whose bound exceeds the largest
 //! distance found so far by more than the tolerance is split in four.
 //!
 //! Parts are looked at in rounds, whose results do not depend on threads.
@@ -228,8 +229,9 @@ fn covered(corners: [DVec3; 3], corners_sq: [f64; 3], center: DVec3, center_sq: 
 ///
 /// Where the angle at `c` is obtuse, as it mostly is at a center, the points equally far from `c`
 /// and from `p` meet the side `pq` at `|pc|² |pq| / (2 pc · pq)` from `p`, and those for `q` alike:
-/// these are the farthest. Otherwise half the longest side over the sine of 60° is enough, as the
-/// largest angle of a triangle that is not obtuse is between 60° and 90°.
+/// these are the farthest. Otherwise half the longest side over the sine of 60° is enough: it is no
+/// less than the circumradius where no angle is obtuse, as the largest is then between 60° and 90°,
+/// and where another angle is obtuse the radius is at most half the longest side.
 fn cover_radius(p: DVec3, q: DVec3, c: DVec3) -> f64 {
     let (pq, pc, qc) = (q - p, c - p, c - q);
     if pc.dot(qc) < 0.0 {
