@@ -122,7 +122,7 @@ pub struct NodeRecord {
     /// Where its outputs came from, if not from running it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<CacheUse>,
-    /// Its outputs that fit a table cell.
+    /// Its outputs that fit table cells, by the name of the output or of the cell.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub scalars: IndexMap<String, Scalar>,
     /// Its other outputs, in a line each.
@@ -354,9 +354,13 @@ impl Runner<'_> {
     fn record(&self, node: &PlanNode, made: &Made, cached: Option<CacheUse>) -> NodeRecord {
         let mut record = blank(node, NodeStatus::Done);
         for (spec, value) in node.info.module.outputs.iter().zip(&made.outputs) {
-            match value.scalar() {
-                Some(scalar) => drop(record.scalars.insert(spec.name.to_owned(), scalar)),
-                None => drop(record.values.insert(spec.name.to_owned(), value.summary())),
+            let cells = value.cells();
+            if let Some(scalar) = value.scalar() {
+                record.scalars.insert(spec.name.to_owned(), scalar);
+            } else if cells.is_empty() {
+                record.values.insert(spec.name.to_owned(), value.summary());
+            } else {
+                record.scalars.extend(cells);
             }
         }
         record.seconds = cached.is_none().then_some(made.seconds);

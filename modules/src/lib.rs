@@ -4,17 +4,19 @@
 //! over it, with no ports; the other folders hold one file per module, cost, placement or metric.
 
 pub mod data;
+pub mod filters;
 pub mod generate;
 pub mod geometry;
 pub mod io;
 pub mod measure;
 pub mod mesh;
+pub mod metric;
 mod prelude;
 
 use mve_core::{ModuleList, Registry};
 
 /// The modules of this crate, by folder.
-static LISTS: [&ModuleList; 3] = [&generate::LIST, &io::LIST, &measure::LIST];
+static LISTS: [&ModuleList; 4] = [&filters::LIST, &generate::LIST, &io::LIST, &measure::LIST];
 
 /// All modules of this crate.
 pub fn registry() -> Registry {

@@ -45,8 +45,8 @@ pub struct Program {
     shared: HashSet<Fingerprint>,
     /// Input files with the fingerprints of their content.
     inputs: IndexMap<PathBuf, Fingerprint>,
-    /// Names of the nodes, in running order, with those of their outputs that fit a table cell.
-    columns: Vec<(String, Vec<&'static str>)>,
+    /// Names of the nodes, in running order.
+    nodes: Vec<String>,
 }
 
 /// One assignment of parameters, and the id of its result.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexSet;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::Program;
@@ -26,18 +27,14 @@ fn finished(program: &Program, store: &Store) -> Vec<(usize, Arc<StepRecord>)> {
 /// Header and rows: the step, what was varied, what came out, seconds, status.
 pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
     let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
-    let outputs: Vec<(&str, &str)> = program
-        .columns
-        .iter()
-        .flat_map(|(node, names)| names.iter().map(move |name| (node.as_str(), *name)))
-        .filter(|(node, name)| !program.varied.contains(&format!("{node}.{name}")))
-        .collect();
+    let records = finished(program, store);
+    let outputs = outputs(program, &records);
     let mut header = vec!["step".to_owned()];
     header.extend(has_repeats.then(|| "repeat".to_owned()));
     header.extend(program.varied.iter().cloned());
     header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
     header.push("seconds".to_owned());
-    header.extend(program.columns.iter().map(|(node, _)| format!("seconds.{node}")));
+    header.extend(program.nodes.iter().map(|node| format!("seconds.{node}")));
     header.extend(["status".to_owned(), "reason".to_owned()]);
     let row = |(place, record): &(usize, Arc<StepRecord>)| {
         let step = &program.steps[*place];
@@ -45,11 +42,11 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
         row.extend(has_repeats.then(|| step.repeat.to_string()));
         row.extend(program.varied.iter().map(|p| step.params.get(p).map_or(String::new(), word)));
         row.extend(outputs.iter().map(|(node, name)| {
-            let scalar = record.nodes.get(*node).and_then(|node| node.scalars.get(*name));
+            let scalar = record.nodes.get(node).and_then(|node| node.scalars.get(name));
             scalar.map_or(String::new(), cell)
         }));
         row.push(number(record.seconds));
-        row.extend(program.columns.iter().map(|(node, _)| {
+        row.extend(program.nodes.iter().map(|node| {
             let seconds = record.nodes.get(node).and_then(|node| node.seconds);
             seconds.map_or(String::new(), number)
         }));
@@ -57,7 +54,22 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
         row.push(record.status.reason().unwrap_or_default().to_owned());
         row
     };
-    (header, finished(program, store).iter().map(row).collect())
+    (header, records.iter().map(row).collect())
+}
+
+/// Node and name of every scalar that some step gave, in running order, but for the names of
+/// parameters that are varied. Which scalars there are may hang on a parameter: two metrics
+/// measure different things.
+fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(String, String)> {
+    let mut outputs = Vec::new();
+    for node in &program.nodes {
+        let mut names = IndexSet::new();
+        let of_node = records.iter().filter_map(|(_, record)| record.nodes.get(node));
+        of_node.for_each(|record| names.extend(record.scalars.keys()));
+        let is_output = |name: &&&String| !program.varied.contains(&format!("{node}.{name}"));
+        outputs.extend(names.iter().filter(is_output).map(|name| (node.clone(), (*name).clone())));
+    }
+    outputs
 }
 
 /// A JSON value without quotes where it is a text.

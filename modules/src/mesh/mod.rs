@@ -1,3 +1,7 @@
 //! Plain data about meshes: fixtures, adjacency, quadrics.
 
+pub mod adjacency;
 pub mod fixtures;
+#[cfg(test)]
+pub mod test_models;
+pub mod union_find;
