@@ -141,17 +141,23 @@ impl StepClaim {
 impl Store {
     /// Opens a store, making the folder if it is not there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
-        let fail = |source| StoreError::Io { path: folder.to_owned(), source };
-        fs::create_dir_all(folder).map_err(fail)?;
-        let is_store = folder.join(PLAN).exists() || folder.join("steps").is_dir();
-        if !is_store && fs::read_dir(folder).map_err(fail)?.next().is_some() {
-            return Err(StoreError::NotAStore(folder.to_owned()));
-        }
+        fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
+        refuse_other_things(folder)?;
         for part in ["steps", "claims", "work"] {
             let path = folder.join(part);
             fs::create_dir_all(&path).map_err(StoreError::at(&path))?;
         }
         Ok(Self { folder: folder.to_owned(), known: Mutex::default() })
+    }
+
+    /// Looks at a store without changing it; `None` if the folder is not there.
+    pub fn look(folder: &Path) -> Result<Option<Self>, StoreError> {
+        match fs::metadata(folder) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(StoreError::at(folder)(error)),
+            Ok(_) => refuse_other_things(folder)?,
+        }
+        Ok(Some(Self { folder: folder.to_owned(), known: Mutex::default() }))
     }
 
     /// Where it is.
@@ -315,6 +321,16 @@ impl Store {
         // Without locks the tables are still whole, and complete once the last process is done.
         let _ = lock.lock();
         work()
+    }
+}
+
+/// A store, or an empty folder that can become one.
+fn refuse_other_things(folder: &Path) -> Result<(), StoreError> {
+    let is_store = folder.join(PLAN).exists() || folder.join("steps").is_dir();
+    let mut content = fs::read_dir(folder).map_err(StoreError::at(folder))?;
+    match !is_store && content.next().is_some() {
+        true => Err(StoreError::NotAStore(folder.to_owned())),
+        false => Ok(()),
     }
 }
 

@@ -419,6 +419,18 @@ impl Program {
         tables::table(self, store)
     }
 
+    /// [`Program::table`] for reading: without ids, reasons and the seconds of single nodes, numbers
+    /// cut to five significant digits.
+    pub fn brief_table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
+        let (header, rows) = self.table(store);
+        tables::brief_table(&header, &rows)
+    }
+
+    /// The header of [`Program::table`].
+    pub fn columns(&self) -> Vec<String> {
+        tables::header(self)
+    }
+
     /// The record of a step, if the store has it.
     pub fn record(&self, store: &Store, place: usize) -> Option<Arc<StepRecord>> {
         store.record(&self.steps.get(place)?.id)

@@ -23,22 +23,35 @@ fn finished(program: &Program, store: &Store) -> Vec<(usize, Arc<StepRecord>)> {
     places.filter_map(|place| Some((place, program.record(store, place)?))).collect()
 }
 
-/// Header and rows: the step, what was varied, what came out, seconds, status.
-pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
-    let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
-    let outputs: Vec<(&str, &str)> = program
+/// Outputs that fit a table cell and were not varied: node and name.
+fn outputs(program: &Program) -> Vec<(&str, &str)> {
+    program
         .columns
         .iter()
         .flat_map(|(node, names)| names.iter().map(move |name| (node.as_str(), *name)))
         .filter(|(node, name)| !program.varied.contains(&format!("{node}.{name}")))
-        .collect();
+        .collect()
+}
+
+fn has_repeats(program: &Program) -> bool {
+    program.steps.iter().any(|step| step.repeat > 0)
+}
+
+/// The step, what was varied, what came out, seconds, status.
+pub(super) fn header(program: &Program) -> Vec<String> {
     let mut header = vec!["step".to_owned()];
-    header.extend(has_repeats.then(|| "repeat".to_owned()));
+    header.extend(has_repeats(program).then(|| "repeat".to_owned()));
     header.extend(program.varied.iter().cloned());
-    header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
+    header.extend(outputs(program).iter().map(|(node, name)| format!("{node}.{name}")));
     header.push("seconds".to_owned());
     header.extend(program.columns.iter().map(|(node, _)| format!("seconds.{node}")));
     header.extend(["status".to_owned(), "reason".to_owned()]);
+    header
+}
+
+/// The header, and a row for each finished step.
+pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
+    let (has_repeats, outputs) = (has_repeats(program), outputs(program));
     let row = |(place, record): &(usize, Arc<StepRecord>)| {
         let step = &program.steps[*place];
         let mut row = vec![step.id.clone()];
@@ -57,7 +70,21 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
         row.push(record.status.reason().unwrap_or_default().to_owned());
         row
     };
-    (header, finished(program, store).iter().map(row).collect())
+    (header(program), finished(program, store).iter().map(row).collect())
+}
+
+/// The columns of a table that a person reads first, numbers cut to five significant digits.
+pub(super) fn brief_table(
+    header: &[String],
+    rows: &[Vec<String>],
+) -> (Vec<String>, Vec<Vec<String>>) {
+    let is_shown =
+        |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
+    let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
+    let short = |cell: &String| cell.parse().map_or_else(|_| cell.clone(), brief);
+    let row = |row: &Vec<String>| shown.iter().map(|place| short(&row[*place])).collect();
+    let names = shown.iter().map(|place| header[*place].clone()).collect();
+    (names, rows.iter().map(row).collect())
 }
 
 /// A JSON value without quotes where it is a text.
@@ -132,20 +159,14 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
         failed.len(),
         crate::VERSION
     ));
-    let is_shown =
-        |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
-    let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
-    let line = |cells: &[String], short: bool| {
-        let cells = shown.iter().map(|place| {
-            let cell = &cells[*place];
-            let brief = cell.parse::<f64>().ok().filter(|_| short).map(brief);
-            brief.unwrap_or_else(|| cell.clone()).replace('|', "\\|")
-        });
-        format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+    let (header, rows) = brief_table(header, rows);
+    let line = |cells: &[String]| {
+        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
     };
-    text.push_str(&line(header, false));
-    text.push_str(&format!("|{}\n", "---|".repeat(shown.len())));
-    rows.iter().for_each(|row| text.push_str(&line(row, true)));
+    text.push_str(&line(&header));
+    text.push_str(&format!("|{}\n", "---|".repeat(header.len())));
+    rows.iter().for_each(|row| text.push_str(&line(row)));
     if !failed.is_empty() {
         text.push_str("\n## Failed steps\n\n");
         for (_, record) in failed {
