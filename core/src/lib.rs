@@ -47,7 +47,7 @@ pub use param::{
 };
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
-pub use problem::{Place, Problem, Severity};
+pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, run_program,
 };

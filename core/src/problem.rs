@@ -86,7 +86,7 @@ impl fmt::Display for Problem {
 }
 
 /// `; did you mean "…"?` where one of the candidates is close to `name`, else nothing.
-pub(crate) fn did_you_mean<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> String {
+pub fn did_you_mean<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> String {
     let lower = name.to_lowercase();
     candidates
         .map(|known| (strsim::jaro_winkler(&lower, &known.to_lowercase()), known))

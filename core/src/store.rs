@@ -30,6 +30,7 @@ use crate::run::{NodeRecord, NodeStatus};
 const WORTH_SYNC_SECONDS: f64 = 0.1;
 
 const PLAN: &str = "plan.json";
+const PARTS: [&str; 3] = ["steps", "claims", "work"];
 const RECORD: &str = "record.json";
 
 /// The folder of a program's results.
@@ -141,17 +142,23 @@ impl StepClaim {
 impl Store {
     /// Opens a store, making the folder if it is not there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
-        let fail = |source| StoreError::Io { path: folder.to_owned(), source };
-        fs::create_dir_all(folder).map_err(fail)?;
-        let is_store = folder.join(PLAN).exists() || folder.join("steps").is_dir();
-        if !is_store && fs::read_dir(folder).map_err(fail)?.next().is_some() {
-            return Err(StoreError::NotAStore(folder.to_owned()));
-        }
-        for part in ["steps", "claims", "work"] {
+        fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
+        refuse_other_things(folder)?;
+        for part in PARTS {
             let path = folder.join(part);
             fs::create_dir_all(&path).map_err(StoreError::at(&path))?;
         }
         Ok(Self { folder: folder.to_owned(), known: Mutex::default() })
+    }
+
+    /// Looks at a store without changing it; `None` if the folder is not there.
+    pub fn look(folder: &Path) -> Result<Option<Self>, StoreError> {
+        match fs::metadata(folder) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(StoreError::at(folder)(error)),
+            Ok(_) => refuse_other_things(folder)?,
+        }
+        Ok(Some(Self { folder: folder.to_owned(), known: Mutex::default() }))
     }
 
     /// Where it is.
@@ -316,6 +323,18 @@ impl Store {
         let _ = lock.lock();
         work()
     }
+}
+
+/// Refuses a folder that holds other things. One that another process is just making a store of
+/// holds nothing but parts of a store.
+fn refuse_other_things(folder: &Path) -> Result<(), StoreError> {
+    let content = fs::read_dir(folder).map_err(StoreError::at(folder))?;
+    let mut names = content.flatten().map(|entry| entry.file_name());
+    let has_others = names.any(|name| !PARTS.iter().any(|part| name == *part));
+    if has_others && !folder.join(PLAN).exists() {
+        return Err(StoreError::NotAStore(folder.to_owned()));
+    }
+    Ok(())
 }
 
 /// Whether two paths are names of one file, as far as can be told cheaply: same size and time.

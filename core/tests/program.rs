@@ -241,6 +241,23 @@ fn a_folder_with_other_things_is_not_taken() {
 }
 
 #[test]
+fn looking_at_a_store_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing");
+    assert!(Store::look(&missing).unwrap().is_none() && !missing.exists());
+    assert!(Store::look(folder.path()).unwrap().is_some());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    run_in(&missing, MAP);
+    let (program, store) = (program(MAP), Store::look(&missing).unwrap().unwrap());
+    assert!(program.record(&store, 0).is_some());
+    let (header, rows) = program.brief_table(&store);
+    // base.sum is the same in every step, and echo.text the same as echo.say.
+    assert_eq!(header, ["add.amount", "echo.say", "add.sum", "seconds", "status"]);
+    assert_eq!((rows.len(), rows[7][2].as_str()), (8, "5"));
+    assert!(matches!(Store::look(folder.path()), Err(StoreError::NotAStore(_))));
+}
+
+#[test]
 fn a_time_limit_given_by_hand_counts() {
     let folder = tempfile::tempdir().unwrap();
     let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());

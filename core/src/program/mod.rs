@@ -419,6 +419,13 @@ impl Program {
         tables::table(self, store)
     }
 
+    /// [`Program::table`] for reading: without ids, reasons, the seconds of single nodes and columns
+    /// that say nothing new, numbers cut to five significant digits.
+    pub fn brief_table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
+        let (header, rows) = self.table(store);
+        tables::brief_table(self, &header, &rows)
+    }
+
     /// The record of a step, if the store has it.
     pub fn record(&self, store: &Store, place: usize) -> Option<Arc<StepRecord>> {
         store.record(&self.steps.get(place)?.id)

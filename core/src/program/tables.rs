@@ -24,9 +24,13 @@ fn finished(program: &Program, store: &Store) -> Vec<(usize, Arc<StepRecord>)> {
     places.filter_map(|place| Some((place, program.record(store, place)?))).collect()
 }
 
+fn has_repeats(program: &Program) -> bool {
+    program.steps.iter().any(|step| step.repeat > 0)
+}
+
 /// Header and rows: the step, what was varied, what came out, seconds, status.
 pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
-    let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
+    let has_repeats = has_repeats(program);
     let records = finished(program, store);
     let outputs = outputs(program, &records);
     let mut header = vec!["step".to_owned()];
@@ -70,6 +74,32 @@ fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(Stri
         outputs.extend(names.iter().filter(is_output).map(|name| (node.clone(), (*name).clone())));
     }
     outputs
+}
+
+/// The columns of a table that a person reads first, numbers cut to five significant digits: no
+/// ids, reasons or seconds of single nodes, no output that is the same in every row or the same
+/// as the one of another column.
+pub(super) fn brief_table(
+    program: &Program,
+    header: &[String],
+    rows: &[Vec<String>],
+) -> (Vec<String>, Vec<Vec<String>>) {
+    let column = |place: usize| rows.iter().map(move |row| &row[place]);
+    let says_something = |place: usize| {
+        let name = header[place].as_str();
+        if program.varied.iter().any(|path| path == name) || ["status", "seconds"].contains(&name) {
+            return true;
+        }
+        let differs = rows.len() < 2 || column(place).any(|cell| *cell != rows[0][place]);
+        let is_new = (0..place).all(|other| column(other).ne(column(place)));
+        let is_hidden = name == "step" || name == "reason" || name.starts_with("seconds.");
+        differs && (is_new || rows.is_empty()) && !is_hidden
+    };
+    let shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
+    let short = |cell: &String| cell.parse().map_or_else(|_| cell.clone(), brief);
+    let row = |row: &Vec<String>| shown.iter().map(|place| short(&row[*place])).collect();
+    let names = shown.iter().map(|place| header[*place].clone()).collect();
+    (names, rows.iter().map(row).collect())
 }
 
 /// A JSON value without quotes where it is a text.
@@ -144,20 +174,14 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
         failed.len(),
         crate::VERSION
     ));
-    let is_shown =
-        |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
-    let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
-    let line = |cells: &[String], short: bool| {
-        let cells = shown.iter().map(|place| {
-            let cell = &cells[*place];
-            let brief = cell.parse::<f64>().ok().filter(|_| short).map(brief);
-            brief.unwrap_or_else(|| cell.clone()).replace('|', "\\|")
-        });
-        format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+    let (header, rows) = brief_table(program, header, rows);
+    let line = |cells: &[String]| {
+        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
     };
-    text.push_str(&line(header, false));
-    text.push_str(&format!("|{}\n", "---|".repeat(shown.len())));
-    rows.iter().for_each(|row| text.push_str(&line(row, true)));
+    text.push_str(&line(&header));
+    text.push_str(&format!("|{}\n", "---|".repeat(header.len())));
+    rows.iter().for_each(|row| text.push_str(&line(row)));
     if !failed.is_empty() {
         text.push_str("\n## Failed steps\n\n");
         for (_, record) in failed {
