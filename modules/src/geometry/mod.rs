@@ -1,1 +1,3 @@
 //! Algorithms as free functions over plain data; no ports.
+
+pub mod simplify;

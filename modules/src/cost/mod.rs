@@ -1,0 +1,37 @@
+//! The price of a collapse: the trait and the list of costs.
+//!
+//! A cost is asked for prices in batches, so that a costly one can use all cores, and is told of
+//! every collapse. It owns no queue, no link condition and no flip test, and must not decide
+//! anything by the order in which it is asked.
+
+pub mod edge_length;
+pub mod quadric;
+
+pub use edge_length::EdgeLength;
+pub use quadric::Quadric;
+
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, QuadricOptions, Reach};
+
+/// What a collapse costs. The engine makes the cheapest collapse first.
+///
+/// Prices are compared only with each other; a price that is not a number forbids the collapse.
+pub trait Cost: Send {
+    /// Prices every proposal of the batch: `prices[i]` for `batch[i]`, equally long.
+    ///
+    /// A pure function of the state and of each proposal alone, so that a batch may be split over
+    /// threads without changing a bit. The state is the mesh before the collapse.
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]);
+
+    /// Told of a collapse, with the state after it.
+    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+
+    /// How far from a collapse prices go stale.
+    fn reach(&self) -> Reach {
+        Reach::MERGED
+    }
+
+    /// The quadrics that the state must keep for this cost, if it reads any.
+    fn quadrics(&self) -> Option<QuadricOptions> {
+        None
+    }
+}

@@ -1,0 +1,296 @@
+//! Building the connectivity of a triangle list, and merging two vertices in it.
+//!
+//! Order of a vertex and the conditions on it follow T. K. Dey, H. Edelsbrunner, S. Guha and
+//! D. V. Nekhayev, "Topology preserving edge contraction", Publ. Inst. Math. 66, 1999.
+
+use glam::DVec3;
+
+use super::pulse::{Cancelled, Pulse};
+use super::state::{BEAT, Collapsing, NONE, flag, next_in_face, previous_in_face};
+use crate::data::TriMesh;
+
+/// Marks on vertices that are cleared all at once.
+#[derive(Debug)]
+pub(super) struct Marks {
+    stamps: Vec<u32>,
+    values: Vec<u32>,
+    now: u32,
+}
+
+impl Marks {
+    pub fn new(n: usize) -> Self {
+        Self { stamps: vec![0; n], values: vec![0; n], now: 0 }
+    }
+
+    /// Forgets every mark.
+    pub fn clear(&mut self) {
+        self.now = self.now.checked_add(1).unwrap_or_else(|| {
+            self.stamps.fill(0);
+            1
+        });
+    }
+
+    pub fn set(&mut self, vertex: u32, value: u32) {
+        self.stamps[vertex as usize] = self.now;
+        self.values[vertex as usize] = value;
+    }
+
+    pub fn get(&self, vertex: u32) -> Option<u32> {
+        (self.stamps[vertex as usize] == self.now).then(|| self.values[vertex as usize])
+    }
+
+    /// Marks a vertex; whether it was not marked before.
+    pub fn is_new(&mut self, vertex: u32) -> bool {
+        let is_new = self.stamps[vertex as usize] != self.now;
+        self.stamps[vertex as usize] = self.now;
+        is_new
+    }
+}
+
+/// What merging two vertices took away.
+#[derive(Debug, Default)]
+pub(super) struct Removed {
+    pub faces: Vec<u32>,
+    pub edges: Vec<u32>,
+}
+
+impl Collapsing {
+    /// Links the faces of a mesh. Faces that name a vertex twice or one that is not there are
+    /// left out. O(n_faces), except at vertices of very high valence.
+    pub(super) fn link(
+        mesh: &TriMesh,
+        marks: &mut Marks,
+        pulse: &mut Pulse,
+    ) -> Result<Self, Cancelled> {
+        let n_vertices = mesh.positions.len();
+        let mut faces: Vec<[u32; 3]> = mesh.faces.iter().map(|f| f.map(|v| v.0)).collect();
+        let mut n_faces = 0;
+        for face in &mut faces {
+            let [a, b, c] = *face;
+            let is_in_range = face.iter().all(|&v| (v as usize) < n_vertices);
+            if is_in_range && a != b && b != c && c != a {
+                n_faces += 1;
+            } else {
+                *face = [NONE; 3];
+            }
+        }
+        let mut first = vec![NONE; n_vertices];
+        let mut next = vec![NONE; 3 * faces.len()];
+        // Backwards, so that each list ascends.
+        for corner in (0..3 * faces.len()).rev() {
+            let vertex = faces[corner / 3][corner % 3];
+            if vertex != NONE {
+                next[corner] = first[vertex as usize];
+                first[vertex as usize] = corner as u32;
+            }
+        }
+        let mut state = Self {
+            positions: mesh.positions.clone(),
+            edge_of: vec![NONE; 3 * faces.len()],
+            faces,
+            first,
+            next,
+            edges: Vec::with_capacity(3 * n_faces / 2 + 3),
+            irregular: Vec::new(),
+            flags: vec![0; n_vertices],
+            quadrics: Vec::new(),
+            n_faces,
+        };
+        pulse.beat(n_faces)?;
+        state.number_edges(marks, pulse)?;
+        state.classify_vertices(marks, pulse)?;
+        Ok(state)
+    }
+
+    /// Numbers the edges and finds which have other than two different opposite vertices.
+    fn number_edges(&mut self, marks: &mut Marks, pulse: &mut Pulse) -> Result<(), Cancelled> {
+        // The different opposite vertices of each edge: at most two are kept, `MANY` in the first
+        // place says that there are more. Copies of a face count once.
+        const MANY: u32 = NONE - 1;
+        let mut opposite: Vec<[u32; 2]> = Vec::with_capacity(self.edges.capacity());
+        for vertex in 0..self.first.len() as u32 {
+            if vertex as usize % BEAT == 0 {
+                pulse.beat(self.n_faces)?;
+            }
+            marks.clear();
+            let mut corner = self.first[vertex as usize];
+            while corner != NONE {
+                let (after, before) = (next_in_face(corner), previous_in_face(corner));
+                for (half_edge, other, third) in [(corner, after, before), (before, before, after)]
+                {
+                    let (other, third) = (self.vertex_at(other), self.vertex_at(third));
+                    if other < vertex {
+                        continue;
+                    }
+                    let edge = marks.get(other).unwrap_or_else(|| {
+                        marks.set(other, self.edges.len() as u32);
+                        self.edges.push([vertex, other]);
+                        opposite.push([NONE; 2]);
+                        self.edges.len() as u32 - 1
+                    });
+                    self.edge_of[half_edge as usize] = edge;
+                    let seen = &mut opposite[edge as usize];
+                    if seen[0] == NONE {
+                        seen[0] = third;
+                    } else if seen[0] != third && seen[1] == NONE {
+                        seen[1] = third;
+                    } else if seen[0] != third && seen[1] != third {
+                        seen[0] = MANY;
+                    }
+                }
+                corner = self.next[corner as usize];
+            }
+        }
+        self.irregular = opposite.iter().map(|o| o[1] == NONE || o[0] == MANY).collect();
+        Ok(())
+    }
+
+    /// Finds the order of each vertex from its link, the graph of its neighbors joined by faces.
+    fn classify_vertices(&mut self, marks: &mut Marks, pulse: &mut Pulse) -> Result<(), Cancelled> {
+        let mut parents: Vec<u32> = Vec::new();
+        let mut degrees: Vec<u32> = Vec::new();
+        for vertex in 0..self.first.len() as u32 {
+            if vertex as usize % BEAT == 0 {
+                pulse.beat(self.n_faces)?;
+            }
+            marks.clear();
+            parents.clear();
+            degrees.clear();
+            let mut n_joins = 0;
+            let mut ends = [0; 2];
+            let mut n_irregular = 0;
+            let mut corner = self.first[vertex as usize];
+            while corner != NONE {
+                let before = previous_in_face(corner);
+                let mut slots = [0; 2];
+                for (slot, (other, half_edge)) in
+                    slots.iter_mut().zip([(next_in_face(corner), corner), (before, before)])
+                {
+                    let other = self.vertex_at(other);
+                    *slot = marks.get(other).unwrap_or_else(|| {
+                        let new = parents.len() as u32;
+                        marks.set(other, new);
+                        parents.push(new);
+                        degrees.push(0);
+                        if self.irregular[self.edge_of[half_edge as usize] as usize] {
+                            ends[n_irregular.min(1)] = new as usize;
+                            n_irregular += 1;
+                        }
+                        new
+                    });
+                    degrees[*slot as usize] += 1;
+                }
+                let roots = slots.map(|slot| root_of(&mut parents, slot));
+                if roots[0] != roots[1] {
+                    parents[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
+                    n_joins += 1;
+                }
+                corner = self.next[corner as usize];
+            }
+            if parents.is_empty() {
+                continue;
+            }
+            let is_connected = n_joins + 1 == parents.len();
+            self.flags[vertex as usize] = match n_irregular {
+                0 if is_connected => 0,
+                2 if is_connected && degrees[ends[0]] == degrees[ends[1]] => flag::IRREGULAR,
+                _ => flag::IRREGULAR | flag::CORNER,
+            };
+        }
+        Ok(())
+    }
+
+    /// Merges `gone` into `kept` along `edge` at `position`. The link condition must hold.
+    pub(super) fn merge(
+        &mut self,
+        edge: u32,
+        position: DVec3,
+        marks: &mut Marks,
+        removed: &mut Removed,
+    ) {
+        let [kept, gone] = self.edges[edge as usize];
+        self.find_dying(edge, marks, removed);
+        self.relink(kept, gone, marks);
+        self.flags[kept as usize] |= self.flags[gone as usize];
+        if !self.quadrics.is_empty() {
+            let to_position = |v: u32| position - self.positions[v as usize];
+            let mut sum = self.quadrics[kept as usize].shifted(to_position(kept));
+            sum.add(&self.quadrics[gone as usize].shifted(to_position(gone)));
+            self.quadrics[kept as usize] = sum;
+        }
+        self.positions[kept as usize] = position;
+    }
+
+    /// Lists and kills the faces at an edge. The third vertex of each is marked with its edge to
+    /// `kept`, which stands for the edge to `gone` too from now on.
+    fn find_dying(&mut self, edge: u32, marks: &mut Marks, removed: &mut Removed) {
+        let [kept, gone] = self.edges[edge as usize];
+        removed.faces.clear();
+        removed.edges.clear();
+        removed.edges.push(edge);
+        marks.clear();
+        let mut corner = self.first[kept as usize];
+        while corner != NONE {
+            let face = corner as usize / 3;
+            if self.faces[face].contains(&gone) && self.faces[face][0] != NONE {
+                let across = if self.vertex_at(next_in_face(corner)) == gone {
+                    previous_in_face(corner)
+                } else {
+                    next_in_face(corner)
+                };
+                let third = self.vertex_at(across);
+                let (out, into) = (across, previous_in_face(across));
+                let (to_kept, to_gone) = if self.vertex_at(next_in_face(across)) == kept {
+                    (self.edge_of[out as usize], self.edge_of[into as usize])
+                } else {
+                    (self.edge_of[into as usize], self.edge_of[out as usize])
+                };
+                if marks.is_new(third) {
+                    marks.set(third, to_kept);
+                    removed.edges.push(to_gone);
+                    self.irregular[to_kept as usize] |= self.irregular[to_gone as usize];
+                }
+                removed.faces.push(face as u32);
+            }
+            corner = self.next[corner as usize];
+        }
+        for &face in &removed.faces {
+            self.faces[face as usize] = [NONE; 3];
+        }
+        self.n_faces -= removed.faces.len();
+    }
+
+    /// Gives the faces around `gone` to `kept`, as marked by [`Self::find_dying`].
+    fn relink(&mut self, kept: u32, gone: u32, marks: &Marks) {
+        let mut corner = self.first[gone as usize];
+        self.first[gone as usize] = NONE;
+        while corner != NONE {
+            let next = self.next[corner as usize];
+            if self.faces[corner as usize / 3][0] != NONE {
+                self.faces[corner as usize / 3][corner as usize % 3] = kept;
+                let (after, before) = (next_in_face(corner), previous_in_face(corner));
+                for (half_edge, other) in [(corner, after), (before, before)] {
+                    let other = self.vertex_at(other);
+                    match marks.get(other) {
+                        Some(edge) => self.edge_of[half_edge as usize] = edge,
+                        None => {
+                            self.edges[self.edge_of[half_edge as usize] as usize] = [kept, other];
+                        }
+                    }
+                }
+                self.next[corner as usize] = self.first[kept as usize];
+                self.first[kept as usize] = corner;
+            }
+            corner = next;
+        }
+    }
+}
+
+fn root_of(parents: &mut [u32], mut slot: u32) -> u32 {
+    while parents[slot as usize] != slot {
+        let up = parents[parents[slot as usize] as usize];
+        parents[slot as usize] = up;
+        slot = up;
+    }
+    slot
+}

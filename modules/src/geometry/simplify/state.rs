@@ -1,0 +1,224 @@
+//! The mesh in the making: what the engine changes and costs and placements read.
+//!
+//! Faces are triples of vertices; the corners at a vertex form a linked list, so that any list of
+//! triangles fits, manifold or not. Corner `3 f + k` is corner `k` of face `f`, and also stands
+//! for the half-edge from that corner to the next. About 130 bytes a face, with quadrics.
+
+use glam::DVec3;
+
+use super::pulse::{Cancelled, Pulse};
+use super::{Boundary, QuadricOptions};
+use crate::data::{FaceId, TriMesh, VertexId};
+use crate::mesh::quadric::Quadric;
+
+/// The end of a list of corners, and the first vertex of a face that is gone.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Elements between two looks at the clock while the state is built.
+pub(super) const BEAT: usize = 1024;
+
+/// Facts about a vertex that hold for the whole run, because collapses keep the topology.
+pub(super) mod flag {
+    /// Its link is not one closed cycle: on a border, a non-manifold edge or a bow tie.
+    pub const IRREGULAR: u8 = 1;
+    /// Where such places meet: its neighborhood is not that of a point within one line of them.
+    pub const CORNER: u8 = 2;
+    /// It must not move.
+    pub const LOCKED: u8 = 4;
+    /// An edge at it was put off and waits for the neighborhood to change.
+    pub const PARKED: u8 = 8;
+}
+
+/// The mesh in the making.
+///
+/// A collapse merges the vertex `gone` into `kept`; ids of vertices and faces are those of the
+/// input throughout.
+#[derive(Debug)]
+pub struct Collapsing {
+    pub(super) positions: Vec<DVec3>,
+    pub(super) faces: Vec<[u32; 3]>,
+    /// First corner of each vertex.
+    pub(super) first: Vec<u32>,
+    /// The corner after each corner at the same vertex. Corners of dead faces may stay in the
+    /// lists of vertices that were opposite to a collapsed edge; walks pass over them.
+    pub(super) next: Vec<u32>,
+    /// The edge of each half-edge.
+    pub(super) edge_of: Vec<u32>,
+    /// The two ends of each edge.
+    pub(super) edges: Vec<[u32; 2]>,
+    /// One bit an edge: whether it has other than two different opposite vertices.
+    pub(super) irregular: Vec<bool>,
+    /// Bits of [`flag`], one byte a vertex.
+    pub(super) flags: Vec<u8>,
+    pub(super) quadrics: Vec<Quadric>,
+    pub(super) n_faces: usize,
+}
+
+/// The corner after `corner` in its face.
+pub(super) fn next_in_face(corner: u32) -> u32 {
+    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+}
+
+/// The corner before `corner` in its face.
+pub(super) fn previous_in_face(corner: u32) -> u32 {
+    if corner % 3 == 0 { corner + 2 } else { corner - 1 }
+}
+
+impl Collapsing {
+    /// How many faces are left.
+    pub fn n_faces(&self) -> usize {
+        self.n_faces
+    }
+
+    /// How many vertices the input has: one more than the largest id.
+    pub fn n_vertices(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Where a vertex is now.
+    pub fn position(&self, vertex: VertexId) -> DVec3 {
+        self.positions[vertex.idx()]
+    }
+
+    /// The corners of a face in its order; `None` once it is gone.
+    pub fn face(&self, face: FaceId) -> Option<[VertexId; 3]> {
+        let corners = self.faces[face.idx()];
+        (corners[0] != NONE).then(|| corners.map(VertexId))
+    }
+
+    /// The faces around a vertex that are left, in an order that depends only on the input.
+    pub fn faces_around(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
+        self.corners_around(vertex.0).map(|corner| FaceId(corner / 3))
+    }
+
+    /// The quadric of a vertex about its position; zero unless a part asked for quadrics.
+    pub fn quadric(&self, vertex: VertexId) -> Quadric {
+        self.quadrics.get(vertex.idx()).copied().unwrap_or_default()
+    }
+
+    /// The sum of the quadrics of two vertices, about the position of `kept`.
+    pub fn merged_quadric(&self, kept: VertexId, gone: VertexId) -> Quadric {
+        let to_kept = self.position(kept) - self.position(gone);
+        let mut sum = self.quadric(gone).shifted(to_kept);
+        sum.add(&self.quadric(kept));
+        sum
+    }
+
+    /// The corners at a vertex whose face is left.
+    pub(super) fn corners_around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let start = self.first[vertex as usize];
+        std::iter::successors((start != NONE).then_some(start), |&corner| {
+            let next = self.next[corner as usize];
+            (next != NONE).then_some(next)
+        })
+        .filter(|&corner| self.faces[corner as usize / 3][0] != NONE)
+    }
+
+    /// The vertex at a corner.
+    pub(super) fn vertex_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3][corner as usize % 3]
+    }
+
+    /// Squared length of an edge; 0 where that is not a number.
+    pub(super) fn length_squared(&self, edge: u32) -> f32 {
+        let [from, to] = self.edges[edge as usize].map(|v| self.positions[v as usize]);
+        (from.distance_squared(to) as f32).max(0.0)
+    }
+
+    /// The faces that are left, with the vertices that they use, both in the order of the input.
+    pub(super) fn into_mesh(self, _input: &TriMesh) -> TriMesh {
+        let mut new_ids = vec![NONE; self.positions.len()];
+        let alive = || self.faces.iter().filter(|face| face[0] != NONE);
+        for &v in alive().flatten() {
+            new_ids[v as usize] = 0;
+        }
+        let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
+        for (new_id, &position) in new_ids.iter_mut().zip(&self.positions) {
+            if *new_id == 0 {
+                *new_id = positions.len() as u32;
+                positions.push(position);
+            }
+        }
+        let faces = alive().map(|face| face.map(|v| VertexId(new_ids[v as usize]))).collect();
+        TriMesh::new(positions, faces)
+    }
+
+    /// Unlinks the corners of dead faces from the list of a vertex and counts the rest, up to
+    /// `limit`; `None` when there are more.
+    pub(super) fn prune(&mut self, vertex: u32, limit: usize) -> Option<usize> {
+        let mut previous = NONE;
+        let mut corner = self.first[vertex as usize];
+        let mut n_alive = 0;
+        while corner != NONE {
+            let next = self.next[corner as usize];
+            if self.faces[corner as usize / 3][0] != NONE {
+                n_alive += 1;
+                if n_alive > limit {
+                    return None;
+                }
+                previous = corner;
+            } else if previous == NONE {
+                self.first[vertex as usize] = next;
+            } else {
+                self.next[previous as usize] = next;
+            }
+            corner = next;
+        }
+        Some(n_alive)
+    }
+
+    /// Sums the quadrics of all vertices, each about its own position.
+    ///
+    /// A face gives each corner a third of its area (a common factor that changes no order); a
+    /// border edge gives both ends the plane through it at a right angle to its face, weighted by
+    /// its squared length.
+    pub(super) fn sum_quadrics(
+        &mut self,
+        options: QuadricOptions,
+        boundary: Boundary,
+        pulse: &mut Pulse,
+    ) -> Result<(), Cancelled> {
+        self.quadrics = vec![Quadric::default(); self.positions.len()];
+        for face in 0..self.faces.len() {
+            if face % BEAT == 0 {
+                pulse.beat(self.n_faces)?;
+            }
+            let corners = self.faces[face];
+            if corners[0] == NONE {
+                continue;
+            }
+            let [a, b, c] = corners.map(|v| self.positions[v as usize]);
+            let twice_area = (b - a).cross(c - a);
+            let length = twice_area.length();
+            let normal = twice_area / length;
+            if !normal.is_finite() {
+                continue;
+            }
+            // The plane goes through all three corners, so each has it at offset zero.
+            let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
+            for v in corners {
+                self.quadrics[v as usize].add(&plane);
+            }
+            if boundary == Boundary::Weighted {
+                self.add_border_planes(face, normal, options.boundary_weight);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_border_planes(&mut self, face: usize, normal: DVec3, weight: f64) {
+        for k in 0..3 {
+            if !self.irregular[self.edge_of[3 * face + k] as usize] {
+                continue;
+            }
+            let ends = [self.faces[face][k], self.faces[face][(k + 1) % 3]];
+            let [from, to] = ends.map(|v| self.positions[v as usize]);
+            let along = to - from;
+            let Some(across) = along.cross(normal).try_normalize() else { continue };
+            let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
+            for v in ends {
+                self.quadrics[v as usize].add(&plane);
+            }
+        }
+    }
+}

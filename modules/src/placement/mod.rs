@@ -1,0 +1,35 @@
+//! Where the vertex of a collapse goes: the trait and the list of placements.
+//!
+//! A placement proposes up to three positions; the cost prices each and the cheapest that passes
+//! the engine's tests wins, the first proposed among equals.
+
+pub mod endpoint;
+pub mod midpoint;
+pub mod optimal;
+
+pub use endpoint::Endpoint;
+pub use midpoint::Midpoint;
+pub use optimal::Optimal;
+
+use crate::data::VertexId;
+use crate::geometry::simplify::{Candidates, Collapse, Collapsing, QuadricOptions, Reach};
+
+/// Proposes positions for the vertex that an edge becomes.
+pub trait Placement: Send {
+    /// Puts out the candidates for merging `kept` and `gone`. A pure function of the state.
+    fn propose(&self, state: &Collapsing, kept: VertexId, gone: VertexId, out: &mut Candidates);
+
+    /// Told of a collapse, with the state after it.
+    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+
+    /// How far from a collapse proposals go stale.
+    fn reach(&self) -> Reach {
+        Reach::MERGED
+    }
+
+    /// The quadrics that the state must keep for this placement, if it reads any. Where the cost
+    /// asks for quadrics too, the cost's options hold for both.
+    fn quadrics(&self) -> Option<QuadricOptions> {
+        None
+    }
+}
