@@ -30,6 +30,13 @@ pub trait Cost: Send {
         Reach::MERGED
     }
 
+    /// Whether the price of a position never falls by a collapse nearby. Where the placement says
+    /// the same, an edge is priced again only when it comes up, which changes no result and
+    /// saves most of the work.
+    fn only_grows(&self) -> bool {
+        false
+    }
+
     /// The quadrics that the state must keep for this cost, if it reads any.
     fn quadrics(&self) -> Option<QuadricOptions> {
         None

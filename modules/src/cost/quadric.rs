@@ -31,6 +31,11 @@ impl Cost for Quadric {
         }
     }
 
+    // Quadrics only gain planes, and none of them is ever negative.
+    fn only_grows(&self) -> bool {
+        true
+    }
+
     fn quadrics(&self) -> Option<QuadricOptions> {
         Some(self.options)
     }

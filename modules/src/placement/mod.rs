@@ -27,6 +27,12 @@ pub trait Placement: Send {
         Reach::MERGED
     }
 
+    /// Whether the least price among the candidates never falls by a collapse nearby, given a cost
+    /// of which that holds for every position; see [`Cost::only_grows`](crate::cost::Cost).
+    fn only_grows(&self) -> bool {
+        false
+    }
+
     /// The quadrics that the state must keep for this placement, if it reads any. Where the cost
     /// asks for quadrics too, the cost's options hold for both.
     fn quadrics(&self) -> Option<QuadricOptions> {

@@ -35,6 +35,11 @@ impl Placement for Optimal {
         out.push(from + quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
     }
 
+    // The minimum of a sum is at least that of a part, and the sums only gain parts.
+    fn only_grows(&self) -> bool {
+        true
+    }
+
     fn quadrics(&self) -> Option<QuadricOptions> {
         Some(self.options)
     }

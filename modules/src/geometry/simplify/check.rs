@@ -56,7 +56,7 @@ impl Collapsing {
                     }
                 }
             }
-            corner = self.next[corner as usize];
+            corner = self.next_at(corner);
         }
         let mut corner = self.first[gone as usize];
         while corner != NONE {
@@ -69,19 +69,19 @@ impl Collapsing {
                     _ => {}
                 }
             }
-            corner = self.next[corner as usize];
+            corner = self.next_at(corner);
         }
         true
     }
 
     fn are_irregular(&self, half_edge: u32, other: u32) -> bool {
-        let is_irregular = |h: u32| self.irregular[self.edge_of[h as usize] as usize];
+        let is_irregular = |h: u32| self.irregular[self.edge_at(h) as usize];
         is_irregular(half_edge) && is_irregular(other)
     }
 
     fn has_face(&self, vertex: u32, x: u32, y: u32) -> bool {
         self.corners_around(vertex).any(|corner| {
-            let face = &self.faces[corner as usize / 3];
+            let face = &self.face_at(corner).vertices;
             face.contains(&x) && face.contains(&y)
         })
     }
@@ -100,7 +100,7 @@ impl Collapsing {
         while corner != NONE {
             let x = self.vertex_at(next_in_face(corner));
             let y = self.vertex_at(previous_in_face(corner));
-            corner = self.next[corner as usize];
+            corner = self.next_at(corner);
             if x == other || y == other || x == NONE {
                 continue;
             }

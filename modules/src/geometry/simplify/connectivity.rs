@@ -5,8 +5,9 @@
 
 use glam::DVec3;
 
+use super::order::Order;
 use super::pulse::{Cancelled, Pulse};
-use super::state::{BEAT, Collapsing, NONE, flag, next_in_face, previous_in_face};
+use super::state::{BEAT, Collapsing, Face, NONE, flag, next_in_face, previous_in_face};
 use crate::data::TriMesh;
 
 /// Marks on vertices that are cleared all at once.
@@ -62,39 +63,40 @@ impl Collapsing {
         marks: &mut Marks,
         pulse: &mut Pulse,
     ) -> Result<Self, Cancelled> {
+        let order = Order::along_curve(mesh, pulse)?;
         let n_vertices = mesh.positions.len();
-        let mut faces: Vec<[u32; 3]> = mesh.faces.iter().map(|f| f.map(|v| v.0)).collect();
-        let mut n_faces = 0;
-        for face in &mut faces {
-            let [a, b, c] = *face;
-            let is_in_range = face.iter().all(|&v| (v as usize) < n_vertices);
-            if is_in_range && a != b && b != c && c != a {
-                n_faces += 1;
-            } else {
-                *face = [NONE; 3];
-            }
+        let mut new_ids = vec![0; n_vertices];
+        for (new, &old) in order.vertices.iter().enumerate() {
+            new_ids[old as usize] = new as u32;
         }
+        let mut n_faces = 0;
+        let link = |&input: &u32| {
+            let [a, b, c] =
+                mesh.faces[input as usize].map(|v| new_ids.get(v.idx()).copied().unwrap_or(NONE));
+            let is_triangle = a != b && b != c && c != a && ![a, b, c].contains(&NONE);
+            n_faces += usize::from(is_triangle);
+            let vertices = if is_triangle { [a, b, c] } else { [NONE; 3] };
+            Face { vertices, next: [NONE; 3], edges: [NONE; 3] }
+        };
+        let mut faces: Vec<Face> = order.faces.iter().map(link).collect();
         let mut first = vec![NONE; n_vertices];
-        let mut next = vec![NONE; 3 * faces.len()];
         // Backwards, so that each list ascends.
-        for corner in (0..3 * faces.len()).rev() {
-            let vertex = faces[corner / 3][corner % 3];
-            if vertex != NONE {
-                next[corner] = first[vertex as usize];
-                first[vertex as usize] = corner as u32;
+        for (f, face) in faces.iter_mut().enumerate().rev().filter(|(_, face)| !face.is_dead()) {
+            for k in (0..3).rev() {
+                let first = &mut first[face.vertices[k] as usize];
+                face.next[k] = std::mem::replace(first, (3 * f + k) as u32);
             }
         }
         let mut state = Self {
-            positions: mesh.positions.clone(),
-            edge_of: vec![NONE; 3 * faces.len()],
+            positions: order.vertices.iter().map(|&v| mesh.positions[v as usize]).collect(),
             faces,
             first,
-            next,
             edges: Vec::with_capacity(3 * n_faces / 2 + 3),
             irregular: Vec::new(),
             flags: vec![0; n_vertices],
             quadrics: Vec::new(),
             n_faces,
+            order,
         };
         pulse.beat(n_faces)?;
         state.number_edges(marks, pulse)?;
@@ -128,7 +130,7 @@ impl Collapsing {
                         opposite.push([NONE; 2]);
                         self.edges.len() as u32 - 1
                     });
-                    self.edge_of[half_edge as usize] = edge;
+                    self.set_edge(half_edge, edge);
                     let seen = &mut opposite[edge as usize];
                     if seen[0] == NONE {
                         seen[0] = third;
@@ -138,7 +140,7 @@ impl Collapsing {
                         seen[0] = MANY;
                     }
                 }
-                corner = self.next[corner as usize];
+                corner = self.next_at(corner);
             }
         }
         self.irregular = opposite.iter().map(|o| o[1] == NONE || o[0] == MANY).collect();
@@ -172,7 +174,7 @@ impl Collapsing {
                         marks.set(other, new);
                         parents.push(new);
                         degrees.push(0);
-                        if self.irregular[self.edge_of[half_edge as usize] as usize] {
+                        if self.irregular[self.edge_at(half_edge) as usize] {
                             ends[n_irregular.min(1)] = new as usize;
                             n_irregular += 1;
                         }
@@ -185,7 +187,7 @@ impl Collapsing {
                     parents[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
                     n_joins += 1;
                 }
-                corner = self.next[corner as usize];
+                corner = self.next_at(corner);
             }
             if parents.is_empty() {
                 continue;
@@ -232,7 +234,7 @@ impl Collapsing {
         let mut corner = self.first[kept as usize];
         while corner != NONE {
             let face = corner as usize / 3;
-            if self.faces[face].contains(&gone) && self.faces[face][0] != NONE {
+            if self.faces[face].vertices.contains(&gone) && !self.faces[face].is_dead() {
                 let across = if self.vertex_at(next_in_face(corner)) == gone {
                     previous_in_face(corner)
                 } else {
@@ -241,9 +243,9 @@ impl Collapsing {
                 let third = self.vertex_at(across);
                 let (out, into) = (across, previous_in_face(across));
                 let (to_kept, to_gone) = if self.vertex_at(next_in_face(across)) == kept {
-                    (self.edge_of[out as usize], self.edge_of[into as usize])
+                    (self.edge_at(out), self.edge_at(into))
                 } else {
-                    (self.edge_of[into as usize], self.edge_of[out as usize])
+                    (self.edge_at(into), self.edge_at(out))
                 };
                 if marks.is_new(third) {
                     marks.set(third, to_kept);
@@ -252,10 +254,10 @@ impl Collapsing {
                 }
                 removed.faces.push(face as u32);
             }
-            corner = self.next[corner as usize];
+            corner = self.next_at(corner);
         }
         for &face in &removed.faces {
-            self.faces[face as usize] = [NONE; 3];
+            self.faces[face as usize].vertices = [NONE; 3];
         }
         self.n_faces -= removed.faces.len();
     }
@@ -265,20 +267,21 @@ impl Collapsing {
         let mut corner = self.first[gone as usize];
         self.first[gone as usize] = NONE;
         while corner != NONE {
-            let next = self.next[corner as usize];
-            if self.faces[corner as usize / 3][0] != NONE {
-                self.faces[corner as usize / 3][corner as usize % 3] = kept;
+            let next = self.next_at(corner);
+            if !self.face_at(corner).is_dead() {
+                self.faces[corner as usize / 3].vertices[corner as usize % 3] = kept;
                 let (after, before) = (next_in_face(corner), previous_in_face(corner));
                 for (half_edge, other) in [(corner, after), (before, before)] {
                     let other = self.vertex_at(other);
                     match marks.get(other) {
-                        Some(edge) => self.edge_of[half_edge as usize] = edge,
+                        Some(edge) => self.set_edge(half_edge, edge),
                         None => {
-                            self.edges[self.edge_of[half_edge as usize] as usize] = [kept, other];
+                            let edge = self.edge_at(half_edge);
+                            self.edges[edge as usize] = [kept, other];
                         }
                     }
                 }
-                self.next[corner as usize] = self.first[kept as usize];
+                self.set_next(corner, self.first[kept as usize]);
                 self.first[kept as usize] = corner;
             }
             corner = next;

@@ -18,6 +18,10 @@ use crate::placement::Placement;
 /// while it takes less than a millisecond; that changes no price.
 const BATCH: std::ops::RangeInclusive<usize> = 16..=4096;
 
+/// A bit beside the number of the candidate: the price on the queue is that of an earlier state,
+/// and not above the one of now.
+const STALE: u8 = 0x80;
+
 /// Waiting edges at a neighbor of the merged vertex are looked at up to this valence.
 const MAX_WAKE_VALENCE: usize = 1024;
 
@@ -27,6 +31,8 @@ pub(super) struct Engine<'a> {
     queue: Queue,
     /// Which candidate of each edge is on the queue.
     choices: Vec<u8>,
+    /// Whether edges are priced again only when they come up.
+    is_lazy: bool,
     cost: &'a mut dyn Cost,
     placement: &'a mut dyn Placement,
     reach: Reach,
@@ -85,6 +91,7 @@ impl<'a> Engine<'a> {
             largest_cost: None,
         };
         Ok(Self {
+            is_lazy: cost.only_grows() && placement.only_grows(),
             reach: cost.reach().max(placement.reach()),
             state,
             queue: Queue::new(n_edges),
@@ -99,7 +106,7 @@ impl<'a> Engine<'a> {
         })
     }
 
-    pub fn run(mut self, mesh: &TriMesh) -> Result<Simplified, Cancelled> {
+    pub fn run(mut self) -> Result<Simplified, Cancelled> {
         let target = self.statistics.target_faces;
         let is_reached = |n_faces: usize| target.is_some_and(|target| n_faces <= target);
         if is_reached(self.state.n_faces) {
@@ -113,6 +120,12 @@ impl<'a> Engine<'a> {
                 break;
             }
             self.pulse.beat(self.state.n_faces)?;
+            if self.choices[entry.edge as usize] & STALE != 0 {
+                self.scratch.edges.clear();
+                self.scratch.edges.push(entry.edge);
+                self.price_edges(Queue::set);
+                continue;
+            }
             self.attempt(entry);
             if is_reached(self.state.n_faces) {
                 self.statistics.outcome = Outcome::TargetReached;
@@ -121,7 +134,7 @@ impl<'a> Engine<'a> {
         }
         self.pulse.call(self.state.n_faces)?;
         self.statistics.n_faces = self.state.n_faces;
-        Ok(Simplified { mesh: self.state.into_mesh(mesh), statistics: self.statistics })
+        Ok(Simplified { mesh: self.state.into_mesh(), statistics: self.statistics })
     }
 
     /// Prices every edge.
@@ -265,6 +278,16 @@ impl<'a> Engine<'a> {
         let largest = &mut self.statistics.largest_cost;
         *largest = Some(largest.map_or(entry.price, |price| price.max(entry.price)));
         self.find_stale(kept.0);
+        if self.is_lazy {
+            let (queue, choices) = (&self.queue, &mut self.choices);
+            self.scratch.edges.retain(|&edge| {
+                let is_queued = queue.contains(edge);
+                if is_queued {
+                    choices[edge as usize] |= STALE;
+                }
+                !is_queued
+            });
+        }
         self.price_edges(Queue::set);
     }
 
@@ -288,10 +311,10 @@ impl<'a> Engine<'a> {
                         let other = self.state.vertex_at(other);
                         if self.marks.is_new(other) {
                             ring.push(other);
-                            edges.push(self.state.edge_of[half_edge as usize]);
+                            edges.push(self.state.edge_at(half_edge));
                         } else if vertex != merged {
                             // An edge between vertices that are both known; sorted out below.
-                            edges.push(self.state.edge_of[half_edge as usize]);
+                            edges.push(self.state.edge_at(half_edge));
                         }
                     }
                 }
@@ -308,7 +331,7 @@ impl<'a> Engine<'a> {
             self.state.flags[vertex as usize] &= !flag::PARKED;
             for corner in self.state.corners_around(vertex) {
                 for half_edge in [corner, previous_in_face(corner)] {
-                    let edge = self.state.edge_of[half_edge as usize];
+                    let edge = self.state.edge_at(half_edge);
                     if !self.queue.contains(edge) {
                         edges.push(edge);
                     }

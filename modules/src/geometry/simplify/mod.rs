@@ -19,6 +19,7 @@
 mod check;
 mod connectivity;
 mod engine;
+mod order;
 mod pulse;
 mod queue;
 mod state;
@@ -195,5 +196,5 @@ pub fn simplify(
     options: SimplifyOptions,
     watch: Watch,
 ) -> Result<Simplified, Cancelled> {
-    engine::Engine::new(mesh, cost, placement, options, watch)?.run(mesh)
+    engine::Engine::new(mesh, cost, placement, options, watch)?.run()
 }

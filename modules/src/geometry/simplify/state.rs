@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::order::Order;
 use super::pulse::{Cancelled, Pulse};
 use super::{Boundary, QuadricOptions};
 use crate::data::{FaceId, TriMesh, VertexId};
@@ -31,19 +32,15 @@ pub(super) mod flag {
 
 /// The mesh in the making.
 ///
-/// A collapse merges the vertex `gone` into `kept`; ids of vertices and faces are those of the
-/// input throughout.
+/// A collapse merges the vertex `gone` into `kept`; ids of vertices and faces stay the same
+/// throughout. They are the engine's own, in an order that suits memory: ask
+/// [`Collapsing::input_vertex`] and [`Collapsing::input_face`] for those of the input.
 #[derive(Debug)]
 pub struct Collapsing {
     pub(super) positions: Vec<DVec3>,
-    pub(super) faces: Vec<[u32; 3]>,
+    pub(super) faces: Vec<Face>,
     /// First corner of each vertex.
     pub(super) first: Vec<u32>,
-    /// The corner after each corner at the same vertex. Corners of dead faces may stay in the
-    /// lists of vertices that were opposite to a collapsed edge; walks pass over them.
-    pub(super) next: Vec<u32>,
-    /// The edge of each half-edge.
-    pub(super) edge_of: Vec<u32>,
     /// The two ends of each edge.
     pub(super) edges: Vec<[u32; 2]>,
     /// One bit an edge: whether it has other than two different opposite vertices.
@@ -52,6 +49,25 @@ pub struct Collapsing {
     pub(super) flags: Vec<u8>,
     pub(super) quadrics: Vec<Quadric>,
     pub(super) n_faces: usize,
+    pub(super) order: Order,
+}
+
+/// A face and its links.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    /// The vertices; the first is [`NONE`] once the face is gone.
+    pub vertices: [u32; 3],
+    /// The corner after each corner at the same vertex. Corners of dead faces may stay in the
+    /// lists of vertices that were opposite to a collapsed edge; walks pass over them.
+    pub next: [u32; 3],
+    /// The edge of each half-edge.
+    pub edges: [u32; 3],
+}
+
+impl Face {
+    pub fn is_dead(&self) -> bool {
+        self.vertices[0] == NONE
+    }
 }
 
 /// The corner after `corner` in its face.
@@ -70,6 +86,16 @@ impl Collapsing {
         self.n_faces
     }
 
+    /// The id that a vertex has in the input.
+    pub fn input_vertex(&self, vertex: VertexId) -> VertexId {
+        VertexId(self.order.vertices[vertex.idx()])
+    }
+
+    /// The id that a face has in the input.
+    pub fn input_face(&self, face: FaceId) -> FaceId {
+        FaceId(self.order.faces[face.idx()])
+    }
+
     /// How many vertices the input has: one more than the largest id.
     pub fn n_vertices(&self) -> usize {
         self.positions.len()
@@ -82,8 +108,8 @@ impl Collapsing {
 
     /// The corners of a face in its order; `None` once it is gone.
     pub fn face(&self, face: FaceId) -> Option<[VertexId; 3]> {
-        let corners = self.faces[face.idx()];
-        (corners[0] != NONE).then(|| corners.map(VertexId))
+        let face = &self.faces[face.idx()];
+        (!face.is_dead()).then(|| face.vertices.map(VertexId))
     }
 
     /// The faces around a vertex that are left, in an order that depends only on the input.
@@ -108,15 +134,38 @@ impl Collapsing {
     pub(super) fn corners_around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         let start = self.first[vertex as usize];
         std::iter::successors((start != NONE).then_some(start), |&corner| {
-            let next = self.next[corner as usize];
+            let next = self.next_at(corner);
             (next != NONE).then_some(next)
         })
-        .filter(|&corner| self.faces[corner as usize / 3][0] != NONE)
+        .filter(|&corner| !self.face_at(corner).is_dead())
     }
 
     /// The vertex at a corner.
     pub(super) fn vertex_at(&self, corner: u32) -> u32 {
-        self.faces[corner as usize / 3][corner as usize % 3]
+        self.faces[corner as usize / 3].vertices[corner as usize % 3]
+    }
+
+    /// The corner after a corner at the same vertex.
+    pub(super) fn next_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3].next[corner as usize % 3]
+    }
+
+    /// The edge of the half-edge from a corner.
+    pub(super) fn edge_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3].edges[corner as usize % 3]
+    }
+
+    /// The face of a corner.
+    pub(super) fn face_at(&self, corner: u32) -> &Face {
+        &self.faces[corner as usize / 3]
+    }
+
+    pub(super) fn set_next(&mut self, corner: u32, next: u32) {
+        self.faces[corner as usize / 3].next[corner as usize % 3] = next;
+    }
+
+    pub(super) fn set_edge(&mut self, corner: u32, edge: u32) {
+        self.faces[corner as usize / 3].edges[corner as usize % 3] = edge;
     }
 
     /// Squared length of an edge; 0 where that is not a number.
@@ -126,20 +175,34 @@ impl Collapsing {
     }
 
     /// The faces that are left, with the vertices that they use, both in the order of the input.
-    pub(super) fn into_mesh(self, _input: &TriMesh) -> TriMesh {
-        let mut new_ids = vec![NONE; self.positions.len()];
-        let alive = || self.faces.iter().filter(|face| face[0] != NONE);
-        for &v in alive().flatten() {
-            new_ids[v as usize] = 0;
-        }
-        let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
-        for (new_id, &position) in new_ids.iter_mut().zip(&self.positions) {
-            if *new_id == 0 {
-                *new_id = positions.len() as u32;
-                positions.push(position);
+    pub(super) fn into_mesh(self) -> TriMesh {
+        // By the input's ids: first where each vertex is now, then its id in the result.
+        let mut alive = vec![NONE; self.order.faces.len()];
+        let mut here = vec![NONE; self.positions.len()];
+        for (face, &input) in self.faces.iter().zip(&self.order.faces) {
+            if !face.is_dead() {
+                alive[input as usize] = 0;
+                for &v in &face.vertices {
+                    here[self.order.vertices[v as usize] as usize] = v;
+                }
             }
         }
-        let faces = alive().map(|face| face.map(|v| VertexId(new_ids[v as usize]))).collect();
+        let mut new_ids = vec![NONE; self.positions.len()];
+        let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
+        for &v in here.iter().filter(|&&v| v != NONE) {
+            new_ids[v as usize] = positions.len() as u32;
+            positions.push(self.positions[v as usize]);
+        }
+        for (face, &input) in self.order.faces.iter().enumerate() {
+            if alive[input as usize] != NONE {
+                alive[input as usize] = face as u32;
+            }
+        }
+        let faces = alive
+            .iter()
+            .filter(|&&face| face != NONE)
+            .map(|&face| self.faces[face as usize].vertices.map(|v| VertexId(new_ids[v as usize])))
+            .collect();
         TriMesh::new(positions, faces)
     }
 
@@ -150,8 +213,8 @@ impl Collapsing {
         let mut corner = self.first[vertex as usize];
         let mut n_alive = 0;
         while corner != NONE {
-            let next = self.next[corner as usize];
-            if self.faces[corner as usize / 3][0] != NONE {
+            let next = self.next_at(corner);
+            if !self.face_at(corner).is_dead() {
                 n_alive += 1;
                 if n_alive > limit {
                     return None;
@@ -160,7 +223,7 @@ impl Collapsing {
             } else if previous == NONE {
                 self.first[vertex as usize] = next;
             } else {
-                self.next[previous as usize] = next;
+                self.set_next(previous, next);
             }
             corner = next;
         }
@@ -183,7 +246,7 @@ impl Collapsing {
             if face % BEAT == 0 {
                 pulse.beat(self.n_faces)?;
             }
-            let corners = self.faces[face];
+            let corners = self.faces[face].vertices;
             if corners[0] == NONE {
                 continue;
             }
@@ -208,10 +271,10 @@ impl Collapsing {
 
     fn add_border_planes(&mut self, face: usize, normal: DVec3, weight: f64) {
         for k in 0..3 {
-            if !self.irregular[self.edge_of[3 * face + k] as usize] {
+            if !self.irregular[self.faces[face].edges[k] as usize] {
                 continue;
             }
-            let ends = [self.faces[face][k], self.faces[face][(k + 1) % 3]];
+            let ends = [self.faces[face].vertices[k], self.faces[face].vertices[(k + 1) % 3]];
             let [from, to] = ends.map(|v| self.positions[v as usize]);
             let along = to - from;
             let Some(across) = along.cross(normal).try_normalize() else { continue };
