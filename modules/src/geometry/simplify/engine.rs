@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::attributes::{Attributes, SeamRule};
 use super::connectivity::{Marks, Removed};
 use super::pulse::{Cancelled, Pulse, Watch};
 use super::queue::{Entry, Queue};
@@ -27,7 +28,9 @@ const MAX_WAKE_VALENCE: usize = 1024;
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {
+    mesh: &'a TriMesh,
     state: Collapsing,
+    attributes: Attributes,
     queue: Queue,
     /// Which candidate of each edge is on the queue.
     choices: Vec<u8>,
@@ -58,7 +61,7 @@ struct Scratch {
 
 impl<'a> Engine<'a> {
     pub fn new(
-        mesh: &TriMesh,
+        mesh: &'a TriMesh,
         cost: &'a mut dyn Cost,
         placement: &'a mut dyn Placement,
         options: SimplifyOptions,
@@ -67,8 +70,11 @@ impl<'a> Engine<'a> {
         let mut pulse = Pulse::new(watch);
         let mut marks = Marks::new(mesh.positions.len());
         let mut state = Collapsing::link(mesh, &mut marks, &mut pulse)?;
+        let attributes = Attributes::new(mesh, &state, options.seams);
+        pulse.beat(state.n_faces)?;
         if let Some(quadrics) = cost.quadrics().or(placement.quadrics()) {
-            state.sum_quadrics(quadrics, options.boundary, &mut pulse)?;
+            let is_seam = attributes.seam_edges(&state);
+            state.sum_quadrics(quadrics, options.boundary, &is_seam, &mut pulse)?;
         }
         if options.boundary == Boundary::Locked {
             for flags in &mut state.flags {
@@ -93,6 +99,8 @@ impl<'a> Engine<'a> {
         Ok(Self {
             is_lazy: cost.only_grows() && placement.only_grows(),
             reach: cost.reach().max(placement.reach()),
+            mesh,
+            attributes,
             state,
             queue: Queue::new(n_edges),
             choices: vec![0; n_edges],
@@ -121,8 +129,11 @@ impl<'a> Engine<'a> {
             }
             self.pulse.beat(self.state.n_faces)?;
             if self.choices[entry.edge as usize] & STALE != 0 {
+                // Those that come up next go along: their loads from memory overlap.
+                let choices = &self.choices;
+                let is_stale = |&edge: &u32| choices[edge as usize] & STALE != 0;
                 self.scratch.edges.clear();
-                self.scratch.edges.push(entry.edge);
+                self.scratch.edges.extend(self.queue.near_head().filter(is_stale));
                 self.price_edges(Queue::set);
                 continue;
             }
@@ -134,7 +145,10 @@ impl<'a> Engine<'a> {
         }
         self.pulse.call(self.state.n_faces)?;
         self.statistics.n_faces = self.state.n_faces;
-        Ok(Simplified { mesh: self.state.into_mesh(), statistics: self.statistics })
+        Ok(Simplified {
+            mesh: self.state.into_mesh(self.mesh, self.attributes),
+            statistics: self.statistics,
+        })
     }
 
     /// Prices every edge.
@@ -169,10 +183,10 @@ impl<'a> Engine<'a> {
         scratch.batch.clear();
         scratch.origins.clear();
         for &edge in &scratch.edges {
-            let candidates = propose(&self.state, self.placement, edge);
+            let candidates = propose(&self.state, &self.attributes, self.placement, edge);
             if candidates.as_slice().is_empty() {
                 self.statistics.n_rejected_boundary += 1;
-                self.queue.remove(edge);
+                park(&mut self.state, &mut self.queue, edge);
             }
             let [kept, gone] = self.state.edges[edge as usize].map(VertexId);
             for (choice, &position) in candidates.as_slice().iter().enumerate() {
@@ -209,7 +223,7 @@ impl<'a> Engine<'a> {
     /// Tries the collapse at the head of the queue.
     fn attempt(&mut self, entry: Entry) {
         let edge = entry.edge;
-        let candidates = propose(&self.state, self.placement, edge);
+        let candidates = propose(&self.state, &self.attributes, self.placement, edge);
         let choice = self.choices[edge as usize];
         let Some(&position) = candidates.as_slice().get(choice as usize) else {
             park(&mut self.state, &mut self.queue, edge);
@@ -264,6 +278,7 @@ impl<'a> Engine<'a> {
         let [kept, gone] = self.state.edges[entry.edge as usize].map(VertexId);
         let before = [self.state.position(kept), self.state.position(gone)];
         let scratch = &mut self.scratch;
+        self.attributes.merge(&self.state, entry.edge, position);
         self.state.merge(entry.edge, position, &mut self.marks, &mut scratch.removed);
         for &edge in &scratch.removed.edges {
             self.queue.remove(edge);
@@ -344,7 +359,12 @@ impl<'a> Engine<'a> {
 }
 
 /// The candidates that the boundary policy leaves.
-fn propose(state: &Collapsing, placement: &dyn Placement, edge: u32) -> Candidates {
+fn propose(
+    state: &Collapsing,
+    attributes: &Attributes,
+    placement: &dyn Placement,
+    edge: u32,
+) -> Candidates {
     let mut candidates = Candidates::default();
     let [kept, gone] = state.edges[edge as usize];
     let [at_kept, at_gone] = [kept, gone].map(|v| state.positions[v as usize]);
@@ -352,7 +372,11 @@ fn propose(state: &Collapsing, placement: &dyn Placement, edge: u32) -> Candidat
         return candidates;
     }
     let is_locked = |v: u32| state.flags[v as usize] & flag::LOCKED != 0;
-    match (is_locked(kept), is_locked(gone)) {
+    let rule = attributes.seam_rule(state, edge);
+    let stays_kept = is_locked(kept) || rule == SeamRule::OnlyAtKept;
+    let stays_gone = is_locked(gone) || rule == SeamRule::OnlyAtGone;
+    match (stays_kept, stays_gone) {
+        _ if rule == SeamRule::Nowhere => {}
         (false, false) => placement.propose(state, VertexId(kept), VertexId(gone), &mut candidates),
         (true, false) => candidates.push(at_kept),
         (false, true) => candidates.push(at_gone),

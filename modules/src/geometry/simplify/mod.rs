@@ -16,6 +16,7 @@
 //!
 //! Time O(n log n) for n faces at bounded valence; see the bench `simplify`.
 
+mod attributes;
 mod check;
 mod connectivity;
 mod engine;
@@ -24,6 +25,8 @@ mod pulse;
 mod queue;
 mod state;
 mod stop;
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 
@@ -42,6 +45,8 @@ pub struct SimplifyOptions {
     pub stop: Stop,
     /// What may happen to borders and non-manifold edges. Default [`Boundary::Weighted`].
     pub boundary: Boundary,
+    /// What may happen to the seams of texture coordinates. Default [`Seams::Kept`].
+    pub seams: Seams,
     /// The largest turn of a face's normal in one collapse, in radians; `None` is no test.
     /// Default 75°.
     pub flip_angle_rad: Option<f64>,
@@ -52,6 +57,7 @@ impl Default for SimplifyOptions {
         Self {
             stop: Stop::default(),
             boundary: Boundary::default(),
+            seams: Seams::default(),
             flip_angle_rad: Some(75_f64.to_radians()),
         }
     }
@@ -70,11 +76,23 @@ pub enum Boundary {
     Locked,
 }
 
+/// What may happen where a vertex has several texture coordinates (a layer of two numbers over
+/// corners).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Seams {
+    /// A seam simplifies only along itself; other vertices may merge into one on it.
+    #[default]
+    Kept,
+    /// Seams hold nothing up, and the texture may be pulled across them.
+    Free,
+}
+
 /// Which planes the quadrics of the state sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadricOptions {
     /// Weight of the plane on a border edge relative to a face of the same size, under
-    /// [`Boundary::Weighted`]. Default 10.
+    /// [`Boundary::Weighted`], and of the two on an edge of a seam under [`Seams::Kept`].
+    /// Default 10.
     pub boundary_weight: f64,
 }
 
@@ -179,7 +197,7 @@ pub struct Statistics {
     pub n_rejected_link: usize,
     /// Attempts that would have turned a face too far or made it degenerate.
     pub n_rejected_flip: usize,
-    /// Edges that the boundary policy or a coordinate that is not finite forbids.
+    /// Edges that the boundary policy, seams or a coordinate that is not finite forbids.
     pub n_rejected_boundary: usize,
     /// Price of the dearest collapse made, if there was one.
     pub largest_cost: Option<f64>,

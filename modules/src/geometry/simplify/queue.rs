@@ -16,11 +16,11 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    #[inline]
     fn is_before(&self, other: &Self) -> bool {
-        if self.price != other.price {
-            return self.price < other.price;
-        }
-        (self.length_squared, self.edge) < (other.length_squared, other.edge)
+        self.price < other.price
+            || (self.price == other.price
+                && (self.length_squared, self.edge) < (other.length_squared, other.edge))
     }
 }
 
@@ -43,6 +43,11 @@ impl Queue {
     /// The first entry.
     pub fn first(&self) -> Option<Entry> {
         self.heap.first().copied()
+    }
+
+    /// The edges near the head, those of the topmost levels of the heap.
+    pub fn near_head(&self) -> impl Iterator<Item = u32> + '_ {
+        self.heap.iter().take(1 + ARITY + ARITY * ARITY).map(|entry| entry.edge)
     }
 
     /// Whether the edge is on the queue.
@@ -112,17 +117,20 @@ impl Queue {
     /// Moves `entry` from the hole `at` towards the leaves.
     fn sink(&mut self, mut at: usize, entry: Entry) {
         loop {
-            let children = at * ARITY + 1..(at * ARITY + 1 + ARITY).min(self.heap.len());
-            let least = children.reduce(|least, child| {
-                if self.heap[child].is_before(&self.heap[least]) { child } else { least }
-            });
-            match least {
-                Some(child) if self.heap[child].is_before(&entry) => {
-                    self.put(at, self.heap[child]);
-                    at = child;
+            let start = at * ARITY + 1;
+            let end = (start + ARITY).min(self.heap.len());
+            let Some(children) = self.heap.get(start..end) else { break };
+            let mut least = (entry, at);
+            for (child, place) in children.iter().zip(start..) {
+                if child.is_before(&least.0) {
+                    least = (*child, place);
                 }
-                _ => break,
             }
+            if least.1 == at {
+                break;
+            }
+            self.put(at, least.0);
+            at = least.1;
         }
         self.put(at, entry);
     }

@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::attributes::Attributes;
 use super::order::Order;
 use super::pulse::{Cancelled, Pulse};
 use super::{Boundary, QuadricOptions};
@@ -175,7 +176,7 @@ impl Collapsing {
     }
 
     /// The faces that are left, with the vertices that they use, both in the order of the input.
-    pub(super) fn into_mesh(self) -> TriMesh {
+    pub(super) fn into_mesh(self, input: &TriMesh, attributes: Attributes) -> TriMesh {
         // By the input's ids: first where each vertex is now, then its id in the result.
         let mut alive = vec![NONE; self.order.faces.len()];
         let mut here = vec![NONE; self.positions.len()];
@@ -189,7 +190,8 @@ impl Collapsing {
         }
         let mut new_ids = vec![NONE; self.positions.len()];
         let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
-        for &v in here.iter().filter(|&&v| v != NONE) {
+        here.retain(|&v| v != NONE);
+        for &v in &here {
             new_ids[v as usize] = positions.len() as u32;
             positions.push(self.positions[v as usize]);
         }
@@ -198,12 +200,13 @@ impl Collapsing {
                 alive[input as usize] = face as u32;
             }
         }
+        alive.retain(|&face| face != NONE);
         let faces = alive
             .iter()
-            .filter(|&&face| face != NONE)
             .map(|&face| self.faces[face as usize].vertices.map(|v| VertexId(new_ids[v as usize])))
             .collect();
-        TriMesh::new(positions, faces)
+        let layers = attributes.into_layers(input, &here, &alive);
+        TriMesh { positions, faces, layers, materials: input.materials.clone() }
     }
 
     /// Unlinks the corners of dead faces from the list of a vertex and counts the rest, up to
@@ -234,11 +237,14 @@ impl Collapsing {
     ///
     /// A face gives each corner a third of its area (a common factor that changes no order); a
     /// border edge gives both ends the plane through it at a right angle to its face, weighted by
-    /// its squared length.
+    /// its squared length; so does each face at an edge of which `is_seam` says so (M. Garland and
+    /// P. S. Heckbert, "Simplifying surfaces with color and texture using quadric error metrics",
+    /// IEEE Visualization 1998, section 5).
     pub(super) fn sum_quadrics(
         &mut self,
         options: QuadricOptions,
         boundary: Boundary,
+        is_seam: &[bool],
         pulse: &mut Pulse,
     ) -> Result<(), Cancelled> {
         self.quadrics = vec![Quadric::default(); self.positions.len()];
@@ -262,26 +268,27 @@ impl Collapsing {
             for v in corners {
                 self.quadrics[v as usize].add(&plane);
             }
-            if boundary == Boundary::Weighted {
-                self.add_border_planes(face, normal, options.boundary_weight);
+            for k in 0..3 {
+                let edge = self.faces[face].edges[k] as usize;
+                let is_border = boundary == Boundary::Weighted && self.irregular[edge];
+                if is_border || is_seam.get(edge).copied().unwrap_or(false) {
+                    self.add_border_plane(face, k, normal, options.boundary_weight);
+                }
             }
         }
         Ok(())
     }
 
-    fn add_border_planes(&mut self, face: usize, normal: DVec3, weight: f64) {
-        for k in 0..3 {
-            if !self.irregular[self.faces[face].edges[k] as usize] {
-                continue;
-            }
-            let ends = [self.faces[face].vertices[k], self.faces[face].vertices[(k + 1) % 3]];
-            let [from, to] = ends.map(|v| self.positions[v as usize]);
-            let along = to - from;
-            let Some(across) = along.cross(normal).try_normalize() else { continue };
-            let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
-            for v in ends {
-                self.quadrics[v as usize].add(&plane);
-            }
+    /// Adds the plane through edge `k` of a face at a right angle to it.
+    fn add_border_plane(&mut self, face: usize, k: usize, normal: DVec3, weight: f64) {
+        let Face { vertices, .. } = self.faces[face];
+        let ends = [vertices[k], vertices[(k + 1) % 3]];
+        let [from, to] = ends.map(|v| self.positions[v as usize]);
+        let along = to - from;
+        let Some(across) = along.cross(normal).try_normalize() else { return };
+        let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
+        for v in ends {
+            self.quadrics[v as usize].add(&plane);
         }
     }
 }
