@@ -22,6 +22,7 @@ pub struct Quadric {
 impl Quadric {
     /// Squared distance to the plane of unit normal `normal` that lies `offset` along it from the
     /// origin, times `weight`.
+    #[inline]
     pub fn from_plane(normal: DVec3, offset: f64, weight: f64) -> Self {
         let DVec3 { x, y, z } = normal;
         let w = normal * weight;
@@ -33,6 +34,7 @@ impl Quadric {
     }
 
     /// Adds another quadric about the same origin.
+    #[inline]
     pub fn add(&mut self, other: &Self) {
         for (mine, theirs) in self.a.iter_mut().zip(other.a) {
             *mine += theirs;
@@ -42,22 +44,26 @@ impl Quadric {
     }
 
     /// The same function about an origin moved by `by`: `shifted(by).at(d) == at(d + by)`.
+    #[inline]
     pub fn shifted(&self, by: DVec3) -> Self {
         let a_by = self.times(by);
         Self { a: self.a, b: self.b + a_by, c: self.c + by.dot(a_by + 2.0 * self.b) }
     }
 
     /// The value at an offset from the origin. Rounding may make it slightly negative.
+    #[inline]
     pub fn at(&self, d: DVec3) -> f64 {
         d.dot(self.times(d) + 2.0 * self.b) + self.c
     }
 
     /// Sum of the weights of its planes: the trace of `A`, because each normal has length 1.
+    #[inline]
     pub fn weight(&self) -> f64 {
         self.a[0] + self.a[3] + self.a[5]
     }
 
     /// `A d`.
+    #[inline]
     fn times(&self, d: DVec3) -> DVec3 {
         let [xx, xy, xz, yy, yz, zz] = self.a;
         DVec3::new(
@@ -74,6 +80,7 @@ impl Quadric {
     /// direction whose eigenvalue is λ keeps `(ε / (λ + ε))³` of its distance to the minimum: it
     /// is solved exactly where λ ≫ ε and not moved where λ ≪ ε, so that a flat area or a straight
     /// crease needs no case of its own. `None` where there is no finite answer (no planes).
+    #[inline]
     pub fn minimum_near(&self, start: DVec3, stiffness: f64) -> Option<DVec3> {
         let eps = stiffness * self.weight();
         let [xx, xy, xz, yy, yz, zz] = self.a;

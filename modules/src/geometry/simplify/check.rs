@@ -87,7 +87,7 @@ impl Collapsing {
     }
 
     /// Whether merging the ends of an edge at `position` turns a face that stays by more than the
-    /// angle of this cosine, or makes it degenerate when it was better before.
+    /// angle of this cosine, or makes it degenerate; a face that is degenerate already may do anything.
     pub(super) fn turns_a_face(&self, edge: u32, position: DVec3, least_cosine: f64) -> bool {
         let [kept, gone] = self.edges[edge as usize];
         self.turns_around(kept, gone, position, least_cosine)
@@ -108,23 +108,14 @@ impl Collapsing {
             let old = (x - from).cross(y - from);
             let new = (x - position).cross(y - position);
             let (old_square, new_square) = (old.length_squared(), new.length_squared());
-            let shape = |square: f64, at: DVec3| {
+            let opposite = (x - y).length_squared();
+            let is_sound = |square: f64, at: DVec3| {
                 let longest = (x - at).length_squared().max((y - at).length_squared());
-                square / longest.max((x - y).length_squared()).powi(2)
+                square >= DEGENERATE * longest.max(opposite).powi(2)
             };
-            let new_shape = shape(new_square, position);
             // Written so that a number that is not one counts as bad.
-            let is_sound = new_shape >= DEGENERATE;
-            if !is_sound {
-                let is_no_worse = new_shape >= shape(old_square, from);
-                if is_no_worse {
-                    continue;
-                }
-                return true;
-            }
-            if shape(old_square, from) >= DEGENERATE
-                && new.dot(old) < least_cosine * (old_square * new_square).sqrt()
-            {
+            let is_turned = !(new.dot(old) >= least_cosine * (old_square * new_square).sqrt());
+            if (is_turned || !is_sound(new_square, position)) && is_sound(old_square, from) {
                 return true;
             }
         }

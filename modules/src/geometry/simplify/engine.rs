@@ -292,22 +292,18 @@ impl<'a> Engine<'a> {
         self.statistics.n_collapses += 1;
         let largest = &mut self.statistics.largest_cost;
         *largest = Some(largest.map_or(entry.price, |price| price.max(entry.price)));
-        self.find_stale(kept.0);
-        if self.is_lazy {
-            let (queue, choices) = (&self.queue, &mut self.choices);
-            self.scratch.edges.retain(|&edge| {
-                let is_queued = queue.contains(edge);
-                if is_queued {
-                    choices[edge as usize] |= STALE;
-                }
-                !is_queued
-            });
+        if self.is_lazy && self.reach == Reach::MERGED {
+            self.mark_stale(kept.0);
+        } else {
+            self.find_stale(kept.0);
         }
+        self.wake_parked(kept.0);
+        self.scratch.edges.sort_unstable();
+        self.scratch.edges.dedup();
         self.price_edges(Queue::set);
     }
 
-    /// Lists the edges to price again after a merge: those within reach, and those that were put
-    /// off at a neighbor.
+    /// Lists the edges within reach of a merge.
     fn find_stale(&mut self, merged: u32) {
         let Scratch { edges, ring, .. } = &mut self.scratch;
         edges.clear();
@@ -336,8 +332,40 @@ impl<'a> Engine<'a> {
             }
             from = to;
         }
+    }
+
+    /// Marks the prices of the edges at the merged vertex as stale, and lists those that were put
+    /// off, to be priced at once.
+    fn mark_stale(&mut self, merged: u32) {
+        let Scratch { edges, ring, .. } = &mut self.scratch;
+        edges.clear();
+        ring.clear();
+        let mut corner = self.state.first[merged as usize];
+        while corner != NONE {
+            let before = previous_in_face(corner);
+            for (half_edge, other) in [(corner, next_in_face(corner)), (before, before)] {
+                let edge = self.state.edge_at(half_edge);
+                let other = self.state.vertex_at(other);
+                if other == NONE {
+                    continue;
+                }
+                self.choices[edge as usize] |= STALE;
+                if !self.queue.contains(edge) {
+                    edges.push(edge);
+                }
+                if self.state.flags[other as usize] & flag::PARKED != 0 {
+                    ring.push(other);
+                }
+            }
+            corner = self.state.next_at(corner);
+        }
+    }
+
+    /// Adds the edges that were put off at the neighbors of the merged vertex.
+    fn wake_parked(&mut self, merged: u32) {
+        let Scratch { edges, ring, .. } = &mut self.scratch;
         self.state.flags[merged as usize] &= !flag::PARKED;
-        for &vertex in &ring[1..] {
+        for &vertex in ring.iter() {
             if self.state.flags[vertex as usize] & flag::PARKED == 0
                 || self.state.prune(vertex, MAX_WAKE_VALENCE).is_none()
             {
@@ -353,8 +381,6 @@ impl<'a> Engine<'a> {
                 }
             }
         }
-        edges.sort_unstable();
-        edges.dedup();
     }
 }
 

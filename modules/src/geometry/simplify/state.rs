@@ -103,6 +103,7 @@ impl Collapsing {
     }
 
     /// Where a vertex is now.
+    #[inline]
     pub fn position(&self, vertex: VertexId) -> DVec3 {
         self.positions[vertex.idx()]
     }
@@ -119,11 +120,13 @@ impl Collapsing {
     }
 
     /// The quadric of a vertex about its position; zero unless a part asked for quadrics.
+    #[inline]
     pub fn quadric(&self, vertex: VertexId) -> Quadric {
         self.quadrics.get(vertex.idx()).copied().unwrap_or_default()
     }
 
     /// The sum of the quadrics of two vertices, about the position of `kept`.
+    #[inline]
     pub fn merged_quadric(&self, kept: VertexId, gone: VertexId) -> Quadric {
         let to_kept = self.position(kept) - self.position(gone);
         let mut sum = self.quadric(gone).shifted(to_kept);
@@ -142,21 +145,25 @@ impl Collapsing {
     }
 
     /// The vertex at a corner.
+    #[inline]
     pub(super) fn vertex_at(&self, corner: u32) -> u32 {
         self.faces[corner as usize / 3].vertices[corner as usize % 3]
     }
 
     /// The corner after a corner at the same vertex.
+    #[inline]
     pub(super) fn next_at(&self, corner: u32) -> u32 {
         self.faces[corner as usize / 3].next[corner as usize % 3]
     }
 
     /// The edge of the half-edge from a corner.
+    #[inline]
     pub(super) fn edge_at(&self, corner: u32) -> u32 {
         self.faces[corner as usize / 3].edges[corner as usize % 3]
     }
 
     /// The face of a corner.
+    #[inline]
     pub(super) fn face_at(&self, corner: u32) -> &Face {
         &self.faces[corner as usize / 3]
     }
