@@ -135,9 +135,7 @@ impl Attributes {
         let [kept, gone] = state.edges[edge as usize];
         let [from, to] = [kept, gone].map(|v| state.positions[v as usize]);
         let at = parameter(from, to, position);
-        if let Some([kept, gone]) =
-            self.on_seam.get_disjoint_mut([kept as usize, gone as usize]).ok()
-        {
+        if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
             *kept |= *gone;
         }
         for layer in &mut self.layers {

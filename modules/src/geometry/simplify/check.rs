@@ -113,8 +113,8 @@ impl Collapsing {
                 let longest = (x - at).length_squared().max((y - at).length_squared());
                 square >= DEGENERATE * longest.max(opposite).powi(2)
             };
-            // Written so that a number that is not one counts as bad.
-            let is_turned = !(new.dot(old) >= least_cosine * (old_square * new_square).sqrt());
+            // What is no number is not sound, so it need not count as turned.
+            let is_turned = new.dot(old) < least_cosine * (old_square * new_square).sqrt();
             if (is_turned || !is_sound(new_square, position)) && is_sound(old_square, from) {
                 return true;
             }

@@ -13,37 +13,40 @@ use crate::data::TriMesh;
 /// Marks on vertices that are cleared all at once.
 #[derive(Debug)]
 pub(super) struct Marks {
-    stamps: Vec<u32>,
-    values: Vec<u32>,
+    /// When each vertex was marked, and with what.
+    marks: Vec<(u32, u32)>,
     now: u32,
 }
 
 impl Marks {
     pub fn new(n: usize) -> Self {
-        Self { stamps: vec![0; n], values: vec![0; n], now: 0 }
+        Self { marks: vec![(0, 0); n], now: 0 }
     }
 
     /// Forgets every mark.
     pub fn clear(&mut self) {
         self.now = self.now.checked_add(1).unwrap_or_else(|| {
-            self.stamps.fill(0);
+            self.marks.fill((0, 0));
             1
         });
     }
 
+    #[inline]
     pub fn set(&mut self, vertex: u32, value: u32) {
-        self.stamps[vertex as usize] = self.now;
-        self.values[vertex as usize] = value;
+        self.marks[vertex as usize] = (self.now, value);
     }
 
+    #[inline]
     pub fn get(&self, vertex: u32) -> Option<u32> {
-        (self.stamps[vertex as usize] == self.now).then(|| self.values[vertex as usize])
+        let (when, value) = self.marks[vertex as usize];
+        (when == self.now).then_some(value)
     }
 
     /// Marks a vertex; whether it was not marked before.
+    #[inline]
     pub fn is_new(&mut self, vertex: u32) -> bool {
-        let is_new = self.stamps[vertex as usize] != self.now;
-        self.stamps[vertex as usize] = self.now;
+        let is_new = self.marks[vertex as usize].0 != self.now;
+        self.marks[vertex as usize].0 = self.now;
         is_new
     }
 }
@@ -111,7 +114,7 @@ impl Collapsing {
         const MANY: u32 = NONE - 1;
         let mut opposite: Vec<[u32; 2]> = Vec::with_capacity(self.edges.capacity());
         for vertex in 0..self.first.len() as u32 {
-            if vertex as usize % BEAT == 0 {
+            if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
             marks.clear();
@@ -152,7 +155,7 @@ impl Collapsing {
         let mut parents: Vec<u32> = Vec::new();
         let mut degrees: Vec<u32> = Vec::new();
         for vertex in 0..self.first.len() as u32 {
-            if vertex as usize % BEAT == 0 {
+            if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
             marks.clear();

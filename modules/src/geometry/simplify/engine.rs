@@ -203,8 +203,7 @@ impl<'a> Engine<'a> {
             let mut best = (f64::NAN, 0);
             while let Some(&(same, choice)) = scratch.origins.get(at).filter(|o| o.0 == edge) {
                 let price = scratch.prices[at];
-                // Also true against the NaN at the start.
-                if !price.is_nan() && !(best.0 <= price) {
+                if !price.is_nan() && (best.0.is_nan() || price < best.0) {
                     best = (price, choice);
                 }
                 debug_assert_eq!(same, edge);

@@ -88,7 +88,7 @@ fn bucket_sort(
     // Each start has become the end of its bucket.
     let mut from = 0;
     for (bucket, &end) in starts[..n_buckets].iter().enumerate() {
-        if bucket % BEAT == 0 || end as usize - from > BEAT {
+        if bucket.is_multiple_of(BEAT) || end as usize - from > BEAT {
             pulse.beat(n)?;
         }
         sorted[from..end as usize]

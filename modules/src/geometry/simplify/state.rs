@@ -78,7 +78,7 @@ pub(super) fn next_in_face(corner: u32) -> u32 {
 
 /// The corner before `corner` in its face.
 pub(super) fn previous_in_face(corner: u32) -> u32 {
-    if corner % 3 == 0 { corner + 2 } else { corner - 1 }
+    if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 }
 }
 
 impl Collapsing {
@@ -256,7 +256,7 @@ impl Collapsing {
     ) -> Result<(), Cancelled> {
         self.quadrics = vec![Quadric::default(); self.positions.len()];
         for face in 0..self.faces.len() {
-            if face % BEAT == 0 {
+            if face.is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
             let corners = self.faces[face].vertices;
