@@ -133,7 +133,7 @@ impl Attributes {
             return;
         }
         let [kept, gone] = state.edges[edge as usize];
-        let [from, to] = [kept, gone].map(|v| state.positions[v as usize]);
+        let [from, to] = [kept, gone].map(|v| state.vertices[v as usize].position);
         let at = parameter(from, to, position);
         if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
             *kept |= *gone;

@@ -25,7 +25,7 @@ impl Collapsing {
         const NEIGHBOR: u32 = 0;
         const OPPOSITE: u32 = 1;
         let [kept, gone] = self.edges[edge as usize];
-        let both = self.flags[kept as usize] & self.flags[gone as usize];
+        let both = self.vertices[kept as usize].flags & self.vertices[gone as usize].flags;
         if both & flag::CORNER != 0
             || (both & flag::IRREGULAR != 0 && !self.irregular[edge as usize])
         {
@@ -35,7 +35,7 @@ impl Collapsing {
             return false;
         }
         marks.clear();
-        let mut corner = self.first[kept as usize];
+        let mut corner = self.vertices[kept as usize].first;
         while corner != NONE {
             let (after, before) = (next_in_face(corner), previous_in_face(corner));
             let (x, y) = (self.vertex_at(after), self.vertex_at(before));
@@ -58,7 +58,7 @@ impl Collapsing {
             }
             corner = self.next_at(corner);
         }
-        let mut corner = self.first[gone as usize];
+        let mut corner = self.vertices[gone as usize].first;
         while corner != NONE {
             let x = self.vertex_at(next_in_face(corner));
             let y = self.vertex_at(previous_in_face(corner));
@@ -95,8 +95,8 @@ impl Collapsing {
     }
 
     fn turns_around(&self, vertex: u32, other: u32, position: DVec3, least_cosine: f64) -> bool {
-        let from = self.positions[vertex as usize];
-        let mut corner = self.first[vertex as usize];
+        let from = self.vertices[vertex as usize].position;
+        let mut corner = self.vertices[vertex as usize].first;
         while corner != NONE {
             let x = self.vertex_at(next_in_face(corner));
             let y = self.vertex_at(previous_in_face(corner));
@@ -104,7 +104,7 @@ impl Collapsing {
             if x == other || y == other || x == NONE {
                 continue;
             }
-            let (x, y) = (self.positions[x as usize], self.positions[y as usize]);
+            let (x, y) = (self.vertices[x as usize].position, self.vertices[y as usize].position);
             let old = (x - from).cross(y - from);
             let new = (x - position).cross(y - position);
             let (old_square, new_square) = (old.length_squared(), new.length_squared());

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::order::Order;
 use super::pulse::{Cancelled, Pulse};
-use super::state::{BEAT, Collapsing, Face, NONE, flag, next_in_face, previous_in_face};
+use super::state::{BEAT, Collapsing, Face, NONE, Vertex, flag, next_in_face, previous_in_face};
 use crate::data::TriMesh;
 
 /// Marks on vertices that are cleared all at once.
@@ -82,21 +82,28 @@ impl Collapsing {
             Face { vertices, next: [NONE; 3], edges: [NONE; 3] }
         };
         let mut faces: Vec<Face> = order.faces.iter().map(link).collect();
-        let mut first = vec![NONE; n_vertices];
+        pulse.beat(n_faces)?;
+        let vertex = |&input: &u32| Vertex {
+            position: mesh.positions[input as usize],
+            first: NONE,
+            flags: 0,
+        };
+        let mut vertices: Vec<Vertex> = order.vertices.iter().map(vertex).collect();
         // Backwards, so that each list ascends.
         for (f, face) in faces.iter_mut().enumerate().rev().filter(|(_, face)| !face.is_dead()) {
+            if f.is_multiple_of(BEAT) {
+                pulse.beat(n_faces)?;
+            }
             for k in (0..3).rev() {
-                let first = &mut first[face.vertices[k] as usize];
+                let first = &mut vertices[face.vertices[k] as usize].first;
                 face.next[k] = std::mem::replace(first, (3 * f + k) as u32);
             }
         }
         let mut state = Self {
-            positions: order.vertices.iter().map(|&v| mesh.positions[v as usize]).collect(),
+            vertices,
             faces,
-            first,
             edges: Vec::with_capacity(3 * n_faces / 2 + 3),
             irregular: Vec::new(),
-            flags: vec![0; n_vertices],
             quadrics: Vec::new(),
             n_faces,
             order,
@@ -113,12 +120,12 @@ impl Collapsing {
         // place says that there are more. Copies of a face count once.
         const MANY: u32 = NONE - 1;
         let mut opposite: Vec<[u32; 2]> = Vec::with_capacity(self.edges.capacity());
-        for vertex in 0..self.first.len() as u32 {
+        for vertex in 0..self.vertices.len() as u32 {
             if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
             marks.clear();
-            let mut corner = self.first[vertex as usize];
+            let mut corner = self.vertices[vertex as usize].first;
             while corner != NONE {
                 let (after, before) = (next_in_face(corner), previous_in_face(corner));
                 for (half_edge, other, third) in [(corner, after, before), (before, before, after)]
@@ -154,7 +161,7 @@ impl Collapsing {
     fn classify_vertices(&mut self, marks: &mut Marks, pulse: &mut Pulse) -> Result<(), Cancelled> {
         let mut parents: Vec<u32> = Vec::new();
         let mut degrees: Vec<u32> = Vec::new();
-        for vertex in 0..self.first.len() as u32 {
+        for vertex in 0..self.vertices.len() as u32 {
             if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
@@ -164,7 +171,7 @@ impl Collapsing {
             let mut n_joins = 0;
             let mut ends = [0; 2];
             let mut n_irregular = 0;
-            let mut corner = self.first[vertex as usize];
+            let mut corner = self.vertices[vertex as usize].first;
             while corner != NONE {
                 let before = previous_in_face(corner);
                 let mut slots = [0; 2];
@@ -196,7 +203,7 @@ impl Collapsing {
                 continue;
             }
             let is_connected = n_joins + 1 == parents.len();
-            self.flags[vertex as usize] = match n_irregular {
+            self.vertices[vertex as usize].flags = match n_irregular {
                 0 if is_connected => 0,
                 2 if is_connected && degrees[ends[0]] == degrees[ends[1]] => flag::IRREGULAR,
                 _ => flag::IRREGULAR | flag::CORNER,
@@ -216,14 +223,14 @@ impl Collapsing {
         let [kept, gone] = self.edges[edge as usize];
         self.find_dying(edge, marks, removed);
         self.relink(kept, gone, marks);
-        self.flags[kept as usize] |= self.flags[gone as usize];
+        self.vertices[kept as usize].flags |= self.vertices[gone as usize].flags;
         if !self.quadrics.is_empty() {
-            let to_position = |v: u32| position - self.positions[v as usize];
+            let to_position = |v: u32| position - self.vertices[v as usize].position;
             let mut sum = self.quadrics[kept as usize].shifted(to_position(kept));
             sum.add(&self.quadrics[gone as usize].shifted(to_position(gone)));
             self.quadrics[kept as usize] = sum;
         }
-        self.positions[kept as usize] = position;
+        self.vertices[kept as usize].position = position;
     }
 
     /// Lists and kills the faces at an edge. The third vertex of each is marked with its edge to
@@ -234,7 +241,7 @@ impl Collapsing {
         removed.edges.clear();
         removed.edges.push(edge);
         marks.clear();
-        let mut corner = self.first[kept as usize];
+        let mut corner = self.vertices[kept as usize].first;
         while corner != NONE {
             let face = corner as usize / 3;
             if self.faces[face].vertices.contains(&gone) && !self.faces[face].is_dead() {
@@ -267,8 +274,8 @@ impl Collapsing {
 
     /// Gives the faces around `gone` to `kept`, as marked by [`Self::find_dying`].
     fn relink(&mut self, kept: u32, gone: u32, marks: &Marks) {
-        let mut corner = self.first[gone as usize];
-        self.first[gone as usize] = NONE;
+        let mut corner = self.vertices[gone as usize].first;
+        self.vertices[gone as usize].first = NONE;
         while corner != NONE {
             let next = self.next_at(corner);
             if !self.face_at(corner).is_dead() {
@@ -284,8 +291,8 @@ impl Collapsing {
                         }
                     }
                 }
-                self.set_next(corner, self.first[kept as usize]);
-                self.first[kept as usize] = corner;
+                self.set_next(corner, self.vertices[kept as usize].first);
+                self.vertices[kept as usize].first = corner;
             }
             corner = next;
         }

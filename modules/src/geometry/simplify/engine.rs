@@ -77,9 +77,9 @@ impl<'a> Engine<'a> {
             state.sum_quadrics(quadrics, options.boundary, &is_seam, &mut pulse)?;
         }
         if options.boundary == Boundary::Locked {
-            for flags in &mut state.flags {
-                if *flags & flag::IRREGULAR != 0 {
-                    *flags |= flag::LOCKED;
+            for vertex in &mut state.vertices {
+                if vertex.flags & flag::IRREGULAR != 0 {
+                    vertex.flags |= flag::LOCKED;
                 }
             }
         }
@@ -339,7 +339,7 @@ impl<'a> Engine<'a> {
         let Scratch { edges, ring, .. } = &mut self.scratch;
         edges.clear();
         ring.clear();
-        let mut corner = self.state.first[merged as usize];
+        let mut corner = self.state.vertices[merged as usize].first;
         while corner != NONE {
             let before = previous_in_face(corner);
             for (half_edge, other) in [(corner, next_in_face(corner)), (before, before)] {
@@ -352,7 +352,7 @@ impl<'a> Engine<'a> {
                 if !self.queue.contains(edge) {
                     edges.push(edge);
                 }
-                if self.state.flags[other as usize] & flag::PARKED != 0 {
+                if self.state.vertices[other as usize].flags & flag::PARKED != 0 {
                     ring.push(other);
                 }
             }
@@ -363,14 +363,14 @@ impl<'a> Engine<'a> {
     /// Adds the edges that were put off at the neighbors of the merged vertex.
     fn wake_parked(&mut self, merged: u32) {
         let Scratch { edges, ring, .. } = &mut self.scratch;
-        self.state.flags[merged as usize] &= !flag::PARKED;
+        self.state.vertices[merged as usize].flags &= !flag::PARKED;
         for &vertex in ring.iter() {
-            if self.state.flags[vertex as usize] & flag::PARKED == 0
+            if self.state.vertices[vertex as usize].flags & flag::PARKED == 0
                 || self.state.prune(vertex, MAX_WAKE_VALENCE).is_none()
             {
                 continue;
             }
-            self.state.flags[vertex as usize] &= !flag::PARKED;
+            self.state.vertices[vertex as usize].flags &= !flag::PARKED;
             for corner in self.state.corners_around(vertex) {
                 for half_edge in [corner, previous_in_face(corner)] {
                     let edge = self.state.edge_at(half_edge);
@@ -392,11 +392,11 @@ fn propose(
 ) -> Candidates {
     let mut candidates = Candidates::default();
     let [kept, gone] = state.edges[edge as usize];
-    let [at_kept, at_gone] = [kept, gone].map(|v| state.positions[v as usize]);
+    let [at_kept, at_gone] = [kept, gone].map(|v| state.vertices[v as usize].position);
     if kept == NONE || !at_kept.is_finite() || !at_gone.is_finite() {
         return candidates;
     }
-    let is_locked = |v: u32| state.flags[v as usize] & flag::LOCKED != 0;
+    let is_locked = |v: u32| state.vertices[v as usize].flags & flag::LOCKED != 0;
     let rule = attributes.seam_rule(state, edge);
     let stays_kept = is_locked(kept) || rule == SeamRule::OnlyAtKept;
     let stays_gone = is_locked(gone) || rule == SeamRule::OnlyAtGone;
@@ -414,6 +414,6 @@ fn propose(
 fn park(state: &mut Collapsing, queue: &mut Queue, edge: u32) {
     queue.remove(edge);
     for v in state.edges[edge as usize] {
-        state.flags[v as usize] |= flag::PARKED;
+        state.vertices[v as usize].flags |= flag::PARKED;
     }
 }

@@ -73,6 +73,9 @@ fn bucket_sort(
 ) -> Result<Vec<u32>, Cancelled> {
     let mut starts = vec![0u32; n_buckets + 1];
     for item in 0..n {
+        if item.is_multiple_of(BEAT) {
+            pulse.beat(n)?;
+        }
         starts[bucket_of(item) + 1] += 1;
     }
     pulse.beat(n)?;
@@ -81,6 +84,9 @@ fn bucket_sort(
     }
     let mut sorted = vec![0; n];
     for item in 0..n {
+        if item.is_multiple_of(BEAT) {
+            pulse.beat(n)?;
+        }
         let place = &mut starts[bucket_of(item)];
         sorted[*place as usize] = item as u32;
         *place += 1;

@@ -38,19 +38,25 @@ pub(super) mod flag {
 /// [`Collapsing::input_vertex`] and [`Collapsing::input_face`] for those of the input.
 #[derive(Debug)]
 pub struct Collapsing {
-    pub(super) positions: Vec<DVec3>,
+    pub(super) vertices: Vec<Vertex>,
     pub(super) faces: Vec<Face>,
-    /// First corner of each vertex.
-    pub(super) first: Vec<u32>,
     /// The two ends of each edge.
     pub(super) edges: Vec<[u32; 2]>,
     /// One bit an edge: whether it has other than two different opposite vertices.
     pub(super) irregular: Vec<bool>,
-    /// Bits of [`flag`], one byte a vertex.
-    pub(super) flags: Vec<u8>,
     pub(super) quadrics: Vec<Quadric>,
     pub(super) n_faces: usize,
     pub(super) order: Order,
+}
+
+/// A vertex; what most steps read of it lies in one place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub position: DVec3,
+    /// Its first corner.
+    pub first: u32,
+    /// Bits of [`flag`].
+    pub flags: u8,
 }
 
 /// A face and its links.
@@ -99,13 +105,13 @@ impl Collapsing {
 
     /// How many vertices the input has: one more than the largest id.
     pub fn n_vertices(&self) -> usize {
-        self.positions.len()
+        self.vertices.len()
     }
 
     /// Where a vertex is now.
     #[inline]
     pub fn position(&self, vertex: VertexId) -> DVec3 {
-        self.positions[vertex.idx()]
+        self.vertices[vertex.idx()].position
     }
 
     /// The corners of a face in its order; `None` once it is gone.
@@ -136,7 +142,7 @@ impl Collapsing {
 
     /// The corners at a vertex whose face is left.
     pub(super) fn corners_around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
-        let start = self.first[vertex as usize];
+        let start = self.vertices[vertex as usize].first;
         std::iter::successors((start != NONE).then_some(start), |&corner| {
             let next = self.next_at(corner);
             (next != NONE).then_some(next)
@@ -178,7 +184,7 @@ impl Collapsing {
 
     /// Squared length of an edge; 0 where that is not a number.
     pub(super) fn length_squared(&self, edge: u32) -> f32 {
-        let [from, to] = self.edges[edge as usize].map(|v| self.positions[v as usize]);
+        let [from, to] = self.edges[edge as usize].map(|v| self.vertices[v as usize].position);
         (from.distance_squared(to) as f32).max(0.0)
     }
 
@@ -186,7 +192,7 @@ impl Collapsing {
     pub(super) fn into_mesh(self, input: &TriMesh, attributes: Attributes) -> TriMesh {
         // By the input's ids: first where each vertex is now, then its id in the result.
         let mut alive = vec![NONE; self.order.faces.len()];
-        let mut here = vec![NONE; self.positions.len()];
+        let mut here = vec![NONE; self.vertices.len()];
         for (face, &input) in self.faces.iter().zip(&self.order.faces) {
             if !face.is_dead() {
                 alive[input as usize] = 0;
@@ -195,12 +201,12 @@ impl Collapsing {
                 }
             }
         }
-        let mut new_ids = vec![NONE; self.positions.len()];
+        let mut new_ids = vec![NONE; self.vertices.len()];
         let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
         here.retain(|&v| v != NONE);
         for &v in &here {
             new_ids[v as usize] = positions.len() as u32;
-            positions.push(self.positions[v as usize]);
+            positions.push(self.vertices[v as usize].position);
         }
         for (face, &input) in self.order.faces.iter().enumerate() {
             if alive[input as usize] != NONE {
@@ -220,7 +226,7 @@ impl Collapsing {
     /// `limit`; `None` when there are more.
     pub(super) fn prune(&mut self, vertex: u32, limit: usize) -> Option<usize> {
         let mut previous = NONE;
-        let mut corner = self.first[vertex as usize];
+        let mut corner = self.vertices[vertex as usize].first;
         let mut n_alive = 0;
         while corner != NONE {
             let next = self.next_at(corner);
@@ -231,7 +237,7 @@ impl Collapsing {
                 }
                 previous = corner;
             } else if previous == NONE {
-                self.first[vertex as usize] = next;
+                self.vertices[vertex as usize].first = next;
             } else {
                 self.set_next(previous, next);
             }
@@ -254,7 +260,7 @@ impl Collapsing {
         is_seam: &[bool],
         pulse: &mut Pulse,
     ) -> Result<(), Cancelled> {
-        self.quadrics = vec![Quadric::default(); self.positions.len()];
+        self.quadrics = vec![Quadric::default(); self.vertices.len()];
         for face in 0..self.faces.len() {
             if face.is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
@@ -263,7 +269,7 @@ impl Collapsing {
             if corners[0] == NONE {
                 continue;
             }
-            let [a, b, c] = corners.map(|v| self.positions[v as usize]);
+            let [a, b, c] = corners.map(|v| self.vertices[v as usize].position);
             let twice_area = (b - a).cross(c - a);
             let length = twice_area.length();
             let normal = twice_area / length;
@@ -290,7 +296,7 @@ impl Collapsing {
     fn add_border_plane(&mut self, face: usize, k: usize, normal: DVec3, weight: f64) {
         let Face { vertices, .. } = self.faces[face];
         let ends = [vertices[k], vertices[(k + 1) % 3]];
-        let [from, to] = ends.map(|v| self.positions[v as usize]);
+        let [from, to] = ends.map(|v| self.vertices[v as usize].position);
         let along = to - from;
         let Some(across) = along.cross(normal).try_normalize() else { return };
         let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
