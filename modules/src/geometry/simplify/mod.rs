@@ -48,7 +48,7 @@ pub struct SimplifyOptions {
     /// What may happen to the seams of texture coordinates. Default [`Seams::Kept`].
     pub seams: Seams,
     /// The largest turn of a face's normal in one collapse, in radians; `None` is no test.
-    /// Default 75°.
+    /// Default 45°.
     pub flip_angle_rad: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ impl Default for SimplifyOptions {
             stop: Stop::default(),
             boundary: Boundary::default(),
             seams: Seams::default(),
-            flip_angle_rad: Some(75_f64.to_radians()),
+            flip_angle_rad: Some(45_f64.to_radians()),
         }
     }
 }
