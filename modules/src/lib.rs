@@ -3,6 +3,7 @@
 //! `data` is what flows through ports; `mesh` and `geometry` are plain data and free functions
 //! over it, with no ports; the other folders hold one file per module, cost, placement or metric.
 
+pub mod cost;
 pub mod data;
 pub mod filters;
 pub mod generate;
@@ -11,6 +12,7 @@ pub mod io;
 pub mod measure;
 pub mod mesh;
 pub mod metric;
+pub mod placement;
 mod prelude;
 
 use mve_core::{ModuleList, Registry};

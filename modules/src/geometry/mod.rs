@@ -11,3 +11,4 @@ mod morton;
 pub mod normals;
 pub mod point_triangle;
 pub mod sample;
+pub mod simplify;

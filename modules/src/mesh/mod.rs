@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod fixtures;
+pub mod quadric;
 #[cfg(test)]
 pub mod test_models;
 pub mod union_find;
