@@ -146,7 +146,8 @@ impl Value {
         self.0.cells()
     }
 
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
+    /// The value as bytes, equal for equal values.
+    pub fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
         self.0.encode()
     }
 }

@@ -35,9 +35,17 @@ impl Trial {
     ///
     /// # Panics
     /// If the module has no such input.
-    pub fn input<T: Data>(mut self, name: &str, value: T) -> Self {
+    pub fn input<T: Data>(self, name: &str, value: T) -> Self {
+        self.value(name, Value::new(value))
+    }
+
+    /// Gives an input a value of any type.
+    ///
+    /// # Panics
+    /// If the module has no such input.
+    pub fn value(mut self, name: &str, value: Value) -> Self {
         let place = self.module.inputs.iter().position(|input| input.name == name);
-        self.inputs[place.expect("the input is declared")] = Some(Value::new(value));
+        self.inputs[place.expect("the input is declared")] = Some(value);
         self
     }
 

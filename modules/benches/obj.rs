@@ -5,17 +5,16 @@
 
 use std::hint::black_box;
 use std::io;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mve_modules::data::TriMesh;
+use mve_modules::geometry::control::Control;
 use mve_modules::io::obj;
 
 fn read(bytes: &[u8]) -> TriMesh {
     let mut no_mtl = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
-    let mut on = |_| ControlFlow::Continue(());
-    obj::parse(bytes, &mut no_mtl, &mut on).expect("an OBJ file").0
+    obj::parse(bytes, &mut no_mtl, Control::none()).expect("an OBJ file").0
 }
 
 fn read_tobj(mut bytes: &[u8]) -> Vec<tobj::Model> {

@@ -11,7 +11,7 @@ use super::{Program, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{Plan, assign};
+use crate::plan::{MODULE, Plan, assign};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
@@ -116,10 +116,12 @@ impl Program {
     }
 }
 
-/// Shorter paths first, so that a choice is made before its parameters are set.
+/// Modules first, then shorter paths first, so that a module is there before its parameters are set
+/// and a choice is made before its own.
 fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
     let mut sorted: Vec<_> = params.iter().collect();
-    sorted.sort_by_key(|(path, _)| path.split('.').count());
+    let is_module = |path: &str| path.split_once('.').is_some_and(|(_, param)| param == MODULE);
+    sorted.sort_by_key(|(path, _)| (!is_module(path), path.split('.').count()));
     sorted
 }
 

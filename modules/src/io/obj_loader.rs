@@ -1,5 +1,6 @@
 //! Loads a Wavefront OBJ file with its materials.
 
+use crate::geometry::control::Control;
 use crate::io::obj::{self, ObjError};
 use crate::prelude::*;
 
@@ -22,8 +23,9 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
+    let report = |share| io.flow(share);
     let (mesh, warnings) =
-        obj::load(&path, &mut |share| io.flow(share)).map_err(|error| match error {
+        obj::load(&path, Control::new(&report)).map_err(|error| match error {
             ObjError::Cancelled => ModuleError::Cancelled,
             // These messages name their file, which need not be this one.
             ObjError::File(error) => ModuleError::Numeric(error.to_string()),

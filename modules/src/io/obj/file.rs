@@ -6,8 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::cursor::{Comments, Cursor};
-use super::{ObjError, Progress, Warning, materials, parse, write_mtl, write_obj};
+use super::{ObjError, Warning, materials, parse, write_mtl, write_obj};
 use crate::data::TriMesh;
+use crate::geometry::control::Control;
 use crate::io::{FileError, save_atomic};
 
 /// Bytes of the largest material file that is read; real ones have a few thousand.
@@ -18,10 +19,10 @@ const MAX_MTL_BYTES: u64 = 64 << 20;
 /// # Errors
 /// [`ObjError::File`] with the path when the file cannot be read, and those of
 /// [`parse`](super::parse()).
-pub fn load(path: &Path, progress: &mut Progress) -> Result<(TriMesh, Vec<Warning>), ObjError> {
+pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     let bytes = read_plain(path, u64::MAX).map_err(|source| FileError::read(path, source))?;
     let folder = folder_of(path);
-    parse(&bytes, &mut |name| read_plain(&folder.join(name), MAX_MTL_BYTES), progress)
+    parse(&bytes, &mut |name| read_plain(&folder.join(name), MAX_MTL_BYTES), control)
 }
 
 /// Writes `mesh` as an OBJ file, and its materials, if there are any, as an MTL file of the same

@@ -28,7 +28,6 @@ mod triangulate;
 mod write;
 
 use std::io;
-use std::ops::ControlFlow;
 
 use thiserror::Error;
 
@@ -38,9 +37,6 @@ pub use file::{companions, load, save};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};
-
-/// Told the part that is done, 0 to 1 and never falling, about once a megabyte; breaks to cancel.
-pub type Progress<'a> = dyn FnMut(f64) -> ControlFlow<()> + 'a;
 
 /// Gives the content of the MTL file of this name, as the OBJ file names it.
 pub type MtlSource<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
@@ -101,7 +97,7 @@ pub enum ObjError {
         /// Of what.
         what: &'static str,
     },
-    /// The progress callback broke off.
+    /// The control ended it.
     #[error("cancelled")]
     Cancelled,
     /// The file could not be read.

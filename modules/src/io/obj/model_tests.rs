@@ -5,7 +5,6 @@
 //! Suzanne those are 12.468539112387251 and 2.593076421933958, since both fan its four concave
 //! quadrilaterals to the outside; the numbers below are with these four cut within.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -13,6 +12,7 @@ use glam::DVec3;
 use super::tests::{read, written};
 use super::*;
 use crate::data::{Layer, TriMesh, VertexId};
+use crate::geometry::control::Control;
 
 /// The folder of the models, which are not in the repository; says so where it is missing.
 fn models() -> Option<PathBuf> {
@@ -26,7 +26,7 @@ fn models() -> Option<PathBuf> {
 }
 
 fn load_model(path: &Path) -> TriMesh {
-    let (mesh, warnings) = load(path, &mut |_| ControlFlow::Continue(())).expect("load");
+    let (mesh, warnings) = load(path, Control::none()).expect("load");
     assert_eq!(warnings, []);
     assert_eq!(mesh.check(), Ok(()));
     mesh

@@ -10,10 +10,11 @@ use super::builder::{Corner, MeshBuilder};
 use super::cursor::{Comments, Cursor, quoted};
 use super::number::{finite, integer, numbers};
 use super::triangulate::{Cut, Triangulator};
-use super::{MtlSource, ObjError, Progress, Warning, Warnings, materials};
+use super::{MtlSource, ObjError, Warning, Warnings, materials};
 use crate::data::{NO_VALUE, TriMesh};
+use crate::geometry::control::Control;
 
-/// Bytes between two calls of the progress callback.
+/// Bytes between two calls of the control.
 const PROGRESS_STEP: usize = 1 << 20;
 
 /// Statements of the format that say nothing about a triangle mesh, and how they are called.
@@ -65,13 +66,13 @@ const PASSED_OVER: [&[u8]; 23] = [
 pub fn parse(
     bytes: &[u8],
     mtl: &mut MtlSource,
-    progress: &mut Progress,
+    control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     check_kind(bytes)?;
-    let mut reader = Reader::new(progress);
+    let mut reader = Reader::new(control);
     match reader.run(bytes, Pass::All) {
         Err(Stop::Forward) => {
-            reader = Reader::new(reader.progress);
+            reader = Reader::new(control);
             reader.run(bytes, Pass::Vertices).map_err(Stop::into_error)?;
             reader.run(bytes, Pass::Faces).map_err(Stop::into_error)?;
         }
@@ -148,7 +149,7 @@ const LISTS: [(&str, &str); 3] =
     [("vertex", "vertices"), ("texture coordinate", "texture coordinates"), ("normal", "normals")];
 
 struct Reader<'p> {
-    progress: &'p mut Progress<'p>,
+    control: Control<'p>,
     reported: f64,
     mesh: MeshBuilder,
     pass: Pass,
@@ -163,9 +164,9 @@ struct Reader<'p> {
 }
 
 impl<'p> Reader<'p> {
-    fn new(progress: &'p mut Progress<'p>) -> Self {
+    fn new(control: Control<'p>) -> Self {
         Self {
-            progress,
+            control,
             reported: 0.0,
             mesh: MeshBuilder::default(),
             pass: Pass::All,
@@ -196,10 +197,7 @@ impl<'p> Reader<'p> {
 
     fn report(&mut self, fraction: f64) -> Result<(), Stop> {
         self.reported = self.reported.max(fraction);
-        match (self.progress)(self.reported).is_break() {
-            true => Err(ObjError::Cancelled.into()),
-            false => Ok(()),
-        }
+        self.control.at(self.reported).map_err(|_| ObjError::Cancelled.into())
     }
 
     /// Reads one statement; what it leaves of the line may be left out.

@@ -2,17 +2,20 @@
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::data::{Domain, LayerValues, NO_VALUE, TriMesh};
 use crate::data::{Layer, VertexId};
+use crate::geometry::control::Control;
 
 /// Reads text whose material files are not there.
 pub(super) fn read(text: impl AsRef<[u8]>) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     let mut no_mtl = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
-    parse(text.as_ref(), &mut no_mtl, &mut |_| ControlFlow::Continue(()))
+    parse(text.as_ref(), &mut no_mtl, Control::none())
 }
 
 /// The text of a mesh.
@@ -179,20 +182,22 @@ fn normals_that_are_no_numbers_are_set_to_zero() {
 #[test]
 fn progress_never_falls_and_cancels() {
     let text = format!("f 1 2 3\n{}", CORNERS.repeat(200_000));
-    let mut seen = Vec::new();
     let mut no_mtl = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
-    parse(text.as_bytes(), &mut no_mtl, &mut |part| {
-        seen.push(part);
+    let seen = Mutex::new(Vec::new());
+    let report = |part| {
+        seen.lock().unwrap().push(part);
         ControlFlow::Continue(())
-    })
-    .expect("read");
+    };
+    parse(text.as_bytes(), &mut no_mtl, Control::new(&report)).expect("read");
+    let seen = seen.into_inner().unwrap();
     assert!(seen.len() > 12 && seen.is_sorted() && seen.last() == Some(&1.0), "{seen:?}");
-    let mut n_calls = 0;
-    let cancelled = parse(text.as_bytes(), &mut no_mtl, &mut |_| {
-        n_calls += 1;
-        if n_calls == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
-    assert!(matches!(cancelled, Err(ObjError::Cancelled)) && n_calls == 3);
+    let n_calls = AtomicUsize::new(0);
+    let third = |_| match n_calls.fetch_add(1, Ordering::Relaxed) {
+        2 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let cancelled = parse(text.as_bytes(), &mut no_mtl, Control::new(&third));
+    assert!(matches!(cancelled, Err(ObjError::Cancelled)) && n_calls.into_inner() == 3);
 }
 
 #[test]
@@ -205,7 +210,7 @@ fn files_with_materials_come_back_as_they_were() {
         "mtllib two words.mtl\nmtllib .\\gone.mtl\n{CORNERS}usemtl blue\nf 1 2 3\nusemtl x\nf 1 3 4\n"
     );
     std::fs::write(&path, text).expect("write");
-    let (mesh, warnings) = load(&path, &mut |_| ControlFlow::Continue(())).expect("load");
+    let (mesh, warnings) = load(&path, Control::none()).expect("load");
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(warnings[0].text.contains("./gone.mtl"), "{warnings:?}");
     assert_eq!(mesh.materials[0].statements[0], ("Kd".into(), "1 0 0 # bright".into()));
@@ -216,7 +221,7 @@ fn files_with_materials_come_back_as_they_were() {
     let copy = folder.path().join("copy.obj");
     save(&mesh, &copy).expect("save");
     assert_eq!(companions(&copy), [folder.path().join("copy.mtl")]);
-    let (again, warnings) = load(&copy, &mut |_| ControlFlow::Continue(())).expect("load");
+    let (again, warnings) = load(&copy, Control::none()).expect("load");
     assert_eq!(again, mesh);
     assert!(warnings[0].text.contains("no material file defines \"x\""), "{warnings:?}");
 }
@@ -242,7 +247,7 @@ fn a_mesh_that_cannot_be_said_leaves_both_files_alone() {
 #[test]
 fn files_that_cannot_be_read_are_named() {
     let folder = tempfile::tempdir().expect("folder");
-    let load = |path: &std::path::Path| load(path, &mut |_| ControlFlow::Continue(()));
+    let load = |path: &std::path::Path| load(path, Control::none());
     let missing = load(&folder.path().join("no.obj")).expect_err("missing").to_string();
     assert!(missing.contains("no.obj") && missing.contains("check its name"), "{missing}");
     let is_folder = load(folder.path()).expect_err("a folder").to_string();
@@ -253,8 +258,7 @@ fn files_that_cannot_be_read_are_named() {
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_devices_are_refused_and_a_full_disk_is_reported() {
-    let error =
-        load("/dev/zero".as_ref(), &mut |_| ControlFlow::Continue(())).expect_err("endless");
+    let error = load("/dev/zero".as_ref(), Control::none()).expect_err("endless");
     assert!(error.to_string().contains("device"), "{error}");
     let (mesh, _) = read(format!("{CORNERS}f 1 2 3\n")).expect("read");
     let mut full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("open");
