@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use mve_core::{
-    FileHashes, Map, MapError, OutputScope, Plan, PlanOptions, Problem, Registry, assign,
+    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry, assign,
 };
 use serde_json::Value as Json;
 
@@ -64,8 +64,8 @@ impl MapArgs {
         let mut complaints = Vec::new();
         for Setting { path, value } in settings {
             if let Err(problem) = assign(&mut map, &registry, path, value.clone()) {
-                let message = format!("--set: {}", problem.message);
-                complaints.push(Problem { message, ..problem });
+                let message = format!("--set {path}: {}", problem.message);
+                complaints.push(Problem { message, place: Place::default(), ..problem });
             }
         }
         Ok(Loaded { map, registry, path: self.map.clone(), complaints })

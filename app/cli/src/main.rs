@@ -85,7 +85,11 @@ fn main() -> ExitCode {
 
 fn dispatch(cli: Cli) -> Result<Exit, Stop> {
     match cli.command {
-        None => out::print(&Cli::command().render_help().ansi().to_string()),
+        None => {
+            // Like any reader, one that goes away is no error.
+            let _ = Cli::command().print_help();
+            Ok(Exit::Done)
+        }
         Some(Command::Run(args)) => run::run(&args, cli.quiet),
         Some(Command::Program(args)) => program::run(&args, cli.quiet),
         Some(Command::Check(args)) => check::run(&args),

@@ -55,7 +55,8 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
 fn find(registry: &Registry, id: &str) -> Result<ModuleInfo, Stop> {
     registry.find(id).ok_or_else(|| {
         let hint = did_you_mean(id, registry.modules().iter().map(|info| info.module.id));
-        Stop::usage(format!("there is no module \"{id}\"{hint}; `mve modules` lists them"))
+        let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
+        Stop::usage(format!("there is no module \"{id}\"{hint}"))
     })
 }
 

@@ -14,6 +14,13 @@ pub fn width() -> Option<usize> {
     is_terminal.then(|| usize::from(console::Term::stdout().size().1).max(20))
 }
 
+/// Puts an empty line before a result that stands below progress on the same terminal.
+pub fn part_from_progress(text: &mut String) {
+    if width().is_some() {
+        text.insert(0, '\n');
+    }
+}
+
 /// Writes a text to standard output.
 pub fn print(text: &str) -> Result<Exit, Stop> {
     let mut stdout = std::io::stdout().lock();

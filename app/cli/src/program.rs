@@ -131,7 +131,7 @@ fn choose<'a>(loaded: &'a Loaded, name: Option<&'a str>) -> Result<&'a str, Stop
     let names: Vec<&str> = loaded.map.programs.keys().map(String::as_str).collect();
     let list = names.join(", ");
     match (name, names.as_slice()) {
-        (_, []) => Err(Stop::refused(format!(
+        (_, []) => Err(Stop::usage(format!(
             "{path}: the map has no programs; `mve run` runs the map itself"
         ))),
         (None, [only]) => Ok(only),
@@ -144,7 +144,7 @@ fn choose<'a>(loaded: &'a Loaded, name: Option<&'a str>) -> Result<&'a str, Stop
             let hint = did_you_mean(name, names.iter().copied());
             let message =
                 format!("{path}: there is no program \"{name}\"; the map has {list}{hint}");
-            Err(Stop::refused(message))
+            Err(Stop::usage(message))
         }
     }
 }

@@ -89,8 +89,8 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
         rows.truncate(MOST_ROWS);
     }
     let n_left = n_rows - rows.len();
-    let (table, n_hidden) = Table { header, rows }.render(out::width());
-    let mut text = format!("\n{table}");
+    let (mut text, n_hidden) = Table { header, rows }.render(out::width());
+    out::part_from_progress(&mut text);
     let hidden = [(n_left, "row"), (n_hidden, "column")];
     let hidden = hidden.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(*n, what));
     let hidden = hidden.collect::<Vec<_>>().join(" and ");

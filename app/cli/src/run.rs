@@ -194,7 +194,7 @@ fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
         }
     }
     let (mut text, _) = Table { header, rows }.render(out::width());
-    text.insert(0, '\n');
+    out::part_from_progress(&mut text);
     let done = outcome.nodes.values().filter(|node| node.record.status == NodeStatus::Done);
     let written: Vec<_> = done.flat_map(|node| &node.record.files).collect();
     if !written.is_empty() {

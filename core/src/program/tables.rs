@@ -73,7 +73,8 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
     (header(program), finished(program, store).iter().map(row).collect())
 }
 
-/// The columns of a table that a person reads first, numbers cut to five significant digits.
+/// The columns of a table that a person reads first, numbers cut to five significant digits
+/// and times to milliseconds.
 pub(super) fn brief_table(
     header: &[String],
     rows: &[Vec<String>],
@@ -81,8 +82,12 @@ pub(super) fn brief_table(
     let is_shown =
         |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
     let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
-    let short = |cell: &String| cell.parse().map_or_else(|_| cell.clone(), brief);
-    let row = |row: &Vec<String>| shown.iter().map(|place| short(&row[*place])).collect();
+    let short = |place: usize, cell: &String| match cell.parse::<f64>() {
+        Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
+        Ok(number) => brief(number),
+        Err(_) => cell.clone(),
+    };
+    let row = |row: &Vec<String>| shown.iter().map(|&place| short(place, &row[place])).collect();
     let names = shown.iter().map(|place| header[*place].clone()).collect();
     (names, rows.iter().map(row).collect())
 }
