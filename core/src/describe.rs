@@ -94,6 +94,7 @@ fn facts(spec: &ParamSpec, depth: usize) -> String {
     facts.push(match spec.default_setting() {
         None => "required".to_owned(),
         Some(crate::Setting::Off) => "default off".to_owned(),
+        Some(crate::Setting::Text(text)) if text.is_empty() => "default empty".to_owned(),
         Some(default) => format!("default {}", default.to_word()),
     });
     if depth == 0

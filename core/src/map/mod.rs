@@ -63,6 +63,7 @@ struct Source {
 
 /// One use of a module.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object with a \"module\"")]
 pub struct Node {
     /// Id of the module.
     pub module: String,
@@ -94,6 +95,7 @@ pub struct Link {
 
 /// A named sweep of the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object with \"axes\" or \"steps\"")]
 pub struct ProgramSpec {
     /// Axes multiply; within an axis the lists are equally long and advance together. The last
     /// axis varies fastest.
@@ -388,6 +390,8 @@ mod tests {
         assert_eq!(again, expected);
         assert_eq!(Map::parse(&text).unwrap().to_text(), text);
         assert_eq!(map.problems().len(), 4); // node b, two links, program q
+        let text = map.problems()[0].to_string();
+        assert!(text.ends_with("expected an object with a \"module\""), "{text}");
     }
 
     #[test]

@@ -34,8 +34,8 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
             if info.is_none() {
                 let ids = registry.modules().iter().map(|info| info.module.id);
                 let hint = did_you_mean(&node.module, ids);
+                let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
                 let message = format!("there is no module \"{}\"{hint}", node.module);
-                let message = format!("{message}; `mve modules` lists them");
                 problems.push(Problem::error(message).at(name));
             }
             info
@@ -162,10 +162,11 @@ fn check_required(map: &Map, wiring: &Wiring, problems: &mut Vec<Problem>) {
             // A link that was refused has said so already.
             let is_named = map.links.iter().any(|l| l.to.node == *name && l.to.port == input.name);
             if input.is_required && source.is_none() && !is_named {
-                let message =
-                    format!("nothing is linked here, and {} needs a {}", info.module.id, {
-                        input.data_type.id
-                    });
+                let (module, wanted) = (info.module.id, input.data_type.id);
+                let message = match input.data_type == ANY {
+                    true => format!("nothing is linked here, and {module} needs a value"),
+                    false => format!("nothing is linked here, and {module} needs a {wanted}"),
+                };
                 problems.push(Problem::error(message).at(name).port(input.name));
             }
         }

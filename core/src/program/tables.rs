@@ -76,8 +76,8 @@ fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(Stri
     outputs
 }
 
-/// The columns of a table that a person reads first, numbers cut to five significant digits: no
-/// ids, reasons or seconds of single nodes, no output that is the same in every row or the same
+/// The columns of a table that a person reads first, numbers cut to five significant digits and
+/// times to milliseconds: no ids, reasons or seconds of single nodes, no output that is the same in every row or the same
 /// as the one of another column.
 pub(super) fn brief_table(
     program: &Program,
@@ -96,8 +96,12 @@ pub(super) fn brief_table(
         differs && (is_new || rows.is_empty()) && !is_hidden
     };
     let shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
-    let short = |cell: &String| cell.parse().map_or_else(|_| cell.clone(), brief);
-    let row = |row: &Vec<String>| shown.iter().map(|place| short(&row[*place])).collect();
+    let short = |place: usize, cell: &String| match cell.parse::<f64>() {
+        Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
+        Ok(number) => brief(number),
+        Err(_) => cell.clone(),
+    };
+    let row = |row: &Vec<String>| shown.iter().map(|&place| short(place, &row[place])).collect();
     let names = shown.iter().map(|place| header[*place].clone()).collect();
     (names, rows.iter().map(row).collect())
 }

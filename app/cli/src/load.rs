@@ -1,0 +1,172 @@
+//! Reading a map with the settings of the command line, and saying what is wrong with it.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use mve_core::{
+    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry, assign,
+};
+use serde_json::Value as Json;
+
+use crate::exit::{Exit, Stop, error_mark, explain, warning_mark};
+use crate::out;
+
+/// The map, and what the command line changes in it.
+#[derive(clap::Args)]
+pub struct MapArgs {
+    /// The map's file
+    pub map: PathBuf,
+    /// Set a parameter: simplify.target_faces=300, simplify.cost.boundary_weight=5
+    ///
+    /// The value is read as JSON, and as a text where it is not JSON. Paths are as in the map:
+    /// inputs relative to the map's folder, outputs to the output folder.
+    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_setting)]
+    pub set: Vec<Setting>,
+}
+
+/// One `--set`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    path: String,
+    value: Json,
+}
+
+fn parse_setting(text: &str) -> Result<Setting, String> {
+    let form = "write NODE.PARAM=VALUE, such as simplify.target_faces=300";
+    let (path, value) = text.split_once('=').ok_or(form)?;
+    if !path.contains('.') {
+        return Err(form.to_owned());
+    }
+    let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));
+    Ok(Setting { path: path.trim().to_owned(), value })
+}
+
+/// A map that was read, with all that checking it needs.
+pub struct Loaded {
+    /// The map, `--set` applied.
+    pub map: Map,
+    /// What it can use.
+    pub registry: Registry,
+    /// Its file, as the person wrote it.
+    pub path: PathBuf,
+    /// What is wrong with the settings of the command line.
+    pub complaints: Vec<Problem>,
+}
+
+impl MapArgs {
+    /// Reads the map and sets what the command line sets.
+    pub fn load(&self) -> Result<Loaded, Stop> {
+        let mut map = Map::load(&self.map).map_err(|error| self.explain(error))?;
+        let registry = mve_modules::registry();
+        let mut settings: Vec<_> = self.set.iter().collect();
+        // A choice is made before its own parameters are set, whatever the order on the line.
+        settings.sort_by_key(|setting| setting.path.split('.').count());
+        let mut complaints = Vec::new();
+        for Setting { path, value } in settings {
+            if let Err(problem) = assign(&mut map, &registry, path, value.clone()) {
+                let message = format!("--set {path}: {}", problem.message);
+                complaints.push(Problem { message, place: Place::default(), ..problem });
+            }
+        }
+        Ok(Loaded { map, registry, path: self.map.clone(), complaints })
+    }
+
+    /// The paths that `--set` names.
+    pub fn set_paths(&self) -> impl Iterator<Item = &str> {
+        self.set.iter().map(|setting| setting.path.as_str())
+    }
+
+    fn explain(&self, error: MapError) -> Stop {
+        let path = self.map.display();
+        match error {
+            MapError::Io { source, .. } => {
+                let what = match source.kind() {
+                    ErrorKind::NotFound => "there is no such map".to_owned(),
+                    ErrorKind::IsADirectory => "is a folder; name a map's file in it".to_owned(),
+                    _ => explain(&source),
+                };
+                Stop { exit: Exit::Files, message: format!("{path}: {what}") }
+            }
+            error => Stop::refused(format!("{path}: {error}")),
+        }
+    }
+}
+
+impl Loaded {
+    /// The folder that input paths are relative to.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Checks the map, together with the settings of the command line.
+    pub fn plan(&self, out: Option<&Path>, scope: OutputScope) -> Result<Plan, Vec<Problem>> {
+        let options = PlanOptions {
+            map_folder: self.folder(),
+            output_folder: out,
+            output_scope: scope,
+            repeat: 0,
+            files: &FileHashes::new(),
+        };
+        let plan = Plan::new(&self.map, &self.registry, &options);
+        if self.complaints.is_empty() {
+            return plan;
+        }
+        let others = plan.map_or_else(|problems| problems, |plan| plan.warnings);
+        Err(self.complaints.iter().cloned().chain(others).collect())
+    }
+
+    /// Says all problems on standard error, and as JSON on standard output where that is asked
+    /// for; the error counts them.
+    pub fn refuse(&self, problems: &[Problem], json: bool) -> Stop {
+        self.report(problems, json);
+        let n_errors = problems.iter().filter(|problem| problem.is_error()).count();
+        if json {
+            // The refusal itself is told by the exit code, should this line not arrive.
+            let last = serde_json::json!({
+                "event": "finished", "status": "refused", "errors": n_errors
+            });
+            let _ = out::json(&last);
+        }
+        let path = self.path.display();
+        let count = if n_errors == 1 { "1 problem".into() } else { format!("{n_errors} problems") };
+        Stop::refused(format!("{path}: {count}; nothing was run"))
+    }
+
+    /// Says problems, one line each.
+    pub fn report(&self, problems: &[Problem], json: bool) {
+        for problem in problems {
+            if json {
+                // A reader that is gone reads no more problems.
+                let _ = out::json(&ProblemLine { event: "problem", problem });
+            }
+            let mark = if problem.is_error() { error_mark() } else { warning_mark() };
+            out::tell(&format!("{mark} {}: {problem}", self.path.display()));
+        }
+    }
+}
+
+/// A problem among events.
+#[derive(serde::Serialize)]
+struct ProblemLine<'a> {
+    event: &'static str,
+    #[serde(flatten)]
+    problem: &'a Problem,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_json_or_text() {
+        let value = |text: &str| parse_setting(text).unwrap().value;
+        assert_eq!(value("a.x=5"), Json::from(5));
+        assert_eq!(value("a.x=null"), Json::Null);
+        assert_eq!(value("a.x=Quadric"), Json::from("Quadric"));
+        assert_eq!(value("a.x=\"5\""), Json::from("5"));
+        assert_eq!(value("a.x={\"Q\": {\"w\": 1}}")["Q"]["w"], Json::from(1));
+        assert_eq!(value("a.x=b=c"), Json::from("b=c"));
+        assert_eq!(value("a.x="), Json::from(""));
+        assert!(parse_setting("a.x").is_err() && parse_setting("x=5").is_err());
+    }
+}

@@ -1,0 +1,315 @@
+//! `mve program`: every step of a program, into a store.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
+
+use mve_core::{
+    CancelToken, EventKind, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard,
+    Sharing, StepRecord, StepStatus, Store, did_you_mean,
+};
+use serde::Serialize;
+
+use crate::exit::{Exit, Stop, warning_mark};
+use crate::load::{Loaded, MapArgs};
+use crate::machine::{half_of_memory, parse_count, parse_size, set_threads};
+use crate::progress::{Progress, seconds};
+use crate::run::open_cache;
+use crate::{out, program_report as report, stop};
+
+/// Warnings that are said while steps run; all of them are in the logs of their steps.
+const MOST_WARNINGS: usize = 20;
+
+const STOPPING: &str = "stopping; finished steps are kept, run the same command to resume \
+                        (Ctrl-C again ends at once)";
+
+/// Run a program of a map: every combination of its parameters, into one table
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  mve program maps/vase.json                      the map's only program
+  mve program maps/vase.json costs --dry-run      list its steps
+  mve program maps/vase.json costs --jobs 4 --time-limit 60
+  mve program maps/vase.json costs --timing       seconds that can be compared
+  mve program maps/vase.json costs --shard 1/8    one of eight processes on one folder
+
+Finished steps are kept and never run twice: the same command resumes. A step whose inputs, \
+parameters or modules changed is another step. Failed steps are rows of the table; \
+--retry-failed runs them again.
+
+The folder holds results.csv and results.jsonl (all columns, every digit), summary.md, outputs/ \
+(files that the steps wrote), and steps/ (record and log of each step).")]
+pub struct Args {
+    #[command(flatten)]
+    map: MapArgs,
+    /// Name of the program; may be left out where the map has only one
+    name: Option<String>,
+    /// Folder of the results [default: mve-out/MAP-NAME]
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Steps that run at once [default: as many as threads]
+    #[arg(short, long, value_name = "N", value_parser = parse_count)]
+    jobs: Option<usize>,
+    /// Run only part I of N, counted from 1; others run the other parts into the same folder
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    shard: Option<Shard>,
+    /// Share nothing and run one step at a time on one thread, so that seconds can be compared
+    #[arg(long, conflicts_with_all = ["jobs", "cache"])]
+    timing: bool,
+    /// List the steps and write nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Threads to use [default: one a core; 1 with --timing]
+    #[arg(long, value_name = "N", value_parser = parse_count)]
+    threads: Option<usize>,
+    /// Start no further step while more memory is in use: 8G, 512M [default: half of the machine's]
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    memory: Option<usize>,
+    /// Stop a step after this time, in place of the program's own limit
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    time_limit: Option<Duration>,
+    /// Run failed steps again
+    #[arg(long)]
+    retry_failed: bool,
+    /// Keep values in this folder, and take what it holds instead of making it again
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Print every event as a line of JSON, and a summary as the last line
+    #[arg(long)]
+    json: bool,
+}
+
+fn parse_shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').map(|(i, n)| (i.trim().parse(), n.trim().parse()));
+    match numbers {
+        Some((Ok(index), Ok(count))) if (1..=count).contains(&index) => {
+            Ok(Shard { index: index - 1, count })
+        }
+        _ => Err("write I/N with I from 1 to N, such as 1/8".to_owned()),
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0);
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration.ok_or_else(|| "write a number of seconds above 0".to_owned())
+}
+
+/// Runs the command.
+pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
+    let loaded = args.map.load()?;
+    let name = choose(&loaded, args.name.as_deref())?;
+    if !loaded.complaints.is_empty() {
+        return Err(loaded.refuse(&loaded.complaints, args.json));
+    }
+    let program = Program::new(&loaded.map, name, &loaded.registry, loaded.folder())
+        .map_err(|problems| loaded.refuse(&problems, args.json))?;
+    loaded.report(&program.warnings, args.json);
+    for path in args.map.set_paths().filter(|path| program.varied.iter().any(|v| v == path)) {
+        let mark = warning_mark();
+        out::tell(&format!("{mark} --set {path} has no effect: the program varies it"));
+    }
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(&loaded, name));
+    let shard = args.shard.unwrap_or(Shard { index: 0, count: 1 });
+    if args.dry_run {
+        let store = Store::look(&folder)?;
+        return report::dry_run(&program, store.as_ref(), &folder, shard, args.json);
+    }
+    let store = Store::open(&folder)?;
+    let outcome = run_steps(args, quiet, &program, &store, shard)?;
+    if args.json {
+        print_json(&outcome, &folder, exit_of(&outcome))?;
+    } else {
+        out::print(&report::results(&program, &store, &outcome))?;
+    }
+    conclude(&outcome, args.shard)
+}
+
+/// The program that is meant.
+fn choose<'a>(loaded: &'a Loaded, name: Option<&'a str>) -> Result<&'a str, Stop> {
+    let path = loaded.path.display();
+    let names: Vec<&str> = loaded.map.programs.keys().map(String::as_str).collect();
+    let list = names.join(", ");
+    match (name, names.as_slice()) {
+        (_, []) => Err(Stop::usage(format!(
+            "{path}: the map has no programs; `mve run` runs the map itself"
+        ))),
+        (None, [only]) => Ok(only),
+        (None, _) => Err(Stop::usage(format!(
+            "{path}: the map has {} programs; name one of {list}",
+            names.len()
+        ))),
+        (Some(name), names) if names.contains(&name) => Ok(name),
+        (Some(name), names) => {
+            let hint = did_you_mean(name, names.iter().copied());
+            let message =
+                format!("{path}: there is no program \"{name}\"; the map has {list}{hint}");
+            Err(Stop::usage(message))
+        }
+    }
+}
+
+fn default_folder(loaded: &Loaded, name: &str) -> PathBuf {
+    let stem = loaded.path.file_stem().map_or("map".into(), |stem| stem.to_string_lossy());
+    let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+    let folder: String = format!("{stem}-{name}").chars().map(plain).collect();
+    Path::new("mve-out").join(folder)
+}
+
+/// Places of the steps of a shard, each step once.
+pub fn places(program: &Program, shard: Shard) -> Vec<usize> {
+    let mut seen = HashSet::new();
+    (0..program.steps.len())
+        .filter(|place| seen.insert(&program.steps[*place].id))
+        .filter(|place| place % shard.count == shard.index)
+        .collect()
+}
+
+fn run_steps(
+    args: &Args,
+    quiet: bool,
+    program: &Program,
+    store: &Store,
+    shard: Shard,
+) -> Result<ProgramOutcome, Stop> {
+    let disk_cache = open_cache(args.cache.as_deref())?;
+    let threads = set_threads(args.threads.or(args.timing.then_some(1)))?;
+    let places = places(program, shard);
+    let is_found = |place: &&usize| {
+        let record = program.record(store, **place);
+        record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
+    };
+    let found = places.iter().filter(is_found).count();
+    let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);
+    let cancel = CancelToken::new();
+    stop::on_signal(&cancel, &progress, STOPPING)?;
+    let warned = Mutex::new(HashSet::new());
+    let options = ProgramOptions {
+        jobs: args.jobs.unwrap_or(threads),
+        shard,
+        sharing: if args.timing { Sharing::Timing } else { Sharing::Shared },
+        memory: args.memory.unwrap_or_else(half_of_memory),
+        disk_cache,
+        time_limit: args.time_limit,
+        retry: if args.retry_failed { Retry::Failed } else { Retry::Nothing },
+        cancel: &cancel,
+        observer: &|event| match args.json {
+            // A reader that is gone misses nothing that the store does not have.
+            true => drop(out::json(event)),
+            false => observe(event, program, &progress, &warned),
+        },
+    };
+    Ok(progress.watch(|| mve_core::run_program(program, store, &options))?)
+}
+
+fn observe(
+    event: &ProgramEvent,
+    program: &Program,
+    progress: &Progress,
+    warned: &Mutex<HashSet<String>>,
+) {
+    match event {
+        ProgramEvent::StepStarted { place, step } => {
+            progress.start(&place.to_string(), report::label(step));
+        }
+        ProgramEvent::Node { place, node_event } => {
+            let (key, node) = (place.to_string(), node_event.node);
+            match &node_event.kind {
+                EventKind::Started => progress.update(&key, node, None),
+                EventKind::Progress { share } => progress.update(&key, node, Some(*share)),
+                EventKind::Warning { text } => {
+                    let Ok(mut warned) = warned.lock() else { return };
+                    let text = format!("{node}: {text}");
+                    if warned.len() < MOST_WARNINGS && warned.insert(text.clone()) {
+                        let step = &program.steps[*place];
+                        let with = report::label(step);
+                        progress.say(&format!("{} {text} (first with {with})", warning_mark()));
+                    }
+                }
+                EventKind::Log { .. } | EventKind::Ended { .. } => {}
+            }
+        }
+        ProgramEvent::StepEnded { place, record } => {
+            let is_failed = record.status != StepStatus::Done;
+            progress.end(&place.to_string(), is_failed, |ended, total| {
+                format!("[{ended}/{total}] {}", ended_line(record, &program.steps[*place]))
+            });
+        }
+    }
+}
+
+fn ended_line(record: &StepRecord, step: &mve_core::Step) -> String {
+    let (word, time) = (record.status.word(), seconds(record.seconds));
+    let reason = record.status.reason().map_or(String::new(), |reason| format!(": {reason}"));
+    format!("{word}, {time} s, {}{reason}", report::label(step))
+}
+
+fn exit_of(outcome: &ProgramOutcome) -> Exit {
+    match outcome {
+        outcome if outcome.is_stopped && outcome.missing > 0 => Exit::Interrupted,
+        outcome if outcome.failed > 0 => Exit::Failed,
+        _ => Exit::Done,
+    }
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    event: &'static str,
+    status: &'static str,
+    folder: &'a Path,
+    #[serde(flatten)]
+    outcome: &'a ProgramOutcome,
+}
+
+fn print_json(outcome: &ProgramOutcome, folder: &Path, exit: Exit) -> Result<Exit, Stop> {
+    let status = match exit {
+        Exit::Done => "done",
+        Exit::Failed => "failed",
+        _ => "stopped",
+    };
+    out::json(&Summary { event: "finished", status, folder, outcome })
+}
+
+fn conclude(outcome: &ProgramOutcome, shard: Option<Shard>) -> Result<Exit, Stop> {
+    let ProgramOutcome { steps, failed, missing, .. } = *outcome;
+    let exit = exit_of(outcome);
+    if exit == Exit::Interrupted {
+        let message =
+            format!("stopped; {missing} of {steps} steps remain, the same command resumes");
+        return Err(Stop { exit, message });
+    }
+    if missing > 0 {
+        let whose = if shard.is_some() { "other shards" } else { "other processes" };
+        out::tell(&format!("this process is done; {missing} of {steps} steps remain for {whose}"));
+    }
+    match exit {
+        Exit::Failed => {
+            let message =
+                format!("{failed} of {steps} steps failed; --retry-failed runs them again");
+            Err(Stop { exit, message })
+        }
+        exit => Ok(exit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_count_from_one() {
+        assert_eq!(parse_shard("1/1"), Ok(Shard { index: 0, count: 1 }));
+        assert_eq!(parse_shard("8/8"), Ok(Shard { index: 7, count: 8 }));
+        for bad in ["0/3", "4/3", "1", "a/b", "1/0", "-1/3"] {
+            assert!(parse_shard(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn limits_are_positive_seconds() {
+        assert_eq!(parse_seconds("0.5"), Ok(Duration::from_millis(500)));
+        for bad in ["0", "-1", "inf", "NaN", "1 s"] {
+            assert!(parse_seconds(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! `mve run`: one run of a map.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indexmap::IndexMap;
+use mve_core::{
+    Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeRecord, NodeStatus, OutputScope,
+    RunOptions, RunOutcome,
+};
+use serde::Serialize;
+
+use crate::check::count;
+use crate::exit::{Exit, Stop, warning_mark};
+use crate::load::MapArgs;
+use crate::machine::{parse_count, set_threads};
+use crate::progress::{Progress, seconds};
+use crate::table::Table;
+use crate::{out, stop};
+
+/// Values that a cache folder may hold.
+const DISK_CACHE_BYTES: u64 = 16 << 30;
+
+const STOPPING: &str = "stopping; press Ctrl-C again to end at once";
+
+/// Run a map once
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  mve run maps/vase.json
+  mve run maps/vase.json --set simplify.target_faces=300 --set simplify.cost=EdgeLength
+  mve run maps/vase.json --out results --cache ~/.cache/mve
+  mve run maps/vase.json --json | jq 'select(.event == \"ended\")'
+
+Every problem of the map is listed before anything runs. A node that fails stops only the nodes \
+that need it.")]
+pub struct Args {
+    #[command(flatten)]
+    map: MapArgs,
+    /// Folder for the files that the map writes
+    #[arg(short, long, value_name = "DIR", default_value = "mve-out")]
+    out: PathBuf,
+    /// Threads to use [default: one a core]
+    #[arg(long, value_name = "N", value_parser = parse_count)]
+    threads: Option<usize>,
+    /// Keep values in this folder, and take what it holds instead of making it again
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Let savers write outside the output folder, for maps of people that you trust
+    #[arg(long)]
+    allow_outside: bool,
+    /// Print every event as a line of JSON, and a summary as the last line
+    #[arg(long)]
+    json: bool,
+}
+
+/// Opens the folder of a disk cache.
+pub fn open_cache(folder: Option<&Path>) -> Result<Option<DiskCache>, Stop> {
+    let open = |folder: &Path| {
+        DiskCache::open(folder, DISK_CACHE_BYTES).map_err(|error| Stop::file(folder, &error))
+    };
+    folder.map(open).transpose()
+}
+
+/// Runs the command.
+pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
+    let loaded = args.map.load()?;
+    let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
+    let plan = loaded
+        .plan(Some(&args.out), scope)
+        .map_err(|problems| loaded.refuse(&problems, args.json))?;
+    loaded.report(&plan.warnings, args.json);
+    if plan.nodes.iter().any(|node| !node.writes.is_empty()) {
+        std::fs::create_dir_all(&args.out).map_err(|error| Stop::file(&args.out, &error))?;
+    }
+    // Values in memory would have no second reader within one run.
+    let cache = open_cache(args.cache.as_deref())?.map(|disk| Cache::new(0, Some(disk)));
+    let threads = set_threads(args.threads)?;
+    let cancel = CancelToken::new();
+    let progress = Progress::new("nodes", plan.nodes.len(), 0, !quiet && !args.json);
+    stop::on_signal(&cancel, &progress, STOPPING)?;
+    let start = Instant::now();
+    let options = RunOptions {
+        output_folder: &args.out,
+        threads,
+        cache: cache.as_ref(),
+        cancel: &cancel,
+        observer: &|event| observe(event, &progress, args.json),
+        keep: Keep::Scalars,
+    };
+    let outcome = progress.watch(|| mve_core::run(&plan, &options));
+    let took = start.elapsed().as_secs_f64();
+    let exit = match &outcome {
+        outcome if outcome.is_done() => Exit::Done,
+        outcome if outcome.failures().next().is_some() => Exit::Failed,
+        _ => Exit::Interrupted,
+    };
+    if args.json {
+        print_json(&outcome, &args.out, exit, took)?;
+    } else {
+        out::print(&report(&outcome, &args.out, took))?;
+    }
+    conclude(&outcome, exit)
+}
+
+fn observe(event: &Event, progress: &Progress, json: bool) {
+    if json {
+        // A reader that is gone misses nothing else, and the run goes on.
+        let _ = out::json(event);
+        return;
+    }
+    let node = event.node;
+    match &event.kind {
+        EventKind::Started => progress.start(node, node.to_owned()),
+        EventKind::Progress { share } => progress.update(node, "", Some(*share)),
+        EventKind::Log { text } => say_log(progress, node, text),
+        EventKind::Warning { text } => say_warning(progress, node, text),
+        EventKind::Ended { record } => {
+            if record.cached.is_some() {
+                for line in &record.log {
+                    match line.is_warning {
+                        true => say_warning(progress, node, &line.text),
+                        false => say_log(progress, node, &line.text),
+                    }
+                }
+            }
+            let is_failed = matches!(record.status, NodeStatus::Failed { .. });
+            progress.end(node, is_failed, |ended, total| {
+                let time = record.seconds.map_or(String::new(), |s| format!(", {} s", seconds(s)));
+                format!("[{ended}/{total}] {node}: {}{time}", word(record))
+            });
+        }
+    }
+}
+
+/// What a node logs is a result: a person put it there to read it.
+fn say_log(progress: &Progress, node: &str, text: &str) {
+    let _ = progress.aside(|| out::print(&format!("{node}: {text}\n")));
+}
+
+fn say_warning(progress: &Progress, node: &str, text: &str) {
+    progress.say(&format!("{} {node}: {text}", warning_mark()));
+}
+
+/// The status in a word.
+fn word(record: &NodeRecord) -> &'static str {
+    match &record.status {
+        NodeStatus::Done if record.cached.is_some() => "cached",
+        NodeStatus::Done => "done",
+        NodeStatus::Failed { .. } => "failed",
+        NodeStatus::Skipped { .. } => "skipped",
+        NodeStatus::Stopped => "stopped",
+    }
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    event: &'static str,
+    status: &'static str,
+    seconds: f64,
+    output_folder: &'a Path,
+    nodes: IndexMap<&'a str, &'a NodeRecord>,
+}
+
+fn print_json(outcome: &RunOutcome, out: &Path, exit: Exit, seconds: f64) -> Result<Exit, Stop> {
+    let status = match exit {
+        Exit::Done => "done",
+        Exit::Failed => "failed",
+        _ => "stopped",
+    };
+    let nodes = outcome.nodes.iter().map(|(name, node)| (name.as_str(), &node.record)).collect();
+    out::json(&Summary { event: "finished", status, seconds, output_folder: out, nodes })
+}
+
+/// The result for a person: what every node gave, and the files.
+fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
+    let header = ["node", "status", "seconds", "output", "value"].map(str::to_owned).to_vec();
+    let mut rows = Vec::new();
+    for (name, node) in &outcome.nodes {
+        let record = &node.record;
+        let scalars = record.scalars.iter().map(|(output, s)| (output.clone(), s.to_string()));
+        let values = record.values.iter().map(|(output, text)| (output.clone(), text.clone()));
+        let mut outputs: Vec<_> = values.chain(scalars).collect();
+        if outputs.is_empty() {
+            let why = match &record.status {
+                NodeStatus::Skipped { because_of } => format!("needs {because_of}, which failed"),
+                _ => String::new(),
+            };
+            outputs.push((String::new(), why));
+        }
+        let time = record.seconds.map_or(String::new(), seconds);
+        let mut own = [name.clone(), word(record).to_owned(), time];
+        for (output, value) in outputs {
+            rows.push(own.iter_mut().map(std::mem::take).chain([output, value]).collect());
+        }
+    }
+    let (mut text, _) = Table { header, rows }.render(out::width());
+    out::part_from_progress(&mut text);
+    let done = outcome.nodes.values().filter(|node| node.record.status == NodeStatus::Done);
+    let written: Vec<_> = done.flat_map(|node| &node.record.files).collect();
+    if !written.is_empty() {
+        text.push_str("\nfiles:\n");
+        for file in &written {
+            text.push_str(&format!("  {}\n", out.join(file).display()));
+        }
+    }
+    let n_done = outcome.nodes.values().filter(|n| n.record.status == NodeStatus::Done).count();
+    let nodes = count(outcome.nodes.len(), "node");
+    text.push_str(&format!("\n{n_done} of {nodes} done in {} s\n", seconds(took)));
+    text
+}
+
+fn conclude(outcome: &RunOutcome, exit: Exit) -> Result<Exit, Stop> {
+    if exit == Exit::Interrupted {
+        return Err(Stop { exit, message: "stopped before all nodes were done".to_owned() });
+    }
+    let failures: Vec<_> =
+        outcome.failures().map(|(name, error)| format!("{name}: {error}")).collect();
+    let Some((last, others)) = failures.split_last() else { return Ok(exit) };
+    others.iter().for_each(|failure| crate::exit::complain(failure));
+    Err(Stop { exit, message: last.clone() })
+}
