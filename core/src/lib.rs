@@ -49,7 +49,8 @@ pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
-    Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, run_program,
+    Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, brief,
+    run_program,
 };
 pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
 pub use run::{

@@ -4,6 +4,8 @@ mod expand;
 mod memory;
 mod tables;
 
+pub use tables::brief;
+
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};

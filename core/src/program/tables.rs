@@ -1,5 +1,6 @@
 //! The tables of a program's results, made from the records of its store.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use indexmap::IndexSet;
@@ -8,6 +9,9 @@ use serde_json::{Map as JsonMap, Value as Json};
 use super::Program;
 use crate::data::Scalar;
 use crate::store::{StepRecord, Store, StoreError};
+
+/// How many outputs of one node a person reads first.
+const MOST_OF_A_NODE: usize = 3;
 
 /// Writes `results.csv`, `results.jsonl` and `summary.md`.
 pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> {
@@ -77,7 +81,7 @@ fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(Stri
 }
 
 /// The columns of a table that a person reads first, numbers cut to five significant digits and
-/// times to milliseconds: no ids, reasons or seconds of single nodes, no output that is the same in every row or the same
+/// times to milliseconds: the first outputs of each node, no ids, reasons or seconds of single nodes, no output that is the same in every row or the same
 /// as the one of another column.
 pub(super) fn brief_table(
     program: &Program,
@@ -95,7 +99,18 @@ pub(super) fn brief_table(
         let is_hidden = name == "step" || name == "reason" || name.starts_with("seconds.");
         differs && (is_new || rows.is_empty()) && !is_hidden
     };
-    let shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
+    let mut shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
+    // Modules put out the most important first.
+    let node =
+        |place: usize| program.nodes.iter().find(|n| header[place].split('.').next() == Some(n));
+    let is_output =
+        |place: usize| !program.varied.contains(&header[place]) && node(place).is_some();
+    let mut n_of_node = HashMap::new();
+    shown.retain(|&place| {
+        let n = n_of_node.entry(node(place)).or_insert(0);
+        *n += usize::from(is_output(place));
+        !is_output(place) || *n <= MOST_OF_A_NODE
+    });
     let short = |place: usize, cell: &String| match cell.parse::<f64>() {
         Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
         Ok(number) => brief(number),
@@ -202,7 +217,7 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
 }
 
 /// A number to five significant digits, for reading.
-fn brief(value: f64) -> String {
+pub fn brief(value: f64) -> String {
     let size = value.abs();
     if value == value.trunc() && size < 1e15 {
         value.to_string()

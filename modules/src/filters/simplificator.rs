@@ -27,14 +27,11 @@ impl Enumeration for Seams {
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
-const TARGET_FACES: Param<Option<i64>> = Param::maybe_integer(
-    "target_faces",
-    "Stop at this many faces. Off: the ratio counts.",
-    None,
-)
-.between((0, 4_294_967_295))
-.mostly((10, 1_000_000))
-.unit("faces");
+const TARGET_FACES: Param<Option<i64>> =
+    Param::maybe_integer("target_faces", "Stop at this many faces. Off: the ratio counts.", None)
+        .between((0, 4_294_967_295))
+        .mostly((10, 1_000_000))
+        .unit("faces");
 const RATIO: Param<Option<f64>> = Param::maybe_number(
     "ratio",
     "Stop at this part of the input's faces, where no number of faces is given. Off: no limit.",
@@ -123,16 +120,20 @@ fn measures(found: &Statistics) -> Measures {
     let count = |name, n: usize, doc| Measure::new(name, n as f64, "", doc);
     Measures(vec![
         count("faces", found.n_faces, "Faces of the result."),
-        count("collapses", found.n_collapses, "Collapses made."),
-        count("rejected_by_topology", found.n_rejected_link, "Tries that the link condition ended."),
-        count("rejected_by_flip", found.n_rejected_flip, "Tries that would have turned a face."),
-        count("rejected_by_boundary", found.n_rejected_boundary, "Edges held by a policy."),
         Measure::new(
             "dearest_collapse",
             found.largest_cost.unwrap_or(f64::NAN),
             "",
             "Cost of the dearest collapse made, in the unit of the cost.",
         ),
+        count("collapses", found.n_collapses, "Collapses made."),
+        count(
+            "rejected_by_topology",
+            found.n_rejected_link,
+            "Tries that the link condition ended.",
+        ),
+        count("rejected_by_flip", found.n_rejected_flip, "Tries that would have turned a face."),
+        count("rejected_by_boundary", found.n_rejected_boundary, "Edges held by a policy."),
     ])
 }
 
@@ -147,7 +148,8 @@ mod tests {
     fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
         let mesh = subdivided_box(&BoxOptions::DEFAULT);
         let trial = Trial::of(&super::MODULE).input("mesh", mesh);
-        let trial = params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
+        let trial =
+            params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
         trial.run().unwrap()["mesh"].clone().take().unwrap()
     }
 

@@ -53,7 +53,7 @@ impl HausdorffOptions {
         seed: 0,
         n_edge_samples: 0,
         max_tolerance: Some(1e-5),
-        max_parts: 2_000_000,
+        max_parts: 400_000,
     };
 }
 

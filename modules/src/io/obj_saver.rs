@@ -38,8 +38,7 @@ mod tests {
         let path = folder.path().join("a.obj");
         let name = path.to_str().unwrap();
         Trial::of(&super::MODULE).input("mesh", tetrahedron()).set("path", name).run().unwrap();
-        let (mesh, _) =
-            crate::io::obj::load(&path, Control::none()).unwrap();
+        let (mesh, _) = crate::io::obj::load(&path, Control::none()).unwrap();
         assert_eq!(mesh, tetrahedron());
     }
 }
