@@ -1,0 +1,354 @@
+//! What holds for every registered module: its declaration is whole, and it stands any input.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use glam::DVec3;
+use mve_core::testing::{Outputs, Trial};
+use mve_core::{Data, Kind, Module, ModuleError, ModuleInfo, ParamSpec, Value};
+use mve_modules::data::{
+    Domain, Field, Layer, LayerValues, Measure, Measures, NO_VALUE, TriMesh, VertexId,
+};
+use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
+use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
+use mve_modules::registry;
+use serde_json::{Value as Json, json};
+
+/// Meshes that a module may meet, each with its name.
+fn meshes() -> Vec<(&'static str, TriMesh)> {
+    let mut nan = tetrahedron();
+    nan.positions[1].x = f64::NAN;
+    let mut infinite = tetrahedron();
+    infinite.positions[2].y = f64::INFINITY;
+    let mut huge = tetrahedron();
+    huge.positions.iter_mut().for_each(|p| *p *= 1e200);
+    let mut tiny = tetrahedron();
+    tiny.positions.iter_mut().for_each(|p| *p *= 1e-200);
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
+    vec![
+        ("a tetrahedron", tetrahedron()),
+        ("nothing", TriMesh::default()),
+        ("points without faces", mesh_of(&corners, &[])),
+        ("one face", mesh_of(&corners, &[[0, 1, 2]])),
+        ("a face that names a vertex twice", mesh_of(&corners, &[[0, 1, 1], [0, 1, 2]])),
+        ("the same face twice and turned", mesh_of(&corners, &[[0, 1, 2], [0, 1, 2], [2, 1, 0]])),
+        ("three faces at an edge", mesh_of(&corners, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]])),
+        ("two triangles at a vertex", mesh_of(&corners, &[[0, 1, 2], [0, 3, 4]])),
+        ("a flat face", mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], &[[0, 1, 2]])),
+        ("all vertices in one place", mesh_of(&[[1.0; 3]; 4], &[[0, 1, 2], [0, 2, 3]])),
+        ("a coordinate that is not a number", nan),
+        ("an infinite coordinate", infinite),
+        ("huge coordinates", huge),
+        ("tiny coordinates", tiny),
+        ("layers of all kinds", with_layers()),
+    ]
+}
+
+/// A box with seams, missing values, labels and fields.
+fn with_layers() -> TriMesh {
+    let mut mesh = subdivided_box(&BoxOptions { segments: 2, ..BoxOptions::DEFAULT });
+    let (n_vertices, n_faces) = (mesh.positions.len() as u32, mesh.faces.len() as u32);
+    let texcoords = (0..3 * n_faces).map(|i| glam::DVec2::splat(f64::from(i))).collect();
+    let mut corner_index: Vec<u32> = (0..3 * n_faces).collect();
+    corner_index[5] = NO_VALUE;
+    let mut put = |name: &str, domain, values, index| {
+        mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
+    };
+    put(Layer::TEXCOORD, Domain::Corner, LayerValues::Vec2(texcoords), corner_index);
+    let names = LayerValues::Label(vec!["left".into(), "right".into()]);
+    put(Layer::GROUP, Domain::Face, names, (0..n_faces).map(|f| f % 2).collect());
+    let numbers = LayerValues::Number((0..n_vertices).map(f64::from).collect());
+    put("height", Domain::Vertex, numbers, (0..n_vertices).collect());
+    let colors = LayerValues::Vec3(vec![DVec3::ONE, DVec3::ZERO]);
+    put(Layer::COLOR, Domain::Vertex, colors, (0..n_vertices).map(|v| v % 2).collect());
+    mesh
+}
+
+/// A value for an input of this type, made from a mesh.
+fn value_of(type_id: &str, mesh: &TriMesh) -> Option<Value> {
+    let numbers: Vec<f64> = mesh.positions.iter().map(|p| p.x).collect();
+    let field = Field {
+        name: "x".to_owned(),
+        unit: String::new(),
+        domain: Domain::Vertex,
+        values: numbers.clone(),
+    };
+    Some(match type_id {
+        "TriMesh" | "Any" => Value::new(mesh.clone()),
+        "Number" => Value::new(numbers.first().copied().unwrap_or(0.0)),
+        "Flag" => Value::new(true),
+        "Text" => Value::new("text".to_owned()),
+        "Field" => Value::new(field),
+        "Measures" => Value::new(Measures(vec![Measure::new("x", 1.0, "", "A number.")])),
+        _ => return None,
+    })
+}
+
+/// A call of the module on a mesh, with what it needs, in a folder of its own.
+fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
+    let mut trial = Trial::of(module);
+    for input in module.inputs {
+        let value = value_of(input.data_type.id, mesh)
+            .unwrap_or_else(|| panic!("teach value_of the type {}", input.data_type.id));
+        trial = trial.value(input.name, value);
+    }
+    for param in module.params {
+        match param.kind {
+            Kind::OutputFile { extensions, .. } => {
+                let extension = extensions.first().copied().unwrap_or("out");
+                let path = folder.join(format!("{}.{extension}", module.id));
+                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
+            }
+            Kind::InputFile { .. } => {
+                let path = folder.join("in.obj");
+                let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+                std::fs::write(&path, text).expect("the folder can be written");
+                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
+            }
+            _ => {}
+        }
+    }
+    trial
+}
+
+fn run(module: &'static Module, mesh: &TriMesh) -> Result<Outputs, ModuleError> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    trial(module, mesh, folder.path()).run()
+}
+
+fn bytes(outputs: &Outputs) -> Vec<(&'static str, Vec<u8>)> {
+    outputs.iter().map(|(name, value)| (*name, value.encode().expect("plain data"))).collect()
+}
+
+fn each_module(check: impl Fn(&ModuleInfo)) {
+    registry().modules().iter().for_each(check);
+}
+
+#[test]
+fn declarations_are_whole() {
+    let mut ids = HashSet::new();
+    each_module(|info| {
+        let module = info.module;
+        let first = module.id.chars().next();
+        assert!(first.is_some_and(char::is_uppercase), "{} is not CamelCase", module.id);
+        assert!(is_sentence(module.summary), "{}: summary", module.id);
+        let mut names = HashSet::new();
+        for input in module.inputs {
+            assert!(names.insert(input.name), "{}.{} twice", module.id, input.name);
+            assert!(is_snake(input.name) && is_sentence(input.doc), "{}.{}", module.id, input.name);
+        }
+        check_params(module.id, module.params, &mut names);
+        let mut outputs = HashSet::new();
+        for output in module.outputs {
+            assert!(outputs.insert(output.name), "{}.{} twice", module.id, output.name);
+            assert!(is_snake(output.name) && is_sentence(output.doc), "{}.{}", module.id, {
+                output.name
+            });
+        }
+    });
+    registry().modules().iter().for_each(|info| assert!(ids.insert(info.module.id)));
+}
+
+fn is_snake(name: &str) -> bool {
+    let is_good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    !name.is_empty() && name.chars().all(is_good)
+}
+
+fn is_sentence(text: &str) -> bool {
+    text.len() > 5 && text.ends_with('.') && !text.contains("  ")
+}
+
+fn check_params(of: &str, params: &'static [ParamSpec], names: &mut HashSet<&'static str>) {
+    for spec in params {
+        let name = format!("{of}.{}", spec.name);
+        assert!(names.insert(spec.name), "{name} twice, among inputs and parameters");
+        assert!(is_snake(spec.name) && is_sentence(spec.doc), "{name}");
+        assert_ne!(spec.name, "module", "{name}: the word stands for the node's module");
+        match spec.kind {
+            Kind::Integer { default, hard: (low, high), soft } => {
+                assert!(low <= high && default.is_none_or(|d| (low..=high).contains(&d)), "{name}");
+                let soft = soft.unwrap_or((low, high));
+                assert!(low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high, "{name}: soft range");
+            }
+            Kind::Number { default, hard: (low, high), soft } => {
+                assert!(low <= high && default.is_none_or(|d| (low..=high).contains(&d)), "{name}");
+                let soft = soft.unwrap_or((low, high));
+                assert!(low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high, "{name}: soft range");
+            }
+            Kind::Enumeration { default, names } => {
+                assert!(names.iter().any(|(known, _)| *known == default), "{name}: default");
+                assert!(names.iter().all(|(_, doc)| is_sentence(doc)), "{name}: texts");
+            }
+            Kind::Choice { default, list } => {
+                assert!(list.find(default).is_some(), "{name}: default");
+                let ids: HashSet<_> = (0..list.len()).map(|place| list.spec(place).id).collect();
+                assert_eq!(ids.len(), list.len(), "{name}: an id twice");
+                for place in 0..list.len() {
+                    let entry = list.spec(place);
+                    assert!(is_sentence(entry.summary), "{name}: {}", entry.id);
+                    check_params(&format!("{name}.{}", entry.id), entry.params, &mut {
+                        HashSet::new()
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn any_mesh_gives_a_result_or_an_error() {
+    each_module(|info| {
+        for (name, mesh) in meshes() {
+            match run(info.module, &mesh) {
+                Err(ModuleError::Bug(bug)) => panic!("{} on {name}: {bug}", info.module.id),
+                Err(error) => assert!(error.to_string().len() > 10, "{error}"),
+                Ok(outputs) => {
+                    for (output, value) in outputs {
+                        if let Some(mesh) = value.get::<TriMesh>() {
+                            let fault = TriMesh::check(&mesh);
+                            assert_eq!(fault, Ok(()), "{}.{output} on {name}", info.module.id);
+                        }
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn ends_of_ranges_give_a_result_or_an_error() {
+    // At their upper ends generators fill the memory and metrics take hours; there the slider ends.
+    each_module(|info| {
+        for spec in info.module.params {
+            for value in ends(spec) {
+                let folder = tempfile::tempdir().expect("a temporary folder");
+                let trial = trial(info.module, &with_layers(), folder.path());
+                if let Err(ModuleError::Bug(bug)) = trial.set(spec.name, value.clone()).run() {
+                    panic!("{}.{} = {value}: {bug}", info.module.id, spec.name);
+                }
+            }
+        }
+    });
+}
+
+/// Values at the ends of a parameter's range, and one of every choice and name.
+fn ends(spec: &ParamSpec) -> Vec<Json> {
+    match spec.kind {
+        Kind::Flag { .. } => vec![json!(true), json!(false)],
+        Kind::Integer { hard, soft, .. } => {
+            vec![json!(hard.0), json!(soft.map_or(hard.0.max(0), |soft| soft.1.min(256)))]
+        }
+        Kind::Number { hard, soft, .. } => vec![json!(hard.0), json!(soft.unwrap_or(hard).1)],
+        Kind::Text { .. } => vec![json!(""), json!("é\n\u{1F600}")],
+        Kind::Seed { .. } => vec![json!(0), json!(u32::MAX)],
+        Kind::Enumeration { names, .. } => names.iter().map(|(name, _)| json!(name)).collect(),
+        Kind::Choice { list, .. } => {
+            (0..list.len()).map(|place| json!(list.spec(place).id)).collect()
+        }
+        Kind::InputFile { .. } | Kind::OutputFile { .. } => Vec::new(),
+    }
+}
+
+#[test]
+fn runs_and_thread_counts_agree_to_the_last_bit() {
+    let mesh = vase(&VaseOptions { segments: 24, profile_segments: 30, ..VaseOptions::DEFAULT });
+    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads");
+    let (one, many) = (pool(1), pool(5));
+    each_module(|info| {
+        let outcome = |pool: &rayon::ThreadPool| {
+            pool.install(|| run(info.module, &mesh).map(|outputs| bytes(&outputs)))
+        };
+        let first = outcome(&one);
+        assert!(first == outcome(&one), "{}: two runs differ", info.module.id);
+        assert!(first == outcome(&many), "{}: thread counts differ", info.module.id);
+    });
+}
+
+#[test]
+fn values_come_back_from_the_disk_cache_as_they_were() {
+    let (cache_folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let map = r#"{"mve": 1, "nodes": {
+        "a": {"module": "Vase", "params": {"segments": 256, "profile_segments": 256}},
+        "s": {"module": "Simplificator"}, "n": {"module": "NormalComputer"}},
+        "links": ["a.mesh -> s.mesh", "s.mesh -> n.mesh"]}"#;
+    let map = mve_core::Map::parse(map).unwrap();
+    let files = mve_core::FileHashes::new();
+    let options = mve_core::PlanOptions {
+        map_folder: Path::new("/"),
+        output_folder: None,
+        output_scope: mve_core::OutputScope::Folder,
+        repeat: 0,
+        files: &files,
+    };
+    let plan = mve_core::Plan::new(&map, &registry(), &options).unwrap();
+    let outcome = || {
+        let disk = mve_core::DiskCache::open(cache_folder.path(), 1 << 30).unwrap();
+        let cache = mve_core::Cache::new(1 << 30, Some(disk));
+        let options = mve_core::RunOptions {
+            output_folder: out.path(),
+            threads: 1,
+            cache: Some(&cache),
+            cancel: &mve_core::CancelToken::new(),
+            observer: &|_| {},
+            keep: mve_core::Keep::All,
+        };
+        mve_core::run(&plan, &options)
+    };
+    let (first, second) = (outcome(), outcome());
+    let simplified = |outcome: &mve_core::RunOutcome| {
+        outcome.nodes["s"].outputs["mesh"].get::<TriMesh>().unwrap()
+    };
+    assert_eq!(second.nodes["s"].record.cached, Some(mve_core::CacheUse::Disk));
+    assert_eq!(simplified(&first), simplified(&second));
+}
+
+#[test]
+fn shuffled_vertices_give_the_same_surface() {
+    let mesh = vase(&VaseOptions { segments: 24, profile_segments: 30, ..VaseOptions::DEFAULT });
+    let shuffled = shuffle(&mesh);
+    each_module(|info| {
+        let (Ok(one), Ok(two)) = (run(info.module, &mesh), run(info.module, &shuffled)) else {
+            return;
+        };
+        for (name, value) in &one {
+            let place = format!("{}.{name}", info.module.id);
+            if let (Some(a), Some(b)) = (value.get::<TriMesh>(), two[name].get::<TriMesh>()) {
+                assert_eq!(a.faces.len(), b.faces.len(), "{place}");
+                assert!(is_close(a.area(), b.area(), 1e-9), "{place}: area");
+                assert!(is_close(a.signed_volume(), b.signed_volume(), 1e-9), "{place}: volume");
+            }
+            if let (Some(a), Some(b)) = (value.get::<f64>(), two[name].get::<f64>()) {
+                assert!(is_close(*a, *b, 1e-6) || (a.is_nan() && b.is_nan()), "{place}: {a} {b}");
+            }
+        }
+    });
+}
+
+fn is_close(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance * a.abs().max(b.abs()).max(1e-12)
+}
+
+/// The same surface with vertices in another order, faces too. Each face begins at
+/// the corner that it began at: another one rounds its plane another way, and on a symmetric mesh
+/// that decides between collapses of equal price.
+fn shuffle(mesh: &TriMesh) -> TriMesh {
+    let n = mesh.positions.len();
+    // 7919 is prime and no factor of any count here, so this visits every vertex once.
+    let old_of_new: Vec<usize> = (0..n).map(|i| (i * 7919 + 13) % n).collect();
+    let mut new_of_old = vec![0; n];
+    old_of_new.iter().enumerate().for_each(|(new, &old)| new_of_old[old] = new as u32);
+    let positions = old_of_new.iter().map(|&old| mesh.positions[old]).collect();
+    let mut faces: Vec<_> =
+        mesh.faces.iter().map(|face| face.map(|v| VertexId(new_of_old[v.idx()]))).collect();
+    faces.reverse();
+    TriMesh::new(positions, faces)
+}
+
+#[test]
+fn data_types_have_ids_of_their_own() {
+    let types = [TriMesh::TYPE, Field::TYPE, Measures::TYPE, f64::TYPE, bool::TYPE, String::TYPE];
+    let ids: HashSet<_> = types.iter().map(|data_type| data_type.id).collect();
+    assert_eq!(ids.len(), types.len());
+    assert!(types.iter().all(|data_type| is_sentence(data_type.doc)));
+}

@@ -1,0 +1,160 @@
+//! Every map that ships runs, alone and with its programs, and gives what it gave before.
+//!
+//! What it gave stands in `ref/`, numbers to six digits; they are compared to 1e-4 of their size
+//! or 1e-9, which is far above rounding and far below any change of an algorithm. `UPDATE=1`
+//! rewrites the references: read the difference before you commit it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use mve_core::{
+    CancelToken, FileHashes, Keep, Map, OutputScope, Plan, PlanOptions, Program, ProgramOptions,
+    Retry, RunOptions, Scalar, Shard, Sharing, Store, assign, run, run_program,
+};
+use mve_modules::registry;
+use mve_tests::{maps, root};
+
+#[test]
+fn every_map_gives_what_it_gave() {
+    let maps = maps();
+    assert!(maps.len() >= 4, "maps are missing");
+    for path in maps {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let reference = root().join(format!("tests/ref/{name}.txt"));
+        let found = summary(&path);
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&reference, &found).unwrap();
+        }
+        let expected = std::fs::read_to_string(&reference)
+            .unwrap_or_else(|_| panic!("no reference for {name}; make it with UPDATE=1"));
+        compare(&name, &expected, &found);
+    }
+}
+
+#[test]
+fn saving_a_map_changes_no_byte() {
+    for path in maps() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut map = Map::parse(&text).unwrap();
+        assert_eq!(map.problems(), [], "{}", path.display());
+        assert_eq!(map.to_text(), text, "{}", path.display());
+        // Changed and changed back, the text is made anew, and still the same: it is canonical.
+        let title = std::mem::replace(&mut map.title, "another".to_owned());
+        let other = map.to_text();
+        let mut map = Map::parse(&other).unwrap();
+        map.title = title;
+        assert_eq!(map.to_text(), text, "{}", path.display());
+    }
+}
+
+/// The map, with a file of its own where it needs one.
+fn load(path: &Path, folder: &Path) -> Map {
+    let mut map = Map::load(path).unwrap();
+    if map.nodes.get("load").is_some_and(|node| node.module == "ObjLoader") {
+        let model = folder.join("model.obj");
+        let mesh = mve_modules::geometry::generate::surface(&Default::default());
+        mve_modules::io::obj::save(&mesh, &model).unwrap();
+        assign(&mut map, &registry(), "load.path", model.to_str().unwrap().into()).unwrap();
+    }
+    map
+}
+
+/// Scalars and values of a run of the map, and of all steps of its programs.
+fn summary(path: &Path) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let map = load(path, folder.path());
+    let mut text = String::new();
+    let files = FileHashes::new();
+    let options = PlanOptions {
+        map_folder: folder.path(),
+        output_folder: Some(folder.path()),
+        output_scope: OutputScope::Folder,
+        repeat: 0,
+        files: &files,
+    };
+    let plan = Plan::new(&map, &registry(), &options).unwrap_or_else(|p| panic!("{p:?}"));
+    let cancel = CancelToken::new();
+    let options = RunOptions {
+        output_folder: folder.path(),
+        threads: 2,
+        cache: None,
+        cancel: &cancel,
+        observer: &|_| {},
+        keep: Keep::Scalars,
+    };
+    let outcome = run(&plan, &options);
+    assert!(outcome.is_done(), "{}: {:?}", path.display(), outcome.failures().collect::<Vec<_>>());
+    text.push_str("run\n");
+    for (name, node) in &outcome.nodes {
+        write_record(&mut text, name, &node.record);
+        assert!(node.record.files.iter().all(|file| folder.path().join(file).is_file()));
+    }
+    for name in map.programs.keys() {
+        let program = Program::new(&map, name, &registry(), folder.path())
+            .unwrap_or_else(|p| panic!("{p:?}"));
+        let store = Store::open(&folder.path().join(format!("program-{name}"))).unwrap();
+        let options = ProgramOptions {
+            jobs: 2,
+            shard: Shard { index: 0, count: 1 },
+            sharing: Sharing::Shared,
+            memory: 1 << 30,
+            disk_cache: None,
+            time_limit: None,
+            retry: Retry::Nothing,
+            cancel: &cancel,
+            observer: &|_| {},
+        };
+        let outcome = run_program(&program, &store, &options).unwrap();
+        assert_eq!((outcome.ran, outcome.failed), (outcome.steps, 0), "{}", path.display());
+        for (place, step) in program.steps.iter().enumerate() {
+            let params: Vec<_> = step.params.iter().map(|(p, v)| format!("{p}={v}")).collect();
+            let _ = writeln!(text, "program {name}: {}", params.join(" "));
+            for (name, node) in &program.record(&store, place).unwrap().nodes {
+                write_record(&mut text, name, node);
+            }
+        }
+    }
+    text
+}
+
+/// One line a node; values of a mesh are its counts.
+fn write_record(text: &mut String, name: &str, record: &mve_core::NodeRecord) {
+    let cells = record.scalars.iter().map(|(name, scalar)| match scalar {
+        // How often something was tried may change with every tuning, and says nothing.
+        Scalar::Number(number) if !name.starts_with("rejected") => format!("{name}={number:.6e}"),
+        Scalar::Number(_) => format!("{name}=…"),
+        other => format!("{name}={other}"),
+    });
+    let meshes = record.values.iter().filter(|(_, value)| value.contains("faces"));
+    let meshes = meshes.map(|(name, value)| format!("{name}: {value}"));
+    let warnings = record.log.iter().filter(|line| line.is_warning).map(|line| line.text.clone());
+    let all: Vec<_> = cells.chain(meshes).chain(warnings).collect();
+    if !all.is_empty() {
+        let _ = writeln!(text, "  {name}: {}", all.join(", "));
+    }
+}
+
+/// Compares word by word, numbers within the tolerance.
+fn compare(name: &str, expected: &str, found: &str) {
+    let lines = |text: &str| -> BTreeMap<usize, String> {
+        text.lines().map(str::to_owned).enumerate().collect()
+    };
+    let (expected, found) = (lines(expected), lines(found));
+    assert_eq!(expected.len(), found.len(), "{name}: lines; UPDATE=1 shows the difference");
+    for (place, line) in &expected {
+        let words = |line: &str| -> Vec<String> {
+            line.split([' ', '=', ',']).map(str::to_owned).collect()
+        };
+        let (old, new) = (words(line), words(&found[place]));
+        let is_same = old.len() == new.len() && old.iter().zip(&new).all(|(a, b)| agree(a, b));
+        assert!(is_same, "{name}, line {}:\n{line}\n{}", place + 1, found[place]);
+    }
+}
+
+fn agree(old: &str, new: &str) -> bool {
+    match (old.parse::<f64>(), new.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= (1e-4 * a.abs()).max(1e-9) || (a.is_nan() && b.is_nan()),
+        _ => old == new,
+    }
+}
