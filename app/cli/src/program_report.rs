@@ -89,7 +89,10 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
         rows.truncate(MOST_ROWS);
     }
     let n_left = n_rows - rows.len();
-    let (mut text, n_hidden) = Table { header, rows }.render(out::width());
+    let (mut text, n_hidden) = match n_rows {
+        0 => (String::new(), 0),
+        _ => Table { header, rows }.render(out::width()),
+    };
     out::part_from_progress(&mut text);
     let hidden = [(n_left, "row"), (n_hidden, "column")];
     let hidden = hidden.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(*n, what));

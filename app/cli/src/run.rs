@@ -21,7 +21,7 @@ use crate::{out, stop};
 /// Values that a cache folder may hold.
 const DISK_CACHE_BYTES: u64 = 16 << 30;
 
-const STOPPING: &str = "stopping; press Ctrl-C again to end at once";
+const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 
 /// Run a map once
 #[derive(clap::Args)]
