@@ -9,7 +9,7 @@ fn a_run_prints_logs_and_a_table() {
     let answer = Folder::new().mve(&["run", "map.json"]).succeeds();
     let answer = answer.says("print: level: 2.5\n").says("other: 2.5\n");
     let answer = answer.says("node   status  seconds  output  value\n");
-    let answer = answer.says("level  done ").says("value   2.5\n").says("3 of 3 nodes done in");
+    let answer = answer.says("level  done ").says("value     2.5\n").says("3 of 3 nodes done in");
     assert!(answer.err.contains("] level: done, "), "{}", answer.err);
 }
 

@@ -28,7 +28,7 @@ fn modules_are_listed_and_described() {
     folder.mve(&["modules", "Prnt"]).fails(2, "no module \"Prnt\"; did you mean \"Print\"?\n");
     folder.mve(&["modules", "--write", "docs/modules.md"]).succeeds();
     assert!(folder.read("docs/modules.md").contains("### Constant"));
-    folder.mve(&["modules", "--write", "map.json/x"]).fails(4, "a file stands where");
+    folder.mve(&["modules", "--write", "map.json/x"]).fails(4, "a file of this name is in the way");
     let lines = folder.mve(&["modules", "Constant", "--json"]).succeeds().json();
     assert_eq!((lines.len(), &lines[0]["category"]), (1, &"generate".into()));
     assert_eq!(lines[0]["params"]["properties"]["value"]["default"], 0.0);
