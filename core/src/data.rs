@@ -46,6 +46,11 @@ pub trait Data: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
         None
     }
 
+    /// The value as several table cells with names of their own, for types that hold a row.
+    fn cells(&self) -> Vec<(String, Scalar)> {
+        Vec::new()
+    }
+
     /// Tests what must hold for every value of the type, after it was read from a cache.
     fn check(&self) -> Result<(), String> {
         Ok(())
@@ -136,7 +141,13 @@ impl Value {
         self.0.scalar()
     }
 
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
+    /// The value as several table cells with names of their own, for types that hold a row.
+    pub fn cells(&self) -> Vec<(String, Scalar)> {
+        self.0.cells()
+    }
+
+    /// The value as bytes, equal for equal values.
+    pub fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
         self.0.encode()
     }
 }
@@ -161,6 +172,7 @@ trait Erased: Send + Sync {
     fn byte_size(&self) -> usize;
     fn summary(&self) -> String;
     fn scalar(&self) -> Option<Scalar>;
+    fn cells(&self) -> Vec<(String, Scalar)>;
     fn encode(&self) -> Result<Vec<u8>, postcard::Error>;
     fn into_any(self: Arc<Self>) -> Arc<dyn Any + Send + Sync>;
 }
@@ -180,6 +192,10 @@ impl<T: Data> Erased for T {
 
     fn scalar(&self) -> Option<Scalar> {
         Data::scalar(self)
+    }
+
+    fn cells(&self) -> Vec<(String, Scalar)> {
+        Data::cells(self)
     }
 
     fn encode(&self) -> Result<Vec<u8>, postcard::Error> {

@@ -1,6 +1,7 @@
 //! Modules: declared units of work, and what they see of the run.
 
 use std::any::type_name;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -88,8 +89,8 @@ impl ModuleError {
     }
 }
 
-/// What hears of a module's progress while it runs. Calls come from the thread that runs it.
-pub trait Reporter {
+/// What hears of a module's progress while it runs, from any of its threads.
+pub trait Reporter: Sync {
     /// The share of the work that is done, 0 to 1.
     fn progress(&self, share: f64);
     /// A line for the log.
@@ -189,9 +190,10 @@ impl<'a> Io<'a> {
         if self.cancel.is_cancelled() { Err(ModuleError::Cancelled) } else { Ok(()) }
     }
 
-    /// The token itself, for loops on other threads.
-    pub fn cancel(&self) -> &'a CancelToken {
-        self.cancel
+    /// [`Io::progress`] for algorithms that take a callback: breaks once the run is stopped.
+    pub fn flow(&self, share: f64) -> ControlFlow<()> {
+        self.reporter.progress(share);
+        if self.cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Writes a line to the log of the run.

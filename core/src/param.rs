@@ -204,17 +204,17 @@ impl NumberParam for Option<f64> {}
 
 impl<T: IntegerParam> Param<T> {
     /// Both ends of what is allowed; a map outside it is refused.
-    pub const fn between(mut self, low: i64, high: i64) -> Self {
+    pub const fn between(mut self, ends: (i64, i64)) -> Self {
         if let Kind::Integer { default, soft, .. } = self.spec.kind {
-            self.spec.kind = Kind::Integer { default, hard: (low, high), soft };
+            self.spec.kind = Kind::Integer { default, hard: ends, soft };
         }
         self
     }
 
     /// Both ends of what a slider shows.
-    pub const fn mostly(mut self, low: i64, high: i64) -> Self {
+    pub const fn mostly(mut self, ends: (i64, i64)) -> Self {
         if let Kind::Integer { default, hard, .. } = self.spec.kind {
-            self.spec.kind = Kind::Integer { default, hard, soft: Some((low, high)) };
+            self.spec.kind = Kind::Integer { default, hard, soft: Some(ends) };
         }
         self
     }
@@ -222,17 +222,17 @@ impl<T: IntegerParam> Param<T> {
 
 impl<T: NumberParam> Param<T> {
     /// Both ends of what is allowed; a map outside it is refused.
-    pub const fn within(mut self, low: f64, high: f64) -> Self {
+    pub const fn within(mut self, ends: (f64, f64)) -> Self {
         if let Kind::Number { default, soft, .. } = self.spec.kind {
-            self.spec.kind = Kind::Number { default, hard: (low, high), soft };
+            self.spec.kind = Kind::Number { default, hard: ends, soft };
         }
         self
     }
 
     /// Both ends of what a slider shows.
-    pub const fn usually(mut self, low: f64, high: f64) -> Self {
+    pub const fn usually(mut self, ends: (f64, f64)) -> Self {
         if let Kind::Number { default, hard, .. } = self.spec.kind {
-            self.spec.kind = Kind::Number { default, hard, soft: Some((low, high)) };
+            self.spec.kind = Kind::Number { default, hard, soft: Some(ends) };
         }
         self
     }

@@ -1,7 +1,7 @@
 //! Running a plan: nodes start as soon as their inputs are there, on a few threads.
 
 use std::any::Any;
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -122,7 +122,7 @@ pub struct NodeRecord {
     /// Where its outputs came from, if not from running it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<CacheUse>,
-    /// Its outputs that fit a table cell.
+    /// Its outputs that fit table cells, by the name of the output or of the cell.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub scalars: IndexMap<String, Scalar>,
     /// Its other outputs, in a line each.
@@ -354,9 +354,13 @@ impl Runner<'_> {
     fn record(&self, node: &PlanNode, made: &Made, cached: Option<CacheUse>) -> NodeRecord {
         let mut record = blank(node, NodeStatus::Done);
         for (spec, value) in node.info.module.outputs.iter().zip(&made.outputs) {
-            match value.scalar() {
-                Some(scalar) => drop(record.scalars.insert(spec.name.to_owned(), scalar)),
-                None => drop(record.values.insert(spec.name.to_owned(), value.summary())),
+            let cells = value.cells();
+            if let Some(scalar) = value.scalar() {
+                record.scalars.insert(spec.name.to_owned(), scalar);
+            } else if cells.is_empty() {
+                record.values.insert(spec.name.to_owned(), value.summary());
+            } else {
+                record.scalars.extend(cells);
             }
         }
         record.seconds = cached.is_none().then_some(made.seconds);
@@ -380,12 +384,12 @@ impl Runner<'_> {
         self.tell(node, EventKind::Started);
         let module = node.info.module;
         let listener =
-            Listener { runner: self, node, log: RefCell::default(), told: Cell::new(None) };
+            Listener { runner: self, node, log: Mutex::default(), told: Mutex::default() };
         let start = Instant::now();
         let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener);
         let outputs = contained(|| (module.run)(&mut io)).and_then(|()| io.finish());
         let seconds = start.elapsed().as_secs_f64();
-        let log = listener.log.into_inner();
+        let log = listener.log.into_inner().unwrap_or_else(PoisonError::into_inner);
         match outputs {
             Ok(outputs) => Ok(Made { outputs, log, seconds }),
             Err(error) => Err((error, log)),
@@ -437,27 +441,37 @@ fn blank(node: &PlanNode, status: NodeStatus) -> NodeRecord {
 struct Listener<'a> {
     runner: &'a Runner<'a>,
     node: &'a PlanNode,
-    log: RefCell<Vec<LogLine>>,
-    told: Cell<Option<Instant>>,
+    log: Mutex<Vec<LogLine>>,
+    told: Mutex<Option<Instant>>,
 }
 
 impl Reporter for Listener<'_> {
     fn progress(&self, share: f64) {
+        // A thread that finds another one telling has nothing newer to tell.
+        let Ok(mut told) = self.told.try_lock() else { return };
         let now = Instant::now();
-        if self.told.get().is_none_or(|told| now - told >= PROGRESS_PAUSE) {
-            self.told.set(Some(now));
+        if told.is_none_or(|told| now - told >= PROGRESS_PAUSE) {
+            *told = Some(now);
+            drop(told);
             self.runner.tell(self.node, EventKind::Progress { share: share.clamp(0.0, 1.0) });
         }
     }
 
     fn log(&self, line: &str) {
-        self.log.borrow_mut().push(LogLine { is_warning: false, text: line.to_owned() });
+        self.keep(false, line);
         self.runner.tell(self.node, EventKind::Log { text: line });
     }
 
     fn warn(&self, line: &str) {
-        self.log.borrow_mut().push(LogLine { is_warning: true, text: line.to_owned() });
+        self.keep(true, line);
         self.runner.tell(self.node, EventKind::Warning { text: line });
+    }
+}
+
+impl Listener<'_> {
+    fn keep(&self, is_warning: bool, line: &str) {
+        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+        log.push(LogLine { is_warning, text: line.to_owned() });
     }
 }
 

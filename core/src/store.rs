@@ -30,6 +30,7 @@ use crate::run::{NodeRecord, NodeStatus};
 const WORTH_SYNC_SECONDS: f64 = 0.1;
 
 const PLAN: &str = "plan.json";
+const PARTS: [&str; 3] = ["steps", "claims", "work"];
 const RECORD: &str = "record.json";
 
 /// The folder of a program's results.
@@ -143,7 +144,7 @@ impl Store {
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
         refuse_other_things(folder)?;
-        for part in ["steps", "claims", "work"] {
+        for part in PARTS {
             let path = folder.join(part);
             fs::create_dir_all(&path).map_err(StoreError::at(&path))?;
         }
@@ -324,14 +325,16 @@ impl Store {
     }
 }
 
-/// A store, or an empty folder that can become one.
+/// Refuses a folder that holds other things. One that another process is just making a store of
+/// holds nothing but parts of a store.
 fn refuse_other_things(folder: &Path) -> Result<(), StoreError> {
-    let is_store = folder.join(PLAN).exists() || folder.join("steps").is_dir();
-    let mut content = fs::read_dir(folder).map_err(StoreError::at(folder))?;
-    match !is_store && content.next().is_some() {
-        true => Err(StoreError::NotAStore(folder.to_owned())),
-        false => Ok(()),
+    let content = fs::read_dir(folder).map_err(StoreError::at(folder))?;
+    let mut names = content.flatten().map(|entry| entry.file_name());
+    let has_others = names.any(|name| !PARTS.iter().any(|part| name == *part));
+    if has_others && !folder.join(PLAN).exists() {
+        return Err(StoreError::NotAStore(folder.to_owned()));
     }
+    Ok(())
 }
 
 /// Whether two paths are names of one file, as far as can be told cheaply: same size and time.

@@ -1,7 +1,7 @@
 //! Running one module without a map, for tests of modules; and small modules for tests of the
 //! runtime.
 
-use std::cell::RefCell;
+use std::sync::{Mutex, PoisonError};
 
 use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
@@ -35,9 +35,17 @@ impl Trial {
     ///
     /// # Panics
     /// If the module has no such input.
-    pub fn input<T: Data>(mut self, name: &str, value: T) -> Self {
+    pub fn input<T: Data>(self, name: &str, value: T) -> Self {
+        self.value(name, Value::new(value))
+    }
+
+    /// Gives an input a value of any type.
+    ///
+    /// # Panics
+    /// If the module has no such input.
+    pub fn value(mut self, name: &str, value: Value) -> Self {
         let place = self.module.inputs.iter().position(|input| input.name == name);
-        self.inputs[place.expect("the input is declared")] = Some(Value::new(value));
+        self.inputs[place.expect("the input is declared")] = Some(value);
         self
     }
 
@@ -71,7 +79,7 @@ impl Trial {
     pub fn log(self) -> Result<Vec<String>, ModuleError> {
         let listener = Listener::default();
         self.run_and_listen(&CancelToken::new(), &listener)?;
-        Ok(listener.0.into_inner())
+        Ok(listener.0.into_inner().unwrap_or_default())
     }
 
     fn run_and_listen(
@@ -97,17 +105,23 @@ impl Trial {
 
 /// Keeps what a module says.
 #[derive(Default)]
-struct Listener(RefCell<Vec<String>>);
+struct Listener(Mutex<Vec<String>>);
+
+impl Listener {
+    fn push(&self, line: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(line);
+    }
+}
 
 impl Reporter for Listener {
     fn progress(&self, _: f64) {}
 
     fn log(&self, line: &str) {
-        self.0.borrow_mut().push(line.to_owned());
+        self.push(line.to_owned());
     }
 
     fn warn(&self, line: &str) {
-        self.0.borrow_mut().push(format!("warning: {line}"));
+        self.push(format!("warning: {line}"));
     }
 }
 
@@ -141,7 +155,7 @@ pub static ECHO: Module = Module {
 
 const A: MaybeIn<f64> = MaybeIn::new("a", "A number, 0 without a link.");
 const SUM: Out<f64> = Out::new("sum", "The sum.");
-const AMOUNT: Param<f64> = Param::number("amount", "What is added.", 1.0).within(-100.0, 100.0);
+const AMOUNT: Param<f64> = Param::number("amount", "What is added.", 1.0).within((-100.0, 100.0));
 
 /// Adds a number to its input. An amount of −13 panics, 99 fails, and −1 waits to be stopped.
 pub static ADD: Module = Module {

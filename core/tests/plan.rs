@@ -149,6 +149,8 @@ fn assignments_reach_into_choices() {
     assert_eq!(json!(set("p.how", json!("Scaled")).unwrap()), nested); // keeps what is under it
     assert_eq!(json!(set("p.how", json!("Zero")).unwrap()), json!({"how": "Zero"}));
     assert!(set("p.how.by", json!(1)).unwrap_err().contains("of Zero"));
+    set("p.module", json!("Echo")).unwrap();
+    assert!(set("p.how", json!("Zero")).unwrap_err().contains("no parameter \"how\""));
     assert!(set("q.how", json!(1)).unwrap_err().contains("there is no node \"q\""));
     assert!(set("p", json!(1)).unwrap_err().contains("write node.param"));
 }

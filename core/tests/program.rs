@@ -251,12 +251,9 @@ fn looking_at_a_store_changes_nothing() {
     let (program, store) = (program(MAP), Store::look(&missing).unwrap().unwrap());
     assert!(program.record(&store, 0).is_some());
     let (header, rows) = program.brief_table(&store);
-    let outputs = ["base.sum", "add.sum", "echo.text"];
-    assert_eq!(header[..2], ["add.amount", "echo.say"]);
-    assert_eq!(header[2..5], outputs);
-    assert_eq!(header[5..], ["seconds", "status"]);
-    assert_eq!((rows.len(), rows[0].len()), (8, 7));
-    assert_eq!(program.columns(), program.table(&store).0);
+    // base.sum is the same in every step, and echo.text the same as echo.say.
+    assert_eq!(header, ["add.amount", "echo.say", "add.sum", "seconds", "status"]);
+    assert_eq!((rows.len(), rows[7][2].as_str()), (8, "5"));
     assert!(matches!(Store::look(folder.path()), Err(StoreError::NotAStore(_))));
 }
 

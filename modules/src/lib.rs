@@ -3,17 +3,22 @@
 //! `data` is what flows through ports; `mesh` and `geometry` are plain data and free functions
 //! over it, with no ports; the other folders hold one file per module, cost, placement or metric.
 
+pub mod cost;
 pub mod data;
+pub mod filters;
 pub mod generate;
 pub mod geometry;
+pub mod io;
 pub mod measure;
 pub mod mesh;
+pub mod metric;
+pub mod placement;
 mod prelude;
 
 use mve_core::{ModuleList, Registry};
 
 /// The modules of this crate, by folder.
-static LISTS: [&ModuleList; 2] = [&generate::LIST, &measure::LIST];
+static LISTS: [&ModuleList; 4] = [&filters::LIST, &generate::LIST, &io::LIST, &measure::LIST];
 
 /// All modules of this crate.
 pub fn registry() -> Registry {

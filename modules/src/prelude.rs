@@ -2,9 +2,12 @@
 
 pub use std::path::PathBuf;
 
+// It offers what a module may need, whether or not one here does.
+#[allow(unused_imports)]
 pub use mve_core::{
     AnyIn, ChoiceParam, Enumeration, In, Io, MaybeIn, Module, ModuleError, Out, Param, Seed,
     Settings,
 };
 
-pub use crate::data::{Field, TriMesh};
+#[allow(unused_imports)]
+pub use crate::data::{Domain, Field, Layer, Measures, TriMesh};

@@ -60,7 +60,7 @@ pub fn dry_run(
         }
         return out::json(&serde_json::json!({
             "event": "finished", "status": "dry run", "steps": rows.len(), "done": done,
-            "failed": failed, "to_do": todo, "columns": program.columns(), "folder": folder,
+            "failed": failed, "to_do": todo, "varied": program.varied, "folder": folder,
         }));
     }
     let cells =
@@ -74,8 +74,8 @@ pub fn dry_run(
     };
     let steps = count(rows.len(), "step");
     text.push_str(&format!("\n{steps}{part}: {done} done, {failed} failed, {todo} to do\n"));
-    let columns = program.columns().join(", ");
-    text.push_str(&format!("columns: {}\n", wrap(&columns, out::width(), 9)));
+    let varied = program.varied.join(", ");
+    text.push_str(&format!("varied:  {}\n", wrap(&varied, out::width(), 9)));
     let is_there = if store.is_some() { "" } else { " (not made yet)" };
     text.push_str(&format!("folder:  {}{is_there}\n", folder.display()));
     out::print(&text)

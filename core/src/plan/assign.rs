@@ -8,9 +8,14 @@ use crate::param::{Kind, ParamSpec};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
+/// What stands for a node's module among its parameters; no parameter has this name.
+pub(crate) const MODULE: &str = "module";
+
 /// Sets `node.param`, or a parameter nested under a choice: `simplify.cost.boundary_weight`.
 ///
 /// Naming the entry that a choice has already keeps the parameters that the map gives it.
+/// `node.module` stands for the module itself, so that a program can put one module in the place of
+/// another.
 pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Result<(), Problem> {
     let Some((node_name, param_path)) = path.split_once('.') else {
         let message = format!("\"{path}\" is not a parameter; write node.param");
@@ -20,6 +25,14 @@ pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Re
     let Some(node) = map.nodes.get_mut(node_name) else {
         return Err(Problem::error(missing).at(node_name).port(param_path));
     };
+    if param_path == MODULE {
+        let Some(id) = value.as_str() else {
+            let message = format!("{value} is not the id of a module");
+            return Err(Problem::error(message).at(node_name).port(MODULE));
+        };
+        node.module = id.to_owned();
+        return Ok(());
+    }
     let info = registry.find(&node.module);
     let specs = info.map(|info| info.module.params);
     set(&mut node.params, specs, param_path, value)

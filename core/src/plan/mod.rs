@@ -15,6 +15,7 @@ use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 use crate::setting::{Setting, Settings};
 
+pub(crate) use assign::MODULE;
 pub use assign::assign;
 
 /// What a plan needs to know beside the map.

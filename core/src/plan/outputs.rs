@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
+use super::{MODULE, OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
 use crate::param::Kind;
@@ -93,6 +93,9 @@ fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, 
     let place = map.nodes.get_index_of(&node).ok_or_else(|| no_such_node(map, &node))?;
     // A node of an unknown module has been reported.
     let Some(Some(found)) = nodes.get(place) else { return Ok(String::new()) };
+    if port == MODULE {
+        return Ok(found.info.module.id.to_owned());
+    }
     let mut path = port.split('.');
     let first = path.next().unwrap_or_default();
     if map.links.iter().any(|link| link.to.node == node && link.to.port == first) {

@@ -8,11 +8,10 @@ use indexmap::IndexMap;
 use serde_json::Value as Json;
 
 use super::{Program, Step};
-use crate::data::{Data, DataType};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{Plan, assign};
+use crate::plan::{MODULE, Plan, assign};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
@@ -65,7 +64,7 @@ impl Program {
             time_limit,
             shared: HashSet::new(),
             inputs: IndexMap::new(),
-            columns: Vec::new(),
+            nodes: Vec::new(),
         };
         let mut checker = Checker::default();
         for assignment in assignments {
@@ -92,8 +91,8 @@ impl Program {
             Err(problems) => problems.into_iter().for_each(|p| checker.report(p, params)),
             Ok(plan) => {
                 plan.warnings.iter().for_each(|p| checker.report(p.clone(), params));
-                if self.columns.is_empty() {
-                    self.columns = columns(&plan);
+                if self.nodes.is_empty() {
+                    self.nodes = plan.nodes.iter().map(|node| node.name.clone()).collect();
                 }
                 let id = plan.id.short();
                 checker.check_outputs(&plan, &id, params);
@@ -117,10 +116,12 @@ impl Program {
     }
 }
 
-/// Shorter paths first, so that a choice is made before its parameters are set.
+/// Modules first, then shorter paths first, so that a module is there before its parameters are set
+/// and a choice is made before its own.
 fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
     let mut sorted: Vec<_> = params.iter().collect();
-    sorted.sort_by_key(|(path, _)| path.split('.').count());
+    let is_module = |path: &str| path.split_once('.').is_some_and(|(_, param)| param == MODULE);
+    sorted.sort_by_key(|(path, _)| (!is_module(path), path.split('.').count()));
     sorted
 }
 
@@ -223,19 +224,6 @@ fn assignments(spec: &ProgramSpec) -> Result<Vec<Assignment>, Vec<Problem>> {
     }
     all.extend(spec.steps.iter().cloned());
     if problems.is_empty() { Ok(all) } else { Err(problems) }
-}
-
-/// The nodes of a plan with those of their outputs that fit a table cell.
-fn columns(plan: &Plan) -> Vec<(String, Vec<&'static str>)> {
-    let is_scalar = |t: DataType| [f64::TYPE, bool::TYPE, String::TYPE].contains(&t);
-    plan.nodes
-        .iter()
-        .map(|node| {
-            let outputs = node.info.module.outputs.iter();
-            let names = outputs.filter(|output| is_scalar(output.data_type)).map(|o| o.name);
-            (node.name.clone(), names.collect())
-        })
-        .collect()
 }
 
 #[cfg(test)]

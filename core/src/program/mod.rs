@@ -45,8 +45,8 @@ pub struct Program {
     shared: HashSet<Fingerprint>,
     /// Input files with the fingerprints of their content.
     inputs: IndexMap<PathBuf, Fingerprint>,
-    /// Names of the nodes, in running order, with those of their outputs that fit a table cell.
-    columns: Vec<(String, Vec<&'static str>)>,
+    /// Names of the nodes, in running order.
+    nodes: Vec<String>,
 }
 
 /// One assignment of parameters, and the id of its result.
@@ -419,16 +419,11 @@ impl Program {
         tables::table(self, store)
     }
 
-    /// [`Program::table`] for reading: without ids, reasons and the seconds of single nodes, numbers
-    /// cut to five significant digits and times to milliseconds.
+    /// [`Program::table`] for reading: without ids, reasons, the seconds of single nodes and columns
+    /// that say nothing new, numbers cut to five significant digits and times to milliseconds.
     pub fn brief_table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
         let (header, rows) = self.table(store);
-        tables::brief_table(&header, &rows)
-    }
-
-    /// The header of [`Program::table`].
-    pub fn columns(&self) -> Vec<String> {
-        tables::header(self)
+        tables::brief_table(self, &header, &rows)
     }
 
     /// The record of a step, if the store has it.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexSet;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::Program;
@@ -23,46 +24,33 @@ fn finished(program: &Program, store: &Store) -> Vec<(usize, Arc<StepRecord>)> {
     places.filter_map(|place| Some((place, program.record(store, place)?))).collect()
 }
 
-/// Outputs that fit a table cell and were not varied: node and name.
-fn outputs(program: &Program) -> Vec<(&str, &str)> {
-    program
-        .columns
-        .iter()
-        .flat_map(|(node, names)| names.iter().map(move |name| (node.as_str(), *name)))
-        .filter(|(node, name)| !program.varied.contains(&format!("{node}.{name}")))
-        .collect()
-}
-
 fn has_repeats(program: &Program) -> bool {
     program.steps.iter().any(|step| step.repeat > 0)
 }
 
-/// The step, what was varied, what came out, seconds, status.
-pub(super) fn header(program: &Program) -> Vec<String> {
-    let mut header = vec!["step".to_owned()];
-    header.extend(has_repeats(program).then(|| "repeat".to_owned()));
-    header.extend(program.varied.iter().cloned());
-    header.extend(outputs(program).iter().map(|(node, name)| format!("{node}.{name}")));
-    header.push("seconds".to_owned());
-    header.extend(program.columns.iter().map(|(node, _)| format!("seconds.{node}")));
-    header.extend(["status".to_owned(), "reason".to_owned()]);
-    header
-}
-
-/// The header, and a row for each finished step.
+/// Header and rows: the step, what was varied, what came out, seconds, status.
 pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
-    let (has_repeats, outputs) = (has_repeats(program), outputs(program));
+    let has_repeats = has_repeats(program);
+    let records = finished(program, store);
+    let outputs = outputs(program, &records);
+    let mut header = vec!["step".to_owned()];
+    header.extend(has_repeats.then(|| "repeat".to_owned()));
+    header.extend(program.varied.iter().cloned());
+    header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
+    header.push("seconds".to_owned());
+    header.extend(program.nodes.iter().map(|node| format!("seconds.{node}")));
+    header.extend(["status".to_owned(), "reason".to_owned()]);
     let row = |(place, record): &(usize, Arc<StepRecord>)| {
         let step = &program.steps[*place];
         let mut row = vec![step.id.clone()];
         row.extend(has_repeats.then(|| step.repeat.to_string()));
         row.extend(program.varied.iter().map(|p| step.params.get(p).map_or(String::new(), word)));
         row.extend(outputs.iter().map(|(node, name)| {
-            let scalar = record.nodes.get(*node).and_then(|node| node.scalars.get(*name));
+            let scalar = record.nodes.get(node).and_then(|node| node.scalars.get(name));
             scalar.map_or(String::new(), cell)
         }));
         row.push(number(record.seconds));
-        row.extend(program.columns.iter().map(|(node, _)| {
+        row.extend(program.nodes.iter().map(|node| {
             let seconds = record.nodes.get(node).and_then(|node| node.seconds);
             seconds.map_or(String::new(), number)
         }));
@@ -70,18 +58,44 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
         row.push(record.status.reason().unwrap_or_default().to_owned());
         row
     };
-    (header(program), finished(program, store).iter().map(row).collect())
+    (header, records.iter().map(row).collect())
 }
 
-/// The columns of a table that a person reads first, numbers cut to five significant digits
-/// and times to milliseconds.
+/// Node and name of every scalar that some step gave, in running order, but for the names of
+/// parameters that are varied. Which scalars there are may hang on a parameter: two metrics
+/// measure different things.
+fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(String, String)> {
+    let mut outputs = Vec::new();
+    for node in &program.nodes {
+        let mut names = IndexSet::new();
+        let of_node = records.iter().filter_map(|(_, record)| record.nodes.get(node));
+        of_node.for_each(|record| names.extend(record.scalars.keys()));
+        let is_output = |name: &&&String| !program.varied.contains(&format!("{node}.{name}"));
+        outputs.extend(names.iter().filter(is_output).map(|name| (node.clone(), (*name).clone())));
+    }
+    outputs
+}
+
+/// The columns of a table that a person reads first, numbers cut to five significant digits and
+/// times to milliseconds: no ids, reasons or seconds of single nodes, no output that is the same in every row or the same
+/// as the one of another column.
 pub(super) fn brief_table(
+    program: &Program,
     header: &[String],
     rows: &[Vec<String>],
 ) -> (Vec<String>, Vec<Vec<String>>) {
-    let is_shown =
-        |name: &str| !(name == "step" || name == "reason" || name.starts_with("seconds."));
-    let shown: Vec<usize> = (0..header.len()).filter(|place| is_shown(&header[*place])).collect();
+    let column = |place: usize| rows.iter().map(move |row| &row[place]);
+    let says_something = |place: usize| {
+        let name = header[place].as_str();
+        if program.varied.iter().any(|path| path == name) || ["status", "seconds"].contains(&name) {
+            return true;
+        }
+        let differs = rows.len() < 2 || column(place).any(|cell| *cell != rows[0][place]);
+        let is_new = (0..place).all(|other| column(other).ne(column(place)));
+        let is_hidden = name == "step" || name == "reason" || name.starts_with("seconds.");
+        differs && (is_new || rows.is_empty()) && !is_hidden
+    };
+    let shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
     let short = |place: usize, cell: &String| match cell.parse::<f64>() {
         Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
         Ok(number) => brief(number),
@@ -164,7 +178,7 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
         failed.len(),
         crate::VERSION
     ));
-    let (header, rows) = brief_table(header, rows);
+    let (header, rows) = brief_table(program, header, rows);
     let line = |cells: &[String]| {
         let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
         format!("| {} |\n", cells.join(" | "))

@@ -1,5 +1,6 @@
 //! A scalar field over the elements of a mesh.
 
+use mve_core::{Data, DataType};
 use serde::{Deserialize, Serialize};
 
 use super::Domain;
@@ -15,4 +16,25 @@ pub struct Field {
     pub domain: Domain,
     /// One value an element, in the mesh's order.
     pub values: Vec<f64>,
+}
+
+impl Data for Field {
+    const TYPE: DataType = DataType {
+        id: "Field",
+        doc: "One number for each vertex, corner or face of a mesh.",
+        color: [225, 170, 80],
+    };
+
+    fn byte_size(&self) -> usize {
+        size_of::<Self>() + size_of_val(self.values.as_slice())
+    }
+
+    fn summary(&self) -> String {
+        let finite = || self.values.iter().filter(|value| value.is_finite());
+        let low = finite().copied().fold(f64::INFINITY, f64::min);
+        let high = finite().copied().fold(f64::NEG_INFINITY, f64::max);
+        let range =
+            if low <= high { format!(" from {low:.6} to {high:.6}") } else { String::new() };
+        format!("{}, {} values{range}", self.name, self.values.len())
+    }
 }

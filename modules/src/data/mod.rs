@@ -1,9 +1,11 @@
-//! What flows through ports: triangle meshes and fields on them.
+//! What flows through ports: triangle meshes, fields on them and what was measured.
 
 mod field;
 mod layer;
+mod measures;
 mod tri_mesh;
 
 pub use field::Field;
 pub use layer::{Domain, Layer, LayerValues, NO_VALUE};
+pub use measures::{Measure, Measures};
 pub use tri_mesh::{FaceId, Material, MeshFault, TriMesh, VertexId};

@@ -6,6 +6,7 @@
 //! are finite when they come from a loader; algorithms stand other numbers without panicking.
 
 use glam::DVec3;
+use mve_core::{Data, DataType};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -208,5 +209,31 @@ impl TriMesh {
             }),
             None => Ok(()),
         }
+    }
+}
+
+impl Data for TriMesh {
+    const TYPE: DataType = DataType {
+        id: "TriMesh",
+        doc: "A triangle mesh with attribute layers and materials.",
+        color: [90, 190, 130],
+    };
+
+    fn byte_size(&self) -> usize {
+        let layers: usize = self.layers.iter().map(Layer::byte_size).sum();
+        let materials = self.materials.iter().flat_map(|material| &material.statements);
+        size_of::<Self>()
+            + size_of_val(self.positions.as_slice())
+            + size_of_val(self.faces.as_slice())
+            + layers
+            + materials.map(|(key, text)| key.len() + text.len()).sum::<usize>()
+    }
+
+    fn summary(&self) -> String {
+        format!("{} faces, {} vertices", self.faces.len(), self.positions.len())
+    }
+
+    fn check(&self) -> Result<(), String> {
+        Self::check(self).map_err(|fault| fault.to_string())
     }
 }

@@ -1,3 +1,3 @@
 //! Modules that make values from nothing.
 
-mve_core::modules! { "generate": constant }
+mve_core::modules! { "generate": box_mesh, constant, surface, vase }

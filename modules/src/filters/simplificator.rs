@@ -1,0 +1,171 @@
+//! Simplifies a mesh by edge collapses.
+
+use crate::cost::{COSTS, MakeCost};
+use crate::data::Measure;
+use crate::geometry::control::Control;
+use crate::geometry::simplify::{
+    Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, simplify,
+};
+use crate::placement::{MakePlacement, PLACEMENTS};
+use crate::prelude::*;
+
+impl Enumeration for Boundary {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Weighted", "Quadrics hold borders in place; other costs see them as Free does."),
+        ("Free", "Borders are simplified as the rest of the surface."),
+        ("Locked", "Vertices of borders and non-manifold edges stay where they are."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Weighted, Self::Free, Self::Locked];
+}
+
+impl Enumeration for Seams {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Kept", "Seams of texture coordinates are simplified only along themselves."),
+        ("Free", "Seams hold nothing up; the texture may be pulled across them."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Kept, Self::Free];
+}
+
+const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
+const TARGET_FACES: Param<Option<i64>> = Param::maybe_integer(
+    "target_faces",
+    "Stop at this many faces. Off: the ratio counts.",
+    None,
+)
+.between((0, 4_294_967_295))
+.mostly((10, 1_000_000))
+.unit("faces");
+const RATIO: Param<Option<f64>> = Param::maybe_number(
+    "ratio",
+    "Stop at this part of the input's faces, where no number of faces is given. Off: no limit.",
+    Some(0.5),
+)
+.within((0.0, 1.0));
+const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
+    "largest_cost",
+    "Stop before a collapse that costs more than this, in the unit of the cost. Off: no limit.",
+    None,
+)
+.within((0.0, f64::MAX));
+const COST: ChoiceParam<MakeCost> =
+    ChoiceParam::new("cost", "The price of a collapse; the cheapest is made first.", &COSTS, {
+        "Quadric"
+    });
+const PLACEMENT: ChoiceParam<MakePlacement> =
+    ChoiceParam::new("placement", "Where the new vertex goes.", &PLACEMENTS, "Optimal");
+const BOUNDARY: Param<Boundary> =
+    Param::one_of("boundary", "What may happen to borders.", "Weighted");
+const SEAMS: Param<Seams> =
+    Param::one_of("seams", "What may happen to seams of texture coordinates.", "Kept");
+const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
+    "flip_angle",
+    "No collapse turns a face by more than this. Off: faces may turn over.",
+    Some(45.0),
+)
+.within((0.0, 180.0))
+.unit("degrees");
+const MESH_OUT: Out<TriMesh> = Out::new(
+    "mesh",
+    "The simplified mesh, with all layers: the topology is kept, vertices and faces stay in order.",
+);
+const STATISTICS_OUT: Out<Measures> = Out::new("statistics", "Counts of the run.");
+
+pub static MODULE: Module = Module {
+    id: "Simplificator",
+    summary: "Simplifies a mesh by edge collapses, the cheapest first.",
+    inputs: &[MESH_IN.spec()],
+    outputs: &[MESH_OUT.spec(), STATISTICS_OUT.spec()],
+    params: &[
+        TARGET_FACES.spec(),
+        RATIO.spec(),
+        LARGEST_COST.spec(),
+        COST.spec(),
+        PLACEMENT.spec(),
+        BOUNDARY.spec(),
+        SEAMS.spec(),
+        FLIP_ANGLE.spec(),
+    ],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let mesh = io.get(MESH_IN)?;
+    let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
+    let mut cost = (cost.entry.build)(&mesh, &cost.params)?;
+    let mut placement = (placement.entry.build)(&mesh, &placement.params)?;
+    let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
+    let ratio = io.param(RATIO)?.filter(|_| faces.is_none());
+    let options = SimplifyOptions {
+        stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
+        boundary: io.param(BOUNDARY)?,
+        seams: io.param(SEAMS)?,
+        flip_angle_rad: io.param(FLIP_ANGLE)?.map(f64::to_radians),
+    };
+    let report = |share| io.flow(share);
+    let simplified =
+        simplify(&mesh, cost.as_mut(), placement.as_mut(), options, Control::new(&report))
+            .map_err(|_| ModuleError::Cancelled)?;
+    let found = simplified.statistics;
+    if let (Outcome::Exhausted, Some(target)) = (found.outcome, found.target_faces) {
+        io.warn(format!(
+            "stopped at {} faces, {target} were asked for: every collapse that is left would \
+             change the topology ({} tries), turn a face ({}) or break the rules for borders and \
+             seams ({} edges)",
+            found.n_faces, found.n_rejected_link, found.n_rejected_flip, found.n_rejected_boundary
+        ));
+    }
+    io.put(MESH_OUT, simplified.mesh);
+    io.put(STATISTICS_OUT, measures(&found));
+    Ok(())
+}
+
+fn measures(found: &Statistics) -> Measures {
+    let count = |name, n: usize, doc| Measure::new(name, n as f64, "", doc);
+    Measures(vec![
+        count("faces", found.n_faces, "Faces of the result."),
+        count("collapses", found.n_collapses, "Collapses made."),
+        count("rejected_by_topology", found.n_rejected_link, "Tries that the link condition ended."),
+        count("rejected_by_flip", found.n_rejected_flip, "Tries that would have turned a face."),
+        count("rejected_by_boundary", found.n_rejected_boundary, "Edges held by a policy."),
+        Measure::new(
+            "dearest_collapse",
+            found.largest_cost.unwrap_or(f64::NAN),
+            "",
+            "Cost of the dearest collapse made, in the unit of the cost.",
+        ),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use mve_core::testing::Trial;
+    use serde_json::json;
+
+    use crate::geometry::generate::{BoxOptions, subdivided_box};
+    use crate::prelude::*;
+
+    fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
+        let mesh = subdivided_box(&BoxOptions::DEFAULT);
+        let trial = Trial::of(&super::MODULE).input("mesh", mesh);
+        let trial = params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
+        trial.run().unwrap()["mesh"].clone().take().unwrap()
+    }
+
+    #[test]
+    fn a_box_keeps_its_volume_and_area_by_quadrics() {
+        let mesh = simplified(&[("target_faces", json!(12))]);
+        assert_eq!(mesh.faces.len(), 12);
+        assert!((mesh.signed_volume() - 1.0).abs() < 1e-9 && (mesh.area() - 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn stops_and_parts_are_heard() {
+        assert_eq!(simplified(&[]).faces.len(), 384);
+        assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
+        let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];
+        assert_eq!(simplified(&by_cost).faces.len(), 768);
+        let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
+        let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
+        assert!(ends.positions.iter().all(|p| originals.contains(p)));
+    }
+}

@@ -1,0 +1,308 @@
+//! The mesh in the making: what the engine changes and costs and placements read.
+//!
+//! Faces are triples of vertices; the corners at a vertex form a linked list, so that any list of
+//! triangles fits, manifold or not. Corner `3 f + k` is corner `k` of face `f`, and also stands
+//! for the half-edge from that corner to the next. About 130 bytes a face, with quadrics.
+
+use glam::DVec3;
+
+use super::attributes::Attributes;
+use super::order::Order;
+use super::pulse::Pulse;
+use super::{Boundary, QuadricOptions};
+use crate::data::{FaceId, TriMesh, VertexId};
+use crate::geometry::control::Cancelled;
+use crate::mesh::quadric::Quadric;
+
+/// The end of a list of corners, and the first vertex of a face that is gone.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Elements between two looks at the clock while the state is built.
+pub(super) const BEAT: usize = 1024;
+
+/// Facts about a vertex that hold for the whole run, because collapses keep the topology.
+pub(super) mod flag {
+    /// Its link is not one closed cycle: on a border, a non-manifold edge or a bow tie.
+    pub const IRREGULAR: u8 = 1;
+    /// Where such places meet: its neighborhood is not that of a point within one line of them.
+    pub const CORNER: u8 = 2;
+    /// It must not move.
+    pub const LOCKED: u8 = 4;
+    /// An edge at it was put off and waits for the neighborhood to change.
+    pub const PARKED: u8 = 8;
+}
+
+/// The mesh in the making.
+///
+/// A collapse merges the vertex `gone` into `kept`; ids of vertices and faces stay the same
+/// throughout. They are the engine's own, in an order that suits memory: ask
+/// [`Collapsing::input_vertex`] and [`Collapsing::input_face`] for those of the input.
+#[derive(Debug)]
+pub struct Collapsing {
+    pub(super) vertices: Vec<Vertex>,
+    pub(super) faces: Vec<Face>,
+    /// The two ends of each edge.
+    pub(super) edges: Vec<[u32; 2]>,
+    /// One bit an edge: whether it has other than two different opposite vertices.
+    pub(super) irregular: Vec<bool>,
+    pub(super) quadrics: Vec<Quadric>,
+    pub(super) n_faces: usize,
+    pub(super) order: Order,
+}
+
+/// A vertex; what most steps read of it lies in one place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub position: DVec3,
+    /// Its first corner.
+    pub first: u32,
+    /// Bits of [`flag`].
+    pub flags: u8,
+}
+
+/// A face and its links.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    /// The vertices; the first is [`NONE`] once the face is gone.
+    pub vertices: [u32; 3],
+    /// The corner after each corner at the same vertex. Corners of dead faces may stay in the
+    /// lists of vertices that were opposite to a collapsed edge; walks pass over them.
+    pub next: [u32; 3],
+    /// The edge of each half-edge.
+    pub edges: [u32; 3],
+}
+
+impl Face {
+    pub fn is_dead(&self) -> bool {
+        self.vertices[0] == NONE
+    }
+}
+
+/// The corner after `corner` in its face.
+pub(super) fn next_in_face(corner: u32) -> u32 {
+    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+}
+
+/// The corner before `corner` in its face.
+pub(super) fn previous_in_face(corner: u32) -> u32 {
+    if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 }
+}
+
+impl Collapsing {
+    /// How many faces are left.
+    pub fn n_faces(&self) -> usize {
+        self.n_faces
+    }
+
+    /// The id that a vertex has in the input.
+    pub fn input_vertex(&self, vertex: VertexId) -> VertexId {
+        VertexId(self.order.vertices[vertex.idx()])
+    }
+
+    /// The id that a face has in the input.
+    pub fn input_face(&self, face: FaceId) -> FaceId {
+        FaceId(self.order.faces[face.idx()])
+    }
+
+    /// How many vertices the input has: one more than the largest id.
+    pub fn n_vertices(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Where a vertex is now.
+    #[inline]
+    pub fn position(&self, vertex: VertexId) -> DVec3 {
+        self.vertices[vertex.idx()].position
+    }
+
+    /// The corners of a face in its order; `None` once it is gone.
+    pub fn face(&self, face: FaceId) -> Option<[VertexId; 3]> {
+        let face = &self.faces[face.idx()];
+        (!face.is_dead()).then(|| face.vertices.map(VertexId))
+    }
+
+    /// The faces around a vertex that are left, in an order that depends only on the input.
+    pub fn faces_around(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
+        self.corners_around(vertex.0).map(|corner| FaceId(corner / 3))
+    }
+
+    /// The quadric of a vertex about its position; zero unless a part asked for quadrics.
+    #[inline]
+    pub fn quadric(&self, vertex: VertexId) -> Quadric {
+        self.quadrics.get(vertex.idx()).copied().unwrap_or_default()
+    }
+
+    /// The sum of the quadrics of two vertices, about the position of `kept`.
+    #[inline]
+    pub fn merged_quadric(&self, kept: VertexId, gone: VertexId) -> Quadric {
+        let to_kept = self.position(kept) - self.position(gone);
+        let mut sum = self.quadric(gone).shifted(to_kept);
+        sum.add(&self.quadric(kept));
+        sum
+    }
+
+    /// The corners at a vertex whose face is left.
+    pub(super) fn corners_around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let start = self.vertices[vertex as usize].first;
+        std::iter::successors((start != NONE).then_some(start), |&corner| {
+            let next = self.next_at(corner);
+            (next != NONE).then_some(next)
+        })
+        .filter(|&corner| !self.face_at(corner).is_dead())
+    }
+
+    /// The vertex at a corner.
+    #[inline]
+    pub(super) fn vertex_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3].vertices[corner as usize % 3]
+    }
+
+    /// The corner after a corner at the same vertex.
+    #[inline]
+    pub(super) fn next_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3].next[corner as usize % 3]
+    }
+
+    /// The edge of the half-edge from a corner.
+    #[inline]
+    pub(super) fn edge_at(&self, corner: u32) -> u32 {
+        self.faces[corner as usize / 3].edges[corner as usize % 3]
+    }
+
+    /// The face of a corner.
+    #[inline]
+    pub(super) fn face_at(&self, corner: u32) -> &Face {
+        &self.faces[corner as usize / 3]
+    }
+
+    pub(super) fn set_next(&mut self, corner: u32, next: u32) {
+        self.faces[corner as usize / 3].next[corner as usize % 3] = next;
+    }
+
+    pub(super) fn set_edge(&mut self, corner: u32, edge: u32) {
+        self.faces[corner as usize / 3].edges[corner as usize % 3] = edge;
+    }
+
+    /// Squared length of an edge; 0 where that is not a number.
+    pub(super) fn length_squared(&self, edge: u32) -> f32 {
+        let [from, to] = self.edges[edge as usize].map(|v| self.vertices[v as usize].position);
+        (from.distance_squared(to) as f32).max(0.0)
+    }
+
+    /// The faces that are left, with the vertices that they use, both in the order of the input.
+    pub(super) fn into_mesh(self, input: &TriMesh, attributes: Attributes) -> TriMesh {
+        // By the input's ids: first where each vertex is now, then its id in the result.
+        let mut alive = vec![NONE; self.order.faces.len()];
+        let mut here = vec![NONE; self.vertices.len()];
+        for (face, &input) in self.faces.iter().zip(&self.order.faces) {
+            if !face.is_dead() {
+                alive[input as usize] = 0;
+                for &v in &face.vertices {
+                    here[self.order.vertices[v as usize] as usize] = v;
+                }
+            }
+        }
+        let mut new_ids = vec![NONE; self.vertices.len()];
+        let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
+        here.retain(|&v| v != NONE);
+        for &v in &here {
+            new_ids[v as usize] = positions.len() as u32;
+            positions.push(self.vertices[v as usize].position);
+        }
+        for (face, &input) in self.order.faces.iter().enumerate() {
+            if alive[input as usize] != NONE {
+                alive[input as usize] = face as u32;
+            }
+        }
+        alive.retain(|&face| face != NONE);
+        let faces = alive
+            .iter()
+            .map(|&face| self.faces[face as usize].vertices.map(|v| VertexId(new_ids[v as usize])))
+            .collect();
+        let layers = attributes.into_layers(input, &here, &alive);
+        TriMesh { positions, faces, layers, materials: input.materials.clone() }
+    }
+
+    /// Unlinks the corners of dead faces from the list of a vertex and counts the rest, up to
+    /// `limit`; `None` when there are more.
+    pub(super) fn prune(&mut self, vertex: u32, limit: usize) -> Option<usize> {
+        let mut previous = NONE;
+        let mut corner = self.vertices[vertex as usize].first;
+        let mut n_alive = 0;
+        while corner != NONE {
+            let next = self.next_at(corner);
+            if !self.face_at(corner).is_dead() {
+                n_alive += 1;
+                if n_alive > limit {
+                    return None;
+                }
+                previous = corner;
+            } else if previous == NONE {
+                self.vertices[vertex as usize].first = next;
+            } else {
+                self.set_next(previous, next);
+            }
+            corner = next;
+        }
+        Some(n_alive)
+    }
+
+    /// Sums the quadrics of all vertices, each about its own position.
+    ///
+    /// A face gives each corner a third of its area (a common factor that changes no order); a
+    /// border edge gives both ends the plane through it at a right angle to its face, weighted by
+    /// its squared length; so does each face at an edge of which `is_seam` says so (M. Garland and
+    /// P. S. Heckbert, "Simplifying surfaces with color and texture using quadric error metrics",
+    /// IEEE Visualization 1998, section 5).
+    pub(super) fn sum_quadrics(
+        &mut self,
+        options: QuadricOptions,
+        boundary: Boundary,
+        is_seam: &[bool],
+        pulse: &mut Pulse,
+    ) -> Result<(), Cancelled> {
+        self.quadrics = vec![Quadric::default(); self.vertices.len()];
+        for face in 0..self.faces.len() {
+            if face.is_multiple_of(BEAT) {
+                pulse.beat(self.n_faces)?;
+            }
+            let corners = self.faces[face].vertices;
+            if corners[0] == NONE {
+                continue;
+            }
+            let [a, b, c] = corners.map(|v| self.vertices[v as usize].position);
+            let twice_area = (b - a).cross(c - a);
+            let length = twice_area.length();
+            let normal = twice_area / length;
+            if !normal.is_finite() {
+                continue;
+            }
+            // The plane goes through all three corners, so each has it at offset zero.
+            let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
+            for v in corners {
+                self.quadrics[v as usize].add(&plane);
+            }
+            for k in 0..3 {
+                let edge = self.faces[face].edges[k] as usize;
+                let is_border = boundary == Boundary::Weighted && self.irregular[edge];
+                if is_border || is_seam.get(edge).copied().unwrap_or(false) {
+                    self.add_border_plane(face, k, normal, options.boundary_weight);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the plane through edge `k` of a face at a right angle to it.
+    fn add_border_plane(&mut self, face: usize, k: usize, normal: DVec3, weight: f64) {
+        let Face { vertices, .. } = self.faces[face];
+        let ends = [vertices[k], vertices[(k + 1) % 3]];
+        let [from, to] = ends.map(|v| self.vertices[v as usize].position);
+        let along = to - from;
+        let Some(across) = along.cross(normal).try_normalize() else { return };
+        let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
+        for v in ends {
+            self.quadrics[v as usize].add(&plane);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Material files (MTL): statements are kept word for word, so that they survive a round trip.
+
+use super::cursor::{Comments, Cursor, quoted};
+use super::{MtlSource, Warning, Warnings};
+use crate::data::Material;
+
+/// Reads an MTL file. Any text can be read; what belongs to no material is left out and warned
+/// of. Comments on lines of their own are left out, too.
+pub fn parse_mtl(bytes: &[u8]) -> (Vec<Material>, Vec<Warning>) {
+    let mut materials: Vec<Material> = Vec::new();
+    let mut warnings = Warnings::default();
+    let mut cursor = Cursor::new(bytes);
+    while !cursor.is_done() {
+        if !cursor.is_line_over() {
+            let line = cursor.line();
+            let keyword = String::from_utf8_lossy(cursor.word()).into_owned();
+            let is_name = keyword == "newmtl";
+            let text = cursor.text(if is_name { Comments::Cut } else { Comments::Keep });
+            match materials.last_mut() {
+                _ if is_name => {
+                    materials.push(Material { name: text, statements: Vec::new() });
+                }
+                Some(material) => material.statements.push((keyword, text)),
+                None => {
+                    let found = quoted(keyword.as_bytes());
+                    warnings.add(line, &format!("{found} before the first `newmtl` is left out"));
+                }
+            }
+        }
+        cursor.next_line();
+    }
+    (materials, warnings.into_list())
+}
+
+/// The file names that a `mtllib` statement may mean, in the order in which to try them: its
+/// whole text, since names with blanks are about; then each of its words, as the format says.
+/// Backslashes between folders become slashes.
+pub(super) fn candidates(text: &str) -> Vec<String> {
+    let text = text.replace('\\', "/");
+    let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+    let is_one_word = words.len() < 2;
+    let mut names = vec![text];
+    if !is_one_word {
+        names.extend(words);
+    }
+    names
+}
+
+/// Reads the material files that an OBJ file names and warns of those that are missing, and of
+/// used materials that none defines. The first definition of a name holds.
+pub(super) fn read_all(
+    libraries: &[String],
+    used: &[String],
+    mtl: &mut MtlSource,
+    warnings: &mut Warnings,
+) -> Vec<Material> {
+    let mut materials: Vec<Material> = Vec::new();
+    let mut is_complete = !libraries.is_empty();
+    for library in libraries {
+        let names = candidates(library);
+        let (whole, words) = names.split_at(1);
+        let mut found = whole.iter().filter_map(|name| Some((name, mtl(name).ok()?))).collect();
+        if Vec::is_empty(&found) {
+            for name in if words.is_empty() { whole } else { words } {
+                match mtl(name) {
+                    Ok(bytes) => found.push((name, bytes)),
+                    Err(error) => {
+                        is_complete = false;
+                        let text = format!("material file \"{name}\" is left out: {error}");
+                        warnings.add_general(text);
+                    }
+                }
+            }
+        }
+        for (name, bytes) in found {
+            let (more, problems) = parse_mtl(&bytes);
+            let known = materials.len();
+            materials.extend(more);
+            drop_repeated(&mut materials, known);
+            for problem in problems {
+                warnings.add_general(format!("{name}, {problem}"));
+            }
+        }
+    }
+    let names: std::collections::HashSet<&str> =
+        materials.iter().map(|material| material.name.as_str()).collect();
+    for name in used.iter().filter(|name| is_complete && !names.contains(name.as_str())) {
+        warnings.add_general(format!("no material file defines \"{name}\", which faces use"));
+    }
+    drop(names);
+    materials
+}
+
+/// Leaves out the materials from `first` on whose name came before.
+fn drop_repeated(materials: &mut Vec<Material>, first: usize) {
+    let mut seen = std::collections::HashSet::new();
+    let mut idx = 0;
+    materials.retain(|material| {
+        idx += 1;
+        seen.insert(material.name.clone()) || idx <= first
+    });
+}

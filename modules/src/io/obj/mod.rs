@@ -1,0 +1,155 @@
+//! Wavefront OBJ and its material files (MTL).
+//!
+//! After "Object Files (.obj)", Wavefront Technologies, Advanced Visualizer Manual, appendix B1,
+//! 1992. One file gives one mesh. Vertices keep their number and order: vertex i of the mesh is
+//! the file's vertex i + 1, used by a face or not. Texture coordinates and normals keep theirs and
+//! are corner layers; objects, groups and materials are face layers; colors after the coordinates
+//! are a vertex layer. Polygons are cut into triangles on their own vertices, so that n corners
+//! give n - 2 triangles in the place of the polygon.
+//!
+//! Reading stands what files in the wild contain: any line end, continued lines, comments
+//! anywhere, faces before their vertices, names that are not UTF-8, lines of no known kind. What
+//! is left out is reported as a [`Warning`]; what is wrong is an [`ObjError`] with its line.
+//! Left out without a word, since they say nothing about the surface: smoothing groups (`s`) and
+//! display attributes. Left out with a warning: points, lines, free-form curves and surfaces, the
+//! weight `w` of a vertex, the third texture coordinate.
+//!
+//! The crate tobj reads OBJ too and is the peer in the tests. It is not used because it gives one
+//! mesh a group with vertices renumbered, duplicated and dropped, errors without a line, and fans
+//! for concave polygons.
+
+mod builder;
+mod cursor;
+mod file;
+mod materials;
+mod number;
+mod parse;
+mod triangulate;
+mod write;
+
+use std::io;
+
+use thiserror::Error;
+
+use super::FileError;
+
+pub use file::{companions, load, save};
+pub use materials::parse_mtl;
+pub use parse::parse;
+pub use write::{write_mtl, write_obj};
+
+/// Gives the content of the MTL file of this name, as the OBJ file names it.
+pub type MtlSource<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
+
+/// Something in a file that is left out or doubtful; the rest was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// The first line that it is about, from 1; `None` when it is about the whole file.
+    pub line: Option<usize>,
+    /// How many lines it is about.
+    pub n_lines: usize,
+    /// What it is.
+    pub text: String,
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "line {line}: {}", self.text)?,
+            None => f.write_str(&self.text)?,
+        }
+        match self.n_lines {
+            0 | 1 => Ok(()),
+            n => write!(f, " (and {} more like it)", n - 1),
+        }
+    }
+}
+
+/// Why an OBJ file could not be read.
+#[derive(Debug, Error)]
+pub enum ObjError {
+    /// A line says something wrong.
+    #[error("line {line}: found {found}, expected {expected}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: String,
+    },
+    /// The file has no vertex.
+    #[error("no vertices: is it an OBJ file?")]
+    NoVertices,
+    /// The file is of another kind.
+    #[error("line {line}: not an OBJ file, which is text: {kind}")]
+    NotObj {
+        /// The line, from 1, where that shows.
+        line: usize,
+        /// What it is instead.
+        kind: &'static str,
+    },
+    /// More elements than an index can name.
+    #[error("line {line}: more than 4,294,967,294 {what}; split the file")]
+    TooMany {
+        /// The line, from 1, of the first that is too much.
+        line: usize,
+        /// Of what.
+        what: &'static str,
+    },
+    /// The control ended it.
+    #[error("cancelled")]
+    Cancelled,
+    /// The file could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Warnings of one file, those of the same text gathered into one.
+#[derive(Default)]
+pub(crate) struct Warnings {
+    list: Vec<Warning>,
+}
+
+impl Warnings {
+    /// Kinds of warning that are told apart; files of noise have no end of them.
+    const MOST: usize = 64;
+
+    /// Adds one about a line.
+    pub fn add(&mut self, line: usize, text: &str) {
+        match self.list.iter_mut().find(|warning| warning.text == text) {
+            Some(warning) => warning.n_lines += 1,
+            None => self.push(Some(line), text.to_owned()),
+        }
+    }
+
+    /// Adds one about the whole file.
+    pub fn add_general(&mut self, text: String) {
+        self.push(None, text);
+    }
+
+    fn push(&mut self, line: Option<usize>, text: String) {
+        const MORE: &str = "more kinds of lines are left out";
+        if self.list.len() < Self::MOST {
+            self.list.push(Warning { line, n_lines: 1, text });
+        } else if let Some(last) = self.list.last_mut() {
+            if last.text == MORE {
+                last.n_lines += 1;
+            } else {
+                *last = Warning { line, n_lines: 1, text: MORE.to_owned() };
+            }
+        }
+    }
+
+    /// The warnings in the order in which they came up.
+    pub fn into_list(self) -> Vec<Warning> {
+        self.list
+    }
+}
+
+#[cfg(test)]
+mod fuzz_tests;
+#[cfg(test)]
+mod model_tests;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,60 @@
+//! Loads a Wavefront OBJ file with its materials.
+
+use crate::geometry::control::Control;
+use crate::io::obj::{self, ObjError};
+use crate::prelude::*;
+
+const PATH: Param<PathBuf> =
+    Param::input_file("path", "The file.", &["obj"]).also_reads(obj::companions);
+const MESH_OUT: Out<TriMesh> = Out::new(
+    "mesh",
+    "All of the file as one mesh, vertices in its order; polygons are cut into triangles, texture \
+     coordinates and normals belong to corners, objects, groups and materials to faces.",
+);
+
+pub static MODULE: Module = Module {
+    id: "ObjLoader",
+    summary: "Loads a mesh from an OBJ file, and the MTL files that it names.",
+    inputs: &[],
+    outputs: &[MESH_OUT.spec()],
+    params: &[PATH.spec()],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let path = io.param(PATH)?;
+    let report = |share| io.flow(share);
+    let (mesh, warnings) =
+        obj::load(&path, Control::new(&report)).map_err(|error| match error {
+            ObjError::Cancelled => ModuleError::Cancelled,
+            // These messages name their file, which need not be this one.
+            ObjError::File(error) => ModuleError::Numeric(error.to_string()),
+            other => ModuleError::io(&path, other.to_string()),
+        })?;
+    for warning in warnings {
+        io.warn(format!("{}: {warning}", path.display()));
+    }
+    io.put(MESH_OUT, mesh);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use mve_core::testing::Trial;
+
+    use crate::data::TriMesh;
+
+    #[test]
+    fn loads_a_file_and_names_it_where_it_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        let load = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Trial::of(&super::MODULE).set("path", path.to_str().unwrap()).run()
+        };
+        let outputs = load("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        assert_eq!(outputs["mesh"].get::<TriMesh>().unwrap().area(), 0.5);
+        let message = load("v 0 0 0\nf 1 2 3\n").unwrap_err().to_string();
+        assert!(message.contains("a.obj: line 2:"), "{message}");
+    }
+}

@@ -1,0 +1,117 @@
+//! Saving a file whole or not at all.
+//!
+//! The bytes go to a temporary file in the same folder, are synced to the disk, and replace the
+//! old file by one rename. A reader sees the old file or the new one, never a part; a full disk, a
+//! failing writer or a killed process leaves the old file whole.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::FileError;
+
+/// Writes a file through `fill` and puts it in the place of `path` once it is complete.
+///
+/// A symbolic link is followed, so that the file it names is replaced and the link stays. The
+/// permissions of an old file are kept; a new file gets those that the system gives new files.
+///
+/// # Errors
+/// Whatever `fill` or the system reports, with the path. Then `path` is as it was before and no
+/// temporary file is left.
+pub fn save_atomic(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), FileError> {
+    replace(path, fill).map_err(|source| FileError::write(path, source))
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    if target.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory));
+    }
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".mve-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The umask is applied to these, as it is to any new file.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    // The errors of the crate name the temporary file, which means nothing to the user.
+    let plain = |error: io::Error| match error.kind() {
+        io::ErrorKind::Other => error,
+        kind => error.raw_os_error().map_or(kind.into(), io::Error::from_raw_os_error),
+    };
+    let mut file = builder.tempfile_in(folder).map_err(plain)?;
+    let mut buffered = BufWriter::with_capacity(1 << 18, file.as_file_mut());
+    fill(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
+    if let Ok(old) = fs::metadata(&target) {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|failed| plain(failed.error))?;
+    // The rename is complete for every reader; syncing the folder makes it outlive a power cut
+    // where the system can do that, and is no error where it cannot.
+    if let Ok(handle) = fs::File::open(folder) {
+        let _ = handle.sync_all();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("folder");
+        entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn a_failing_writer_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a.obj");
+        fs::write(&path, "old").expect("write");
+        let error = save_atomic(&path, |out| {
+            out.write_all(&[b'x'; 1 << 20])?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        })
+        .expect_err("the disk is full");
+        assert!(error.to_string().contains("a.obj"), "{error}");
+        assert!(error.to_string().contains("free some space"), "{error}");
+        assert_eq!(fs::read_to_string(&path).expect("read"), "old");
+        assert_eq!(names_in(folder.path()), ["a.obj"]);
+    }
+
+    #[test]
+    fn a_missing_folder_and_a_folder_as_target_are_named() {
+        let folder = tempfile::tempdir().expect("folder");
+        let missing = save_atomic(&folder.path().join("no/a.obj"), |_| Ok(())).expect_err("no");
+        assert!(missing.to_string().contains("create the folder first"), "{missing}");
+        assert!(!missing.to_string().contains(".mve-"), "{missing}");
+        let is_folder = save_atomic(folder.path(), |_| Ok(())).expect_err("a folder");
+        assert!(is_folder.to_string().contains("not a folder"), "{is_folder}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_survive() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("folder");
+        let (path, link) = (folder.path().join("a"), folder.path().join("b"));
+        fs::write(&path, "old").expect("write");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("permissions");
+        symlink(&path, &link).expect("link");
+        save_atomic(&link, |out| out.write_all(b"new")).expect("save");
+        assert_eq!(fs::read_to_string(&path).expect("read"), "new");
+        assert!(fs::symlink_metadata(&link).expect("link").is_symlink());
+        assert_eq!(fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
+    }
+}

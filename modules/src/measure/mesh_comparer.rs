@@ -1,0 +1,81 @@
+//! Measures how a simplified mesh differs from its original.
+
+use crate::geometry::control::Control;
+use crate::metric::{METRICS, MakeMetric, MetricError};
+use crate::prelude::*;
+
+const ORIGINAL_IN: In<TriMesh> = In::new("original", "The mesh to measure against.");
+const SIMPLIFIED_IN: In<TriMesh> = In::new("simplified", "The mesh to measure.");
+const METRIC: ChoiceParam<MakeMetric> =
+    ChoiceParam::new("metric", "What to measure.", &METRICS, "Hausdorff");
+const MEASURES_OUT: Out<Measures> = Out::new("measures", "All that the metric measured.");
+const VALUE_OUT: Out<f64> =
+    Out::new("value", "The first of the measures: the metric in one number.");
+const ORIGINAL_FIELD_OUT: Out<Field> = Out::new(
+    "original_field",
+    "The difference at each vertex of the original; empty if the metric has none.",
+);
+const SIMPLIFIED_FIELD_OUT: Out<Field> = Out::new(
+    "simplified_field",
+    "The difference at each vertex of the simplified mesh; empty if the metric has none.",
+);
+
+pub static MODULE: Module = Module {
+    id: "MeshComparer",
+    summary: "Measures how a simplified mesh differs from its original.",
+    inputs: &[ORIGINAL_IN.spec(), SIMPLIFIED_IN.spec()],
+    outputs: &[
+        VALUE_OUT.spec(),
+        MEASURES_OUT.spec(),
+        ORIGINAL_FIELD_OUT.spec(),
+        SIMPLIFIED_FIELD_OUT.spec(),
+    ],
+    params: &[METRIC.spec()],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let (original, simplified) = (io.get(ORIGINAL_IN)?, io.get(SIMPLIFIED_IN)?);
+    let chosen = io.choice(METRIC)?;
+    let metric = (chosen.entry.build)(&chosen.params)?;
+    let report = |share| io.flow(share);
+    let comparison = metric.compare(&original, &simplified, Control::new(&report));
+    let mut found = comparison.map_err(|error| match error {
+        MetricError::Cancelled(_) => ModuleError::Cancelled,
+        MetricError::Input(message) => ModuleError::Numeric(message),
+    })?;
+    found.warnings.iter().for_each(|warning| io.warn(warning));
+    let none = || Field {
+        name: String::new(),
+        unit: String::new(),
+        domain: Domain::Vertex,
+        values: Vec::new(),
+    };
+    io.put(VALUE_OUT, found.scalars.first().map_or(f64::NAN, |first| first.value));
+    io.put(MEASURES_OUT, Measures(found.scalars));
+    io.put(ORIGINAL_FIELD_OUT, found.original_fields.drain(..).next().unwrap_or_else(none));
+    io.put(SIMPLIFIED_FIELD_OUT, found.simplified_fields.drain(..).next().unwrap_or_else(none));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use mve_core::testing::Trial;
+
+    use crate::mesh::fixtures::cube;
+    use crate::prelude::*;
+
+    #[test]
+    fn a_moved_cube_is_as_far_as_it_was_moved() {
+        let outputs = Trial::of(&super::MODULE)
+            .input("original", cube(DVec3::ZERO))
+            .input("simplified", cube(DVec3::new(0.25, 0.0, 0.0)))
+            .run()
+            .unwrap();
+        let value = *outputs["value"].get::<f64>().unwrap();
+        assert!((value - 0.25).abs() < 1e-12, "{value}");
+        assert_eq!(outputs["measures"].get::<Measures>().unwrap().0[0].value, value);
+        assert_eq!(outputs["simplified_field"].get::<Field>().unwrap().values.len(), 8);
+    }
+}

@@ -1,0 +1,66 @@
+//! How far a simplified mesh is from its original: one file a metric.
+//!
+//! Every metric takes the two meshes and yields a [`Comparison`]: named numbers with units, fields
+//! on either mesh and images, whichever of them it has. A new metric is a file with a
+//! `pub static METRIC`, and its name in the list below.
+
+use thiserror::Error;
+
+pub use hausdorff::HausdorffMetric;
+
+use mve_core::{Choices, Entry, ModuleError, Settings};
+
+use crate::data::{Field, Measure, TriMesh};
+use crate::geometry::control::{Cancelled, Control};
+
+mve_core::registered! {
+    static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff;
+}
+
+/// All metrics, for the parameters of modules.
+pub static METRICS: Choices<MakeMetric> = Choices { entries: ENTRIES };
+
+/// Makes a metric from its parameters.
+pub type MakeMetric = fn(&Settings) -> Result<Box<dyn Metric>, ModuleError>;
+
+/// A measure of how a simplified mesh differs from its original.
+pub trait Metric: Send + Sync {
+    /// Compares the two; the same meshes and options give the same result on any number of threads.
+    fn compare(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Comparison, MetricError>;
+}
+
+/// What a metric found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Comparison {
+    /// The numbers, the most important first; names are unique.
+    pub scalars: Vec<Measure>,
+    /// Fields over the elements of the original.
+    pub original_fields: Vec<Field>,
+    /// Fields over the elements of the simplified mesh.
+    pub simplified_fields: Vec<Field>,
+    /// What was left out or could not be measured, as sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Comparison {
+    /// The number of this name.
+    pub fn scalar(&self, name: &str) -> Option<f64> {
+        self.scalars.iter().find(|scalar| scalar.name == name).map(|scalar| scalar.value)
+    }
+}
+
+/// Why a metric has no result.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MetricError {
+    /// A mesh that the metric cannot measure; the message names the mesh and what was expected.
+    #[error("{0}")]
+    Input(String),
+    /// The caller ended it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
