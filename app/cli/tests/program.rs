@@ -40,7 +40,9 @@ fn a_dry_run_lists_steps_and_writes_nothing() {
     let dry = ["program", "map.json", "sweep", "--dry-run"];
     let answer = folder.mve(&dry).succeeds().says("6 steps: 0 done, 0 failed, 6 to do\n");
     let answer = answer.says("to do   level.value = 1, print.label = x\n");
-    answer.says("folder:  mve-out/map-sweep (not made yet)\n").says("columns: step, level.value");
+    answer
+        .says("folder:  mve-out/map-sweep (not made yet)\n")
+        .says("varied:  level.value, print.label\n");
     assert!(!folder.has("mve-out"));
     folder.mve(&["program", "map.json", "sweep", "--shard", "1/3"]).succeeds();
     folder.mve(&dry).succeeds().says("6 steps: 2 done, 0 failed, 4 to do\n");
