@@ -18,8 +18,9 @@ pub struct MapArgs {
     pub map: PathBuf,
     /// Set a parameter: simplify.target_faces=300, simplify.cost.boundary_weight=5
     ///
-    /// The value is read as JSON, and as a text where it is not JSON. Paths are as in the map:
-    /// inputs relative to the map's folder, outputs to the output folder.
+    /// The value is read as JSON, and as a text where it is not JSON. NODE.module=Id puts another
+    /// module in a node's place. Paths are as in the map: inputs relative to the map's folder,
+    /// outputs to the output folder.
     #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_setting)]
     pub set: Vec<Setting>,
 }
@@ -59,8 +60,9 @@ impl MapArgs {
         let mut map = Map::load(&self.map).map_err(|error| self.explain(error))?;
         let registry = mve_modules::registry();
         let mut settings: Vec<_> = self.set.iter().collect();
-        // A choice is made before its own parameters are set, whatever the order on the line.
-        settings.sort_by_key(|setting| setting.path.split('.').count());
+        // Modules and choices are set before their own parameters, whatever the order on the line.
+        let is_module = |path: &str| path.split_once('.').is_some_and(|(_, p)| p == "module");
+        settings.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
         let mut complaints = Vec::new();
         for Setting { path, value } in settings {
             if let Err(problem) = assign(&mut map, &registry, path, value.clone()) {

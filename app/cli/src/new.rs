@@ -87,10 +87,6 @@ mod tests {
             repeat: 0,
             files: &FileHashes::new(),
         };
-        // FIXME: the modules of the example are still being written; drop this line with them.
-        if map.nodes.values().any(|node| registry.find(&node.module).is_none()) {
-            return;
-        }
         Plan::new(&map, &registry, &options).unwrap();
         for name in map.programs.keys() {
             assert!(Program::new(&map, name, &registry, Path::new(".")).is_ok());

@@ -21,8 +21,7 @@ use crate::{out, program_report as report, stop};
 /// Warnings that are said while steps run; all of them are in the logs of their steps.
 const MOST_WARNINGS: usize = 20;
 
-const STOPPING: &str = "stopping; finished steps are kept, run the same command to resume \
-                        (Ctrl-C again ends at once)";
+const STOPPING: &str = "stopping; finished steps are kept, run the same command to resume";
 
 /// Run a program of a map: every combination of its parameters, into one table
 #[derive(clap::Args)]

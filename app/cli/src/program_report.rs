@@ -66,7 +66,7 @@ pub fn dry_run(
     let cells =
         rows.iter().map(|row| vec![row.step.id.clone(), row.status.to_owned(), label(row.step)]);
     let header = ["step", "status", "parameters"].map(str::to_owned).to_vec();
-    let table = Table { header, rows: cells.collect() };
+    let table = Table { header, rows: cells.collect(), n_fixed: 0 };
     let (mut text, _) = table.render(out::width());
     let part = match shard.count {
         1 => String::new(),
@@ -89,7 +89,14 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
         rows.truncate(MOST_ROWS);
     }
     let n_left = n_rows - rows.len();
-    let (mut text, n_hidden) = Table { header, rows }.render(out::width());
+    let (mut text, n_hidden) = match n_rows {
+        0 => (String::new(), 0),
+        _ => {
+            let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
+            let n_fixed = usize::from(has_repeats) + program.varied.len();
+            Table { header, rows, n_fixed }.render(out::width())
+        }
+    };
     out::part_from_progress(&mut text);
     let hidden = [(n_left, "row"), (n_hidden, "column")];
     let hidden = hidden.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(*n, what));

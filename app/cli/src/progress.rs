@@ -188,6 +188,7 @@ impl Progress {
         });
         bar.set_message(text);
         bar.set_position(ended as u64);
+        let width = usize::from(console::Term::stderr().size().1).saturating_sub(20).max(20);
         let mut n_drawn = state.tasks.values().filter(|task| task.bar.is_some()).count();
         for task in state.tasks.values_mut() {
             if task.bar.is_none() && n_drawn < MOST_LINES && task.since.elapsed() >= WORTH_A_LINE {
@@ -197,7 +198,8 @@ impl Progress {
             }
             if let Some(bar) = &task.bar {
                 bar.set_prefix(clock(task.since.elapsed()));
-                bar.set_message(task.text());
+                // A full line would be broken in two by the `^C` that terminals echo.
+                bar.set_message(console::truncate_str(&task.text(), width, "…").into_owned());
                 bar.tick();
             }
         }
@@ -262,7 +264,7 @@ fn remind(state: &mut State, unit: &str) {
 }
 
 fn spinner() -> ProgressStyle {
-    style("  {spinner:.cyan} {prefix:>6}  {wide_msg}")
+    style("  {spinner:.cyan} {prefix:>6}  {msg}")
 }
 
 /// A style from a template of this file.
@@ -303,7 +305,7 @@ mod tests {
 
     #[test]
     fn templates_are_valid() {
-        for template in ["{bar:24.cyan/dim} {msg}", "  {spinner:.cyan} {prefix:>6}  {wide_msg}"] {
+        for template in ["{bar:24.cyan/dim} {msg}", "  {spinner:.cyan} {prefix:>6}  {msg}"] {
             assert!(ProgressStyle::with_template(template).is_ok());
         }
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use indexmap::IndexMap;
 use mve_core::{
     Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeRecord, NodeStatus, OutputScope,
-    RunOptions, RunOutcome,
+    RunOptions, RunOutcome, Scalar,
 };
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use crate::{out, stop};
 /// Values that a cache folder may hold.
 const DISK_CACHE_BYTES: u64 = 16 << 30;
 
-const STOPPING: &str = "stopping; press Ctrl-C again to end at once";
+const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 
 /// Run a map once
 #[derive(clap::Args)]
@@ -171,13 +171,23 @@ fn print_json(outcome: &RunOutcome, out: &Path, exit: Exit, seconds: f64) -> Res
     out::json(&Summary { event: "finished", status, seconds, output_folder: out, nodes })
 }
 
+/// A scalar with all its digits, and an exponent where it is very large or small.
+fn cell(scalar: &Scalar) -> String {
+    match scalar {
+        Scalar::Number(x) if x.is_finite() && *x != 0.0 && !(1e-5..1e15).contains(&x.abs()) => {
+            format!("{x:e}")
+        }
+        other => other.to_string(),
+    }
+}
+
 /// The result for a person: what every node gave, and the files.
 fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
     let header = ["node", "status", "seconds", "output", "value"].map(str::to_owned).to_vec();
     let mut rows = Vec::new();
     for (name, node) in &outcome.nodes {
         let record = &node.record;
-        let scalars = record.scalars.iter().map(|(output, s)| (output.clone(), s.to_string()));
+        let scalars = record.scalars.iter().map(|(output, s)| (output.clone(), cell(s)));
         let values = record.values.iter().map(|(output, text)| (output.clone(), text.clone()));
         let mut outputs: Vec<_> = values.chain(scalars).collect();
         if outputs.is_empty() {
@@ -193,7 +203,7 @@ fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
             rows.push(own.iter_mut().map(std::mem::take).chain([output, value]).collect());
         }
     }
-    let (mut text, _) = Table { header, rows }.render(out::width());
+    let (mut text, _) = Table { header, rows, n_fixed: 0 }.render(out::width());
     out::part_from_progress(&mut text);
     let done = outcome.nodes.values().filter(|node| node.record.status == NodeStatus::Done);
     let written: Vec<_> = done.flat_map(|node| &node.record.files).collect();

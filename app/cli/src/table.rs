@@ -2,38 +2,64 @@
 
 use console::{measure_text_width, truncate_str};
 
-/// No column is made narrower.
-const NARROWEST: usize = 8;
+/// No column is made narrower, and no number is ever cut.
+const NARROWEST: usize = 12;
 
 const GAP: &str = "  ";
 
 /// A header and its rows, all equally long.
 pub struct Table {
-    /// Names of the columns.
+    /// Names of the columns; those of a node are `node.name`.
     pub header: Vec<String>,
     /// The cells.
     pub rows: Vec<Vec<String>>,
+    /// How many of the first columns are left out last.
+    pub n_fixed: usize,
 }
 
 impl Table {
-    /// The table as lines, columns aligned, numbers to the right. Within `width` the widest columns
-    /// are trimmed, and where that is not enough, columns before the last are left out; the
-    /// number of those comes with the text.
+    /// The table as lines, columns aligned, numbers to the right.
+    ///
+    /// Within `width`, names stand below those of their nodes and the widest columns are trimmed.
+    /// Where that is not enough columns are left out, of the node with the most; the number of
+    /// those comes with the text.
     pub fn render(&self, width: Option<usize>) -> (String, usize) {
+        let Some(limit) = width else {
+            let shown: Vec<_> = (0..self.header.len()).collect();
+            let widths: Vec<_> = shown.iter().map(|place| self.natural(*place)).collect();
+            let lines = std::iter::once(&self.header).chain(&self.rows);
+            return (self.lines(lines, &shown, &widths), 0);
+        };
+        let split: Vec<_> =
+            self.header.iter().map(|name| name.split_once('.').unwrap_or(("", name))).collect();
+        let above = split.iter().map(|(node, _)| (*node).to_owned()).collect();
+        let below = split.iter().map(|(_, name)| (*name).to_owned()).collect();
+        let split = Self {
+            header: below,
+            rows: std::iter::once(above).chain(self.rows.iter().cloned()).collect(),
+            n_fixed: self.n_fixed,
+        };
         let mut shown: Vec<usize> = (0..self.header.len()).collect();
-        let mut widths: Vec<usize> = shown.iter().map(|place| self.natural(*place)).collect();
-        let limit = width.unwrap_or(usize::MAX);
-        trim(&mut widths, limit);
-        let n_hidden = |shown: &[usize]| self.header.len() - shown.len();
-        while total(&widths) > limit && shown.len() > 2 {
-            shown.remove(shown.len() - 2);
-            widths = shown.iter().map(|place| self.natural(*place)).collect();
-            trim(&mut widths, limit);
+        let mut widths = split.fitted(&shown, self, limit);
+        while total(&widths) > limit && shown.len() > 1 {
+            shown.remove(self.least_missed(&shown));
+            widths = split.fitted(&shown, self, limit);
         }
+        let above = split.rows.iter().take(1).filter(|row| row.iter().any(|c| !c.is_empty()));
+        let lines = above.chain([&split.header]).chain(&self.rows);
+        (self.lines(lines, &shown, &widths), self.header.len() - shown.len())
+    }
+
+    fn lines<'a>(
+        &self,
+        rows: impl Iterator<Item = &'a Vec<String>>,
+        shown: &[usize],
+        widths: &[usize],
+    ) -> String {
         let is_number: Vec<bool> = shown.iter().map(|place| self.is_number(*place)).collect();
         let mut text = String::new();
-        for row in std::iter::once(&self.header).chain(&self.rows) {
-            let cells = shown.iter().zip(&widths).zip(&is_number).map(|((place, width), right)| {
+        for row in rows {
+            let cells = shown.iter().zip(widths).zip(&is_number).map(|((place, width), right)| {
                 let cell = truncate_str(&row[*place], *width, "…");
                 let pad = " ".repeat(width.saturating_sub(measure_text_width(&cell)));
                 if *right { format!("{pad}{cell}") } else { format!("{cell}{pad}") }
@@ -42,12 +68,42 @@ impl Table {
             text.push_str(line.trim_end());
             text.push('\n');
         }
-        (text, n_hidden(&shown))
+        text
+    }
+
+    /// The place in `shown` of the column to leave out next: the last one of the node with the
+    /// most, or where no node has any left, the last but one.
+    fn least_missed(&self, shown: &[usize]) -> usize {
+        let node = |place: usize| self.header[place].split_once('.').map(|(node, _)| node);
+        let of_nodes = shown.iter().enumerate().filter(|(_, place)| **place >= self.n_fixed);
+        let of_nodes: Vec<_> = of_nodes.filter_map(|(i, place)| Some((i, node(*place)?))).collect();
+        let n_of = |name: &str| of_nodes.iter().filter(|(_, node)| *node == name).count();
+        let most = of_nodes.iter().max_by_key(|(i, node)| (n_of(node), *i));
+        most.map_or(shown.len() - 2, |(i, _)| *i)
+    }
+
+    /// Widths of the columns, trimmed as far as may be. `whole` tells which hold numbers.
+    fn fitted(&self, shown: &[usize], whole: &Self, limit: usize) -> Vec<usize> {
+        let mut widths: Vec<_> = shown.iter().map(|place| self.natural(*place)).collect();
+        let least = |place: &usize| match whole.is_number(*place) {
+            true => whole.widest_cell(*place).max(NARROWEST),
+            false => NARROWEST,
+        };
+        let least: Vec<_> = shown.iter().map(least).collect();
+        while total(&widths) > limit {
+            let wide = widths.iter_mut().zip(&least).filter(|(width, least)| **width > **least);
+            let Some((widest, _)) = wide.max() else { break };
+            *widest -= 1;
+        }
+        widths
     }
 
     fn natural(&self, place: usize) -> usize {
-        let cells = std::iter::once(&self.header).chain(&self.rows);
-        cells.map(|row| measure_text_width(&row[place])).max().unwrap_or(0)
+        self.widest_cell(place).max(measure_text_width(&self.header[place]))
+    }
+
+    fn widest_cell(&self, place: usize) -> usize {
+        self.rows.iter().map(|row| measure_text_width(&row[place])).max().unwrap_or(0)
     }
 
     fn is_number(&self, place: usize) -> bool {
@@ -62,16 +118,6 @@ impl Table {
 
 fn total(widths: &[usize]) -> usize {
     widths.iter().sum::<usize>() + GAP.len() * widths.len().saturating_sub(1)
-}
-
-/// Takes from the widest columns until all fit, or all are as narrow as they get.
-fn trim(widths: &mut [usize], limit: usize) {
-    while total(widths) > limit {
-        match widths.iter_mut().max() {
-            Some(widest) if *widest > NARROWEST => *widest -= 1,
-            _ => return,
-        }
-    }
 }
 
 /// A text in lines of at most `width` columns, all but the first after `indent` spaces.
@@ -100,39 +146,45 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let row = |cells: [&str; 4]| cells.map(str::to_owned).to_vec();
+        let row = |cells: [&str; 5]| cells.map(str::to_owned).to_vec();
         Table {
-            header: row(["path", "faces", "error", "status"]),
+            header: row(["load.path", "fit.faces", "fit.error", "compare.max", "status"]),
             rows: vec![
-                row(["models/a-very-long-name.obj", "300", "0.1", "done"]),
-                row(["b", "4000", "", "failed"]),
+                row(["models/a-very-long-name.obj", "300", "0.1", "0.123456789012345", "done"]),
+                row(["b", "4000", "", "1e-9", "failed"]),
             ],
+            n_fixed: 1,
         }
     }
 
     #[test]
     fn columns_are_aligned() {
         let expected = "\
-path                         faces  error  status
-models/a-very-long-name.obj    300    0.1  done
-b                             4000         failed
+load.path                    fit.faces  fit.error        compare.max  status
+models/a-very-long-name.obj        300        0.1  0.123456789012345  done
+b                                 4000                          1e-9  failed
 ";
         assert_eq!(table().render(None), (expected.to_owned(), 0));
     }
 
     #[test]
-    fn the_widest_column_is_trimmed_first() {
-        let (text, n_hidden) = table().render(Some(36));
-        assert_eq!(n_hidden, 0);
-        assert!(text.lines().all(|line| measure_text_width(line) <= 36), "{text}");
-        assert!(text.contains("models/a-very…    300"), "{text}");
+    fn on_a_terminal_the_widest_text_is_trimmed_and_no_number() {
+        let expected = "\
+load                   fit    fit            compare
+path                 faces  error                max  status
+models/a-very-long…    300    0.1  0.123456789012345  done
+b                     4000                      1e-9  failed
+";
+        assert_eq!(table().render(Some(60)), (expected.to_owned(), 0));
     }
 
     #[test]
-    fn what_does_not_fit_is_left_out_and_counted() {
-        let (text, n_hidden) = table().render(Some(24));
+    fn what_does_not_fit_is_left_out_of_the_node_with_the_most() {
+        let (text, n_hidden) = table().render(Some(46));
         assert_eq!(n_hidden, 1);
-        assert!(text.lines().next().unwrap().ends_with("status"), "{text}");
+        assert!(text.lines().all(|line| measure_text_width(line) <= 46), "{text}");
+        assert!(!text.contains("error") && text.contains("0.123456789012345"), "{text}");
+        assert_eq!(table().render(Some(3)).1, 4);
     }
 
     #[test]

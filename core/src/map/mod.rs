@@ -221,7 +221,7 @@ impl Map {
         let links = self.links.iter().map(|link| Json::from(link.to_string())).collect();
         file.insert("nodes".to_owned(), nodes);
         file.insert("links".to_owned(), Json::Array(links));
-        file.insert("layout".to_owned(), object_of(&self.layout));
+        file.insert("layout".to_owned(), Json::Object(self.layout_json()));
         file.insert("programs".to_owned(), object_of(&self.programs));
         for (section, key, value) in &self.leftovers {
             match file.get_mut(*section) {
@@ -239,6 +239,16 @@ impl Map {
         });
         file.extend(self.extra.clone());
         Json::Object(file)
+    }
+
+    /// Whole coordinates stand without a fraction, as people write them.
+    fn layout_json(&self) -> JsonMap<String, Json> {
+        let number = |x: f64| match x.fract() == 0.0 && x.abs() < 1e15 {
+            true => Json::from(x as i64),
+            false => Json::from(x),
+        };
+        let place = |at: &[f64; 2]| Json::Array(at.iter().map(|x| number(*x)).collect());
+        self.layout.iter().map(|(name, at)| (name.clone(), place(at))).collect()
     }
 
     fn says_the_same_as(&self, other: &Self) -> bool {
@@ -403,6 +413,8 @@ mod tests {
         again.source = None;
         assert_eq!(again.to_text(), text);
         assert!(text.ends_with("}\n"));
+        again.layout.insert("a".to_owned(), [240.0, -0.5]);
+        assert!(again.to_text().contains("\"a\": [240, -0.5]"), "{}", again.to_text());
     }
 
     #[test]

@@ -1,0 +1,127 @@
+//! `mve run` and `mve check`: results, messages and exit codes.
+
+mod common;
+
+use common::Folder;
+
+#[test]
+fn a_run_prints_logs_and_a_table() {
+    let answer = Folder::new().mve(&["run", "map.json"]).succeeds();
+    let answer = answer.says("print: level: 2.5\n").says("other: 2.5\n");
+    let answer = answer.says("node   status  seconds  output  value\n");
+    let answer = answer.says("level  done ").says("value     2.5\n").says("3 of 3 nodes done in");
+    assert!(answer.err.contains("] level: done, "), "{}", answer.err);
+}
+
+#[test]
+fn quiet_leaves_the_result() {
+    let answer = Folder::new().mve(&["run", "map.json", "--quiet"]).succeeds().says("3 of 3 nodes");
+    assert_eq!(answer.err, "");
+}
+
+#[test]
+fn parameters_are_set_as_json_or_text() {
+    let folder = Folder::new();
+    let set = ["--set", "level.value=7", "--set", "print.label=now it is"];
+    folder.mve(&[&["run", "map.json"], &set[..]].concat()).succeeds().says("print: now it is 7\n");
+}
+
+#[test]
+fn json_events_are_lines_and_the_summary_is_last() {
+    let answer = Folder::new().mve(&["run", "map.json", "--json"]).succeeds();
+    assert_eq!(answer.err, "");
+    let lines = answer.json();
+    assert!(lines.iter().any(|line| line["event"] == "log" && line["text"] == "level: 2.5"));
+    let last = lines.last().unwrap();
+    assert_eq!((&last["event"], &last["status"]), (&"finished".into(), &"done".into()));
+    assert_eq!(last["nodes"]["level"]["scalars"]["value"], 2.5);
+    assert_eq!(lines.iter().filter(|line| line["event"] == "ended").count(), 3);
+}
+
+#[test]
+fn files_that_are_no_maps_are_explained() {
+    let folder = Folder::new();
+    folder.write("broken.json", "{\n  \"mve\": 1,\n}");
+    folder.write("list.json", "[]");
+    folder.write("newer.json", r#"{"mve": 99}"#);
+    let run = |map: &str| folder.mve(&["run", map]);
+    run("missing.json").fails(4, "error: missing.json: there is no such map\n");
+    run(".").fails(4, "error: .: is a folder; name a map's file in it\n");
+    run("map.json/x").fails(4, "a file stands where a folder is needed");
+    run("broken.json").fails(3, "not valid JSON: trailing comma at line 3 column 1\n");
+    run("list.json").fails(3, "not a map");
+    run("newer.json").fails(3, "written in format 99");
+}
+
+#[test]
+fn all_problems_come_at_once_and_nothing_runs() {
+    let folder = Folder::new();
+    let text = common::map();
+    folder.write("bad.json", &text.replace("\"Print\"", "\"Prnt\"").replace("2.5", "\"much\""));
+    let answer = folder.mve(&["run", "bad.json", "--set", "lvel.value=1"]);
+    let answer = answer.fails(3, "error: bad.json: level.value: \"much\" is not a number\n");
+    let answer = answer.fails(3, "print: there is no module \"Prnt\"; did you mean \"Print\"?\n");
+    let answer = answer.fails(3, "--set lvel.value: there is no node \"lvel\"; did you mean");
+    let answer = answer.fails(3, "error: bad.json: 4 problems; nothing was run\n");
+    assert_eq!(answer.out, "");
+    let lines = folder.mve(&["run", "bad.json", "--json"]).fails(3, "3 problems").json();
+    assert!(lines.iter().any(|line| line["node"] == "level" && line["port"] == "value"));
+    assert_eq!(lines.last().unwrap()["status"], "refused");
+}
+
+#[test]
+fn a_circle_is_refused() {
+    let folder = Folder::new();
+    let text = common::map().replace("[\"level.value -> ", "[\"level.value -> level.value\", \"");
+    folder.write("circle.json", &text.replace("\"print.value\"", "\"level.value -> print.value\""));
+    folder.mve(&["run", "circle.json"]).fails(3, "the links run in a circle: level -> level");
+}
+
+#[test]
+fn wrong_usage_is_code_2() {
+    let folder = Folder::new();
+    folder.mve(&["rnu"]).fails(2, "unrecognized subcommand 'rnu'");
+    folder.mve(&["run"]).fails(2, "<MAP>");
+    folder.mve(&["run", "map.json", "--set", "x"]).fails(2, "write NODE.PARAM=VALUE");
+    folder.mve(&["run", "map.json", "--threads", "0"]).fails(2, "from 1 to 4096");
+}
+
+#[test]
+fn a_cache_folder_that_cannot_be_is_code_4() {
+    let folder = Folder::new();
+    let answer = folder.mve(&["run", "map.json", "--cache", "map.json/cache"]);
+    answer.fails(4, "error: map.json/cache: a file stands where a folder is needed\n");
+    folder.mve(&["run", "map.json", "--cache", "cache"]).succeeds();
+    assert!(folder.has("cache"));
+}
+
+#[test]
+fn check_says_facts_or_groups_of_problems() {
+    let folder = Folder::new();
+    folder.mve(&["check", "map.json"]).succeeds().says(
+        "map.json: no problems; 3 nodes, 2 links, 2 programs (sweep: 6 steps, long: 400 steps)\n",
+    );
+    let text = common::map().replace("[1, 2, 3]", "[1, \"two\"]").replace("\"label\"", "\"lbel\"");
+    folder.write("bad.json", &text);
+    let answer = folder.mve(&["check", "bad.json"]).fails(3, "error: bad.json: 2 problems\n");
+    let expected = "bad.json
+  error: print.lbel: there is no parameter of this name; did you mean \"label\"?
+program \"sweep\"
+  error: level.value: \"two\" is not a number (with level.value = \"two\", print.label = \"x\")\n";
+    assert_eq!(answer.out, expected);
+}
+
+#[test]
+fn warnings_are_told_and_do_not_fail() {
+    let folder = Folder::new();
+    let text =
+        common::map().replace("[\"level.value -> ", "[\"print.label -> \", \"level.value -> ");
+    // A parameter that is set and linked: the link counts.
+    let text = text.replace("\"print.label -> \", ", "\"level.value -> twice.value\", ");
+    let twice = r#""twice": {"module": "Constant", "params": {"value": 1}}, "print""#;
+    folder.write("warn.json", &text.replacen("\"print\"", twice, 1));
+    let answer = folder.mve(&["check", "warn.json"]).succeeds();
+    answer.says("warning: twice.value: is set and linked").says("no errors, 1 warning; 4 nodes");
+    let answer = folder.mve(&["run", "warn.json"]).succeeds();
+    assert!(answer.err.contains("warning: warn.json: twice.value: is set"), "{}", answer.err);
+}
