@@ -44,6 +44,10 @@ fn saving_a_map_changes_no_byte() {
         let other = map.to_text();
         let mut map = Map::parse(&other).unwrap();
         map.title = title;
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&path, map.to_text()).unwrap();
+            continue;
+        }
         assert_eq!(map.to_text(), text, "{}", path.display());
     }
 }

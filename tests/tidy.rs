@@ -61,13 +61,20 @@ fn every_file_is_formatted() {
 fn lists_of_modules_are_sorted() {
     for path in files("rs").iter().filter(|path| path.ends_with("mod.rs")) {
         let text = std::fs::read_to_string(path).unwrap();
-        for list in text.split("modules! {").skip(1).chain(text.split(" in ").skip(1)) {
-            let Some((names, _)) = list.split_once(['}', ';']) else { continue };
-            let names = names.split_once(':').map_or(names, |(_, names)| names);
-            let names: Vec<_> = names.split(',').map(str::trim).filter(|n| !n.is_empty()).collect();
+        for list in text.split("! {").skip(1).filter_map(list_of) {
+            let names: Vec<_> = list.split(',').map(str::trim).filter(|n| !n.is_empty()).collect();
             assert!(names.is_sorted(), "{}: {names:?}", path.display());
         }
     }
+}
+
+/// The names in what follows `modules! {` or `registered! {`.
+fn list_of(text: &str) -> Option<&str> {
+    let (list, _) = text.split_once('}')?;
+    let behind_category = list.trim().starts_with('"').then(|| list.split_once(':')).flatten();
+    let behind_item = list.contains("static ").then(|| list.split_once(" in ")).flatten();
+    let (_, names) = behind_category.or(behind_item)?;
+    Some(names.trim_end().trim_end_matches(';'))
 }
 
 #[test]

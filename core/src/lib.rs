@@ -19,6 +19,7 @@ mod fingerprint;
 mod json;
 mod map;
 mod module;
+mod panics;
 mod param;
 mod plan;
 mod port;
@@ -41,6 +42,7 @@ pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
 pub use map::{Link, Map, MapError, Node, PortRef, ProgramSpec};
 pub use module::{Io, Module, ModuleError, Reporter};
+pub use panics::contain_panics;
 pub use param::{
     ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,
     ParamSpec, ParamType, Seed,
@@ -54,8 +56,7 @@ pub use program::{
 };
 pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
 pub use run::{
-    Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome,
-    contain_panics, run,
+    Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
 pub use setting::{Setting, Settings};

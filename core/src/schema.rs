@@ -20,13 +20,6 @@ pub fn schema(registry: &Registry) -> Json {
         })
         .collect();
     let ids: Vec<&str> = registry.modules().iter().map(|info| info.module.id).collect();
-    let assignment = |values: Json| {
-        json!({
-            "type": "object",
-            "propertyNames": { "pattern": "^[^.]+\\..+$" },
-            "additionalProperties": values
-        })
-    };
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A map of mve",
@@ -61,25 +54,37 @@ pub fn schema(registry: &Registry) -> Json {
                     "maxItems": 2
                 }
             },
-            "programs": {
-                "description": "Sweeps of the map, by name.",
-                "type": "object",
-                "additionalProperties": {
-                    "type": "object",
-                    "properties": {
-                        "axes": {
-                            "description": "Axes multiply; the lists of one axis advance together.",
-                            "type": "array",
-                            "items": assignment(json!({ "type": "array", "minItems": 1 }))
-                        },
-                        "steps": { "type": "array", "items": assignment(json!(true)) },
-                        "repeats": { "type": "integer", "minimum": 1 },
-                        "time_limit": {
-                            "description": "Seconds after which a step is stopped.",
-                            "type": "number",
-                            "exclusiveMinimum": 0
-                        }
-                    }
+            "programs": programs()
+        }
+    })
+}
+
+/// The schema of the section of programs.
+fn programs() -> Json {
+    let assignment = |values: Json| {
+        json!({
+            "type": "object",
+            "propertyNames": { "pattern": "^[^.]+\\..+$" },
+            "additionalProperties": values
+        })
+    };
+    json!({
+        "description": "Sweeps of the map, by name.",
+        "type": "object",
+        "additionalProperties": {
+            "type": "object",
+            "properties": {
+                "axes": {
+                    "description": "Axes multiply; the lists of one axis advance together.",
+                    "type": "array",
+                    "items": assignment(json!({ "type": "array", "minItems": 1 }))
+                },
+                "steps": { "type": "array", "items": assignment(json!(true)) },
+                "repeats": { "type": "integer", "minimum": 1 },
+                "time_limit": {
+                    "description": "Seconds after which a step is stopped.",
+                    "type": "number",
+                    "exclusiveMinimum": 0
                 }
             }
         }

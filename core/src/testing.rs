@@ -9,10 +9,10 @@ use serde_json::{Map as JsonMap, Value as Json};
 use crate::cancel::CancelToken;
 use crate::data::{Data, Value};
 use crate::module::{Io, Module, ModuleError, Reporter};
+use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param};
 use crate::port::{In, MaybeIn, Out};
 use crate::registry::{Listed, ModuleList, Registry};
-use crate::run::contained;
 use crate::setting::{Setting, Settings};
 
 /// A call of one module: inputs, parameters, and what came out.

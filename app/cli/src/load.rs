@@ -4,7 +4,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use mve_core::{
-    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry, assign,
+    FileHashes, Kind, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry,
+    assign,
 };
 use serde_json::Value as Json;
 
@@ -19,8 +20,8 @@ pub struct MapArgs {
     /// Set a parameter: simplify.target_faces=300, simplify.cost.boundary_weight=5
     ///
     /// The value is read as JSON, and as a text where it is not JSON. NODE.module=Id puts another
-    /// module in a node's place. Paths are as in the map: inputs relative to the map's folder,
-    /// outputs to the output folder.
+    /// module in a node's place. Input files are relative to the working directory, output files
+    /// to the output folder.
     #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_setting)]
     pub set: Vec<Setting>,
 }
@@ -30,6 +31,8 @@ pub struct MapArgs {
 pub struct Setting {
     path: String,
     value: Json,
+    /// The value as it was typed.
+    text: String,
 }
 
 fn parse_setting(text: &str) -> Result<Setting, String> {
@@ -38,8 +41,29 @@ fn parse_setting(text: &str) -> Result<Setting, String> {
     if !path.contains('.') {
         return Err(form.to_owned());
     }
+    let (path, text) = (path.trim().to_owned(), value.to_owned());
     let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));
-    Ok(Setting { path: path.trim().to_owned(), value })
+    Ok(Setting { path, value, text })
+}
+
+impl Setting {
+    /// The value for the parameter that it is meant for: a text stays one even where it looks like
+    /// a number, and a file is where the person who types is, not where the map is.
+    fn value_for(&self, map: &Map, registry: &Registry) -> Json {
+        let kind = self.path.split_once('.').and_then(|(node, param)| {
+            let info = registry.find(&map.nodes.get(node)?.module)?;
+            Some(info.module.params.iter().find(|spec| spec.name == param)?.kind)
+        });
+        match (kind, &self.value) {
+            (Some(Kind::InputFile { .. }), Json::String(path)) => std::path::absolute(path)
+                .map_or_else(
+                    |_| path.clone().into(),
+                    |absolute| absolute.to_string_lossy().into_owned().into(),
+                ),
+            (Some(Kind::Text { .. }), value) if !value.is_string() => self.text.clone().into(),
+            _ => self.value.clone(),
+        }
+    }
 }
 
 /// A map that was read, with all that checking it needs.
@@ -64,8 +88,10 @@ impl MapArgs {
         let is_module = |path: &str| path.split_once('.').is_some_and(|(_, p)| p == "module");
         settings.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
         let mut complaints = Vec::new();
-        for Setting { path, value } in settings {
-            if let Err(problem) = assign(&mut map, &registry, path, value.clone()) {
+        for setting in settings {
+            let path = &setting.path;
+            let value = setting.value_for(&map, &registry);
+            if let Err(problem) = assign(&mut map, &registry, path, value) {
                 let message = format!("--set {path}: {}", problem.message);
                 complaints.push(Problem { message, place: Place::default(), ..problem });
             }
