@@ -91,6 +91,9 @@ fn facts(spec: &ParamSpec, depth: usize) -> String {
     if !spec.unit.is_empty() {
         facts.push(format!("in {}", spec.unit));
     }
+    if spec.can_be_off {
+        facts.push("or off (null)".to_owned());
+    }
     facts.push(match spec.default_setting() {
         None => "required".to_owned(),
         Some(crate::Setting::Off) => "default off".to_owned(),

@@ -17,12 +17,13 @@ pub struct ParamSpec {
     pub doc: &'static str,
     /// Unit of the number, empty where there is none.
     pub unit: &'static str,
+    /// Whether `null`, off, is a value.
+    pub can_be_off: bool,
     /// Type, default and range.
     pub kind: Kind,
 }
 
-/// Type, default and range of a parameter. A default of `None` means that `null` ("off") is
-/// allowed and is the default.
+/// Type, default and range of a parameter. A default of `None` is off.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // The fields are what their names say, in every variant.
 pub enum Kind {
@@ -141,7 +142,8 @@ pub struct Param<T> {
 
 impl<T> Param<T> {
     const fn of_kind(name: &'static str, doc: &'static str, kind: Kind) -> Self {
-        Self { spec: ParamSpec { name, doc, unit: "", kind }, of: PhantomData }
+        let spec = ParamSpec { name, doc, unit: "", can_be_off: false, kind };
+        Self { spec, of: PhantomData }
     }
 
     /// The declaration, for [`crate::Module::params`] and [`Entry::params`].
@@ -164,7 +166,7 @@ impl Param<bool> {
 }
 
 macro_rules! numeric_param {
-    ($type:ty, $kind:ident, $make:ident, $ends:expr, $($default:tt)+) => {
+    ($type:ty, $kind:ident, $make:ident, $ends:expr, $can_be_off:expr, $($default:tt)+) => {
         impl Param<$type> {
             /// A number with its default; `None` stands for off, where the parameter can be off.
             pub const fn $make(
@@ -173,7 +175,10 @@ macro_rules! numeric_param {
                 default: $type,
             ) -> Self {
                 let default = $($default)+(default);
-                Self::of_kind(name, doc, Kind::$kind { default, hard: $ends, soft: None })
+                let kind = Kind::$kind { default, hard: $ends, soft: None };
+                let mut param = Self::of_kind(name, doc, kind);
+                param.spec.can_be_off = $can_be_off;
+                param
             }
         }
     };
@@ -187,10 +192,10 @@ const fn same<T: Copy>(value: Option<T>) -> Option<T> {
 const INTEGERS: (i64, i64) = (-(1 << 53), 1 << 53);
 const NUMBERS: (f64, f64) = (f64::MIN, f64::MAX);
 
-numeric_param!(i64, Integer, integer, INTEGERS, Some);
-numeric_param!(Option<i64>, Integer, maybe_integer, INTEGERS, same);
-numeric_param!(f64, Number, number, NUMBERS, Some);
-numeric_param!(Option<f64>, Number, maybe_number, NUMBERS, same);
+numeric_param!(i64, Integer, integer, INTEGERS, false, Some);
+numeric_param!(Option<i64>, Integer, maybe_integer, INTEGERS, true, same);
+numeric_param!(f64, Number, number, NUMBERS, false, Some);
+numeric_param!(Option<f64>, Number, maybe_number, NUMBERS, true, same);
 
 /// Parameters whose values are whole numbers.
 pub trait IntegerParam {}
@@ -375,7 +380,7 @@ impl<B: Sync + 'static> ChoiceParam<B> {
         default: &'static str,
     ) -> Self {
         let kind = Kind::Choice { default, list: choices };
-        Self { spec: ParamSpec { name, doc, unit: "", kind }, choices }
+        Self { spec: ParamSpec { name, doc, unit: "", can_be_off: false, kind }, choices }
     }
 
     /// The declaration, for [`crate::Module::params`].

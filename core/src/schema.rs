@@ -108,11 +108,11 @@ fn object_of(params: &[ParamSpec]) -> Json {
 fn of_param(spec: &ParamSpec) -> Json {
     let mut schema = match spec.kind {
         Kind::Flag { .. } => json!({ "type": "boolean" }),
-        Kind::Integer { default, hard: (low, high), .. } => json!({
-            "type": or_off("integer", default.is_none()), "minimum": low, "maximum": high
+        Kind::Integer { hard: (low, high), .. } => json!({
+            "type": or_off("integer", spec.can_be_off), "minimum": low, "maximum": high
         }),
-        Kind::Number { default, hard: (low, high), .. } => {
-            let mut number = json!({ "type": or_off("number", default.is_none()) });
+        Kind::Number { hard: (low, high), .. } => {
+            let mut number = json!({ "type": or_off("number", spec.can_be_off) });
             if low > f64::MIN {
                 number["minimum"] = Json::from(low);
             }

@@ -162,8 +162,8 @@ impl ParamSpec {
         let parsed = match self.kind {
             Kind::Choice { list, .. } => return self.parse_choice(list, json, faults),
             Kind::Flag { .. } => json.as_bool().map(Setting::Flag).ok_or("true or false".into()),
-            Kind::Integer { default, hard, .. } => integer(json, default.is_none(), hard),
-            Kind::Number { default, hard, .. } => number(json, default.is_none(), hard),
+            Kind::Integer { hard, .. } => integer(json, self.can_be_off, hard),
+            Kind::Number { hard, .. } => number(json, self.can_be_off, hard),
             Kind::Seed { .. } => integer(json, false, (0, i64::from(u32::MAX))),
             Kind::Text { .. } => {
                 json.as_str().map(|text| Setting::Text(text.to_owned())).ok_or("a text".into())

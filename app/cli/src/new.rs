@@ -29,7 +29,7 @@ enum What {
     },
     /// Write a module, with a test, and enter it in the list of its folder
     ///
-    /// Works inside a checkout of mve: writes modules/src/FOLDER/<name>.rs.
+    /// Works inside a checkout of mve: writes modules/src/FOLDER/NAME.rs.
     Module {
         /// Id in CamelCase: verbs change a mesh (FillHoles), nouns make or measure one (Volume)
         name: String,
@@ -39,7 +39,7 @@ enum What {
     },
     /// Write a cost function, with a test, and enter it in the list of costs
     ///
-    /// Works inside a checkout of mve: writes modules/src/cost/<name>.rs.
+    /// Works inside a checkout of mve: writes modules/src/cost/NAME.rs.
     Cost {
         /// Id in CamelCase, such as CurvatureWeighted
         name: String,
