@@ -282,6 +282,10 @@ mod tests {
             let text = serde_json::to_string(&scalar).unwrap();
             assert_eq!(serde_json::from_str::<Scalar>(&text).unwrap(), scalar);
         }
+        // A number whose last bit a hasty reader loses.
+        let number = Scalar::Number(1.489_018_613_047_592_8e-17);
+        let text = serde_json::to_string(&number).unwrap();
+        assert_eq!(serde_json::from_str::<Scalar>(&text).unwrap(), number);
         let nan: Scalar = serde_json::from_str("null").unwrap();
         assert!(matches!(nan, Scalar::Number(number) if number.is_nan()));
     }

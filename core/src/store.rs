@@ -280,7 +280,7 @@ impl Store {
     }
 
     /// Puts the outputs of a step into `outputs/`, as second names of the same files where the
-    /// file system allows that.
+    /// file system allows that. Costs a look at each file if they are there already.
     pub(crate) fn publish(&self, record: &StepRecord) -> Result<(), StoreError> {
         let from = self.step_folder(&record.id).join("outputs");
         for written in record.nodes.values().flat_map(|node| &node.files) {
@@ -288,20 +288,34 @@ impl Store {
             if written.is_absolute() || !source.exists() || is_same(&source, &target) {
                 continue;
             }
-            let folder = target.parent().unwrap_or(&self.folder);
-            fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
-            let fresh =
-                self.folder.join("work").join(format!("{}.link.{}", record.id, std::process::id()));
-            let _ = fs::remove_file(&fresh);
-            fs::hard_link(&source, &fresh)
-                .or_else(|_| fs::copy(&source, &fresh).map(drop))
-                .and_then(|()| fs::rename(&fresh, &target))
-                .map_err(StoreError::at(&target))?;
+            self.alone(|| {
+                let folder = target.parent().unwrap_or(&self.folder);
+                fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
+                let fresh = self.folder.join("work").join(format!("{}.link", record.id));
+                let _ = fs::remove_file(&fresh);
+                fs::hard_link(&source, &fresh)
+                    .or_else(|_| fs::copy(&source, &fresh).map(drop))
+                    .and_then(|()| fs::rename(&fresh, &target))
+                    .map_err(StoreError::at(&target))
+            })?;
         }
         Ok(())
     }
 
-    /// Writes a file of the store so that readers see the old one or the new one.
+    /// Removes what processes that were killed left of files that are written [`Store::alone`].
+    pub(crate) fn sweep(&self) {
+        let Ok(left) = fs::read_dir(self.folder.join("work")) else { return };
+        for entry in left.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with(".tmp") || name.ends_with(".link") {
+                // What cannot be removed is in nobody's way: it is never read.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Writes a file of the store so that readers see the old one or the new one. To be called
+    /// within [`Store::alone`].
     pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.join(name);
         let mut file = tempfile::NamedTempFile::new_in(self.folder.join("work"))

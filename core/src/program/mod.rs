@@ -174,12 +174,14 @@ pub fn run_program(
             }
         }
     }
-    store.write("plan.json", program.plan_json().as_bytes())?;
+    store.alone(|| store.write("plan.json", program.plan_json().as_bytes()))?;
     let found = ids.iter().filter(|id| store.record(id).is_some()).count();
     let workers = Workers::new(program, store, options);
     workers.run_all()?;
-    tables::write(program, store)?;
     let records: Vec<_> = ids.iter().filter_map(|id| store.record(id)).collect();
+    // A process that was killed may have finished a step and not come to this.
+    records.iter().try_for_each(|record| store.publish(record))?;
+    tables::write(program, store)?;
     Ok(ProgramOutcome {
         steps: ids.len(),
         ran: workers.ran.load(Ordering::Relaxed),

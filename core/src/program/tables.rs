@@ -16,6 +16,7 @@ const MOST_OF_A_NODE: usize = 3;
 /// Writes `results.csv`, `results.jsonl` and `summary.md`.
 pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> {
     store.alone(|| {
+        store.sweep();
         let (header, rows) = table(program, store);
         store.write("results.csv", csv(&header, &rows).as_bytes())?;
         store.write("results.jsonl", json_lines(program, store).as_bytes())?;
