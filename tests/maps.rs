@@ -12,6 +12,7 @@ use mve_core::{
     CancelToken, FileHashes, Keep, Map, OutputScope, Plan, PlanOptions, Program, ProgramOptions,
     Retry, RunOptions, Scalar, Shard, Sharing, Store, assign, run, run_program,
 };
+use mve_modules::geometry::control::Control;
 use mve_modules::registry;
 use mve_tests::{maps, root};
 
@@ -58,7 +59,7 @@ fn load(path: &Path, folder: &Path) -> Map {
     if map.nodes.get("load").is_some_and(|node| node.module == "ObjLoader") {
         let model = folder.join("model.obj");
         let mesh = mve_modules::geometry::generate::surface(&Default::default());
-        mve_modules::io::obj::save(&mesh, &model).unwrap();
+        mve_modules::io::obj::save(&mesh, &model, Control::none()).unwrap();
         assign(&mut map, &registry(), "load.path", model.to_str().unwrap().into()).unwrap();
     }
     map

@@ -55,6 +55,13 @@ impl<'a> Control<'a> {
         }
     }
 
+    /// To be called with every item of a loop over `n`: reports each few thousandth of them.
+    #[inline]
+    pub fn item(&self, place: usize, n: usize) -> Result<(), Cancelled> {
+        const PAUSE: usize = 1 << 13;
+        if place.is_multiple_of(PAUSE) { self.at(place as f64 / n.max(1) as f64) } else { Ok(()) }
+    }
+
     /// A counter over `n_steps` equal steps that any thread may take.
     pub fn steps(self, n_steps: usize) -> Steps<'a> {
         Steps { control: self, n_steps, done: AtomicUsize::new(0) }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::control::{Cancelled, Control};
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
 use crate::mesh::union_find::UnionFind;
@@ -83,15 +84,18 @@ impl MeshInfo {
 
 /// Looks a mesh over, O(n log n).
 ///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+///
 /// # Panics
 /// When a face names a vertex that is not there; see [`TriMesh::check`].
-pub fn mesh_info(mesh: &TriMesh) -> MeshInfo {
-    let adjacency = Adjacency::new(mesh);
+pub fn mesh_info(mesh: &TriMesh, control: Control) -> Result<MeshInfo, Cancelled> {
+    let adjacency = Adjacency::new(mesh, control.part(0.0, 0.5))?;
     let vertices = || (0..mesh.positions.len() as u32).map(VertexId);
     let edges = || (0..adjacency.edges().len() as u32).map(EdgeId);
     let n_isolated = vertices().filter(|&v| adjacency.corners_of(v).is_empty()).count();
-    let around = look_around(mesh, &adjacency);
-    let shape = shape(mesh);
+    let around = look_around(mesh, &adjacency, control.part(0.5, 0.7))?;
+    let shape = shape(mesh, control.part(0.7, 0.75))?;
     let n_used = mesh.positions.len() - n_isolated;
     let euler = n_used as i64 - adjacency.edges().len() as i64 + mesh.faces.len() as i64;
     let mut info = MeshInfo {
@@ -99,8 +103,8 @@ pub fn mesh_info(mesh: &TriMesh) -> MeshInfo {
         n_faces: mesh.faces.len(),
         n_edges: adjacency.edges().len(),
         n_isolated_vertices: n_isolated,
-        n_components_by_vertex: components_by_vertex(mesh) - n_isolated,
-        n_components_by_edge: components_by_edge(mesh, &adjacency),
+        n_components_by_vertex: components_by_vertex(mesh, control.part(0.75, 0.8))? - n_isolated,
+        n_components_by_edge: components_by_edge(mesh, &adjacency, control.part(0.8, 0.85))?,
         n_border_edges: edges().filter(|&e| adjacency.sides_of(e).len() == 1).count(),
         n_border_loops: around.n_border_loops,
         n_non_manifold_edges: edges().filter(|&e| adjacency.sides_of(e).len() > 2).count(),
@@ -108,7 +112,7 @@ pub fn mesh_info(mesh: &TriMesh) -> MeshInfo {
         n_inconsistent_edges: edges()
             .filter(|&e| adjacency.sides_of(e).len() == 2 && !adjacency.is_oriented(mesh, e))
             .count(),
-        n_duplicate_faces: duplicate_faces(mesh),
+        n_duplicate_faces: duplicate_faces(mesh, &adjacency, control.part(0.85, 1.0))?,
         n_degenerate_index_faces: mesh.faces.iter().filter(|f| names_twice(f)).count(),
         n_zero_area_faces: shape.n_zero_area,
         n_non_finite_faces: shape.n_non_finite,
@@ -125,7 +129,7 @@ pub fn mesh_info(mesh: &TriMesh) -> MeshInfo {
         let closed = 2 * info.n_components_by_edge as i64 - info.n_border_loops as i64;
         info.genus = u64::try_from((closed - euler) / 2).ok();
     }
-    info
+    Ok(info)
 }
 
 fn names_twice([a, b, c]: &[VertexId; 3]) -> bool {
@@ -133,34 +137,53 @@ fn names_twice([a, b, c]: &[VertexId; 3]) -> bool {
 }
 
 /// Isolated vertices count as components of their own.
-fn components_by_vertex(mesh: &TriMesh) -> usize {
+fn components_by_vertex(mesh: &TriMesh, control: Control) -> Result<usize, Cancelled> {
     let mut sets = UnionFind::new(mesh.positions.len());
-    for [a, b, c] in &mesh.faces {
+    for (place, [a, b, c]) in mesh.faces.iter().enumerate() {
+        control.item(place, mesh.faces.len())?;
         sets.union(a.0, b.0);
         sets.union(b.0, c.0);
     }
-    (0..mesh.positions.len() as u32).filter(|&v| sets.find(v) == v).count()
+    Ok((0..mesh.positions.len() as u32).filter(|&v| sets.find(v) == v).count())
 }
 
-fn components_by_edge(mesh: &TriMesh, adjacency: &Adjacency) -> usize {
+fn components_by_edge(
+    mesh: &TriMesh,
+    adjacency: &Adjacency,
+    control: Control,
+) -> Result<usize, Cancelled> {
     let mut sets = UnionFind::new(mesh.faces.len());
     for edge in (0..adjacency.edges().len() as u32).map(EdgeId) {
+        control.item(edge.idx(), adjacency.edges().len())?;
         for pair in adjacency.sides_of(edge).windows(2) {
             sets.union(pair[0].face().0, pair[1].face().0);
         }
     }
-    (0..mesh.faces.len() as u32).filter(|&f| sets.find(f) == f).count()
+    Ok((0..mesh.faces.len() as u32).filter(|&f| sets.find(f) == f).count())
 }
 
-fn duplicate_faces(mesh: &TriMesh) -> usize {
-    let sorted = |face: &[VertexId; 3]| {
-        let mut face = *face;
-        face.sort_unstable();
-        face
-    };
-    let mut faces: Vec<[VertexId; 3]> = mesh.faces.iter().map(sorted).collect();
-    faces.sort_unstable();
-    faces.windows(2).filter(|pair| pair[0] == pair[1]).count()
+/// Faces with the same vertices have the same lowest vertex, so each is compared only with the
+/// faces there.
+fn duplicate_faces(
+    mesh: &TriMesh,
+    adjacency: &Adjacency,
+    control: Control,
+) -> Result<usize, Cancelled> {
+    let mut n_duplicates = 0;
+    let mut faces: Vec<[VertexId; 3]> = Vec::new();
+    for vertex in (0..mesh.positions.len() as u32).map(VertexId) {
+        control.item(vertex.idx(), mesh.positions.len())?;
+        faces.clear();
+        faces.extend(adjacency.faces_of(vertex).map(|face| {
+            let mut face = mesh.faces[face.idx()];
+            face.sort_unstable();
+            face
+        }));
+        faces.retain(|face| face[0] == vertex);
+        faces.sort_unstable();
+        n_duplicates += faces.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    }
+    Ok(n_duplicates)
 }
 
 /// What shows when walking around each vertex.
@@ -169,13 +192,18 @@ struct Around {
     n_border_loops: usize,
 }
 
-fn look_around(mesh: &TriMesh, adjacency: &Adjacency) -> Around {
+fn look_around(
+    mesh: &TriMesh,
+    adjacency: &Adjacency,
+    control: Control,
+) -> Result<Around, Cancelled> {
     let is_border = |edge: EdgeId| adjacency.sides_of(edge).len() == 1;
     let mut runs = UnionFind::new(adjacency.edges().len());
     let mut fans = Fans::default();
     let mut n_non_manifold_vertices = 0;
     let mut ends: Vec<(usize, EdgeId)> = Vec::new();
     for vertex in (0..mesh.positions.len() as u32).map(VertexId) {
+        control.item(vertex.idx(), mesh.positions.len())?;
         let n_corners = adjacency.corners_of(vertex).len();
         adjacency.fans(vertex, |_| true, &mut fans);
         if (1..n_corners).any(|at| fans.group(at) != 0) {
@@ -203,7 +231,7 @@ fn look_around(mesh: &TriMesh, adjacency: &Adjacency) -> Around {
     }
     let edges = (0..adjacency.edges().len() as u32).map(EdgeId);
     let n_border_loops = edges.filter(|&e| is_border(e) && runs.find(e.0) == e.0).count();
-    Around { n_non_manifold_vertices, n_border_loops }
+    Ok(Around { n_non_manifold_vertices, n_border_loops })
 }
 
 /// What depends on the positions.
@@ -215,7 +243,7 @@ struct Shape {
     bounds: Option<(DVec3, DVec3)>,
 }
 
-fn shape(mesh: &TriMesh) -> Shape {
+fn shape(mesh: &TriMesh, control: Control) -> Result<Shape, Cancelled> {
     let grow = |bounds: Option<(DVec3, DVec3)>, p: DVec3| match bounds {
         _ if !p.is_finite() => bounds,
         Some((low, high)) => Some((low.min(p), high.max(p))),
@@ -230,6 +258,7 @@ fn shape(mesh: &TriMesh) -> Shape {
     let center = bounds.map_or(DVec3::ZERO, |(low, high)| low.midpoint(high));
     let mut shape = Shape { area: 0.0, volume: 0.0, n_zero_area: 0, n_non_finite: 0, bounds };
     for face in (0..mesh.faces.len() as u32).map(FaceId) {
+        control.item(face.idx(), mesh.faces.len())?;
         let [a, b, c] = mesh.corners(face).map(|p| p - center);
         if ![a, b, c].iter().all(|p| p.is_finite()) {
             shape.n_non_finite += 1;
@@ -242,7 +271,7 @@ fn shape(mesh: &TriMesh) -> Shape {
             shape.n_zero_area += 1;
         }
     }
-    shape
+    Ok(shape)
 }
 
 #[cfg(test)]

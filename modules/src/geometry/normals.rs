@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::control::{Cancelled, Control};
 use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
 
@@ -24,34 +25,54 @@ pub enum NormalWeight {
 }
 
 /// The unit normal of each face, zero where there is none.
-pub fn face_normals(mesh: &TriMesh) -> Vec<DVec3> {
-    let normal = |f| {
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn face_normals(mesh: &TriMesh, control: Control) -> Result<Vec<DVec3>, Cancelled> {
+    let normal = |f: u32| {
+        control.item(f as usize, mesh.faces.len())?;
         let [a, b, c] = mesh.corners(FaceId(f));
-        unit((b - a).cross(c - a))
+        Ok(unit((b - a).cross(c - a)))
     };
     (0..mesh.faces.len() as u32).map(normal).collect()
 }
 
 /// The unit normal of each vertex, zero where there is none: no face, only faces without a normal,
 /// or normals that cancel.
-pub fn vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<DVec3> {
-    let normals = face_normals(mesh);
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn vertex_normals(
+    mesh: &TriMesh,
+    weight: NormalWeight,
+    control: Control,
+) -> Result<Vec<DVec3>, Cancelled> {
+    let normals = face_normals(mesh, control.part(0.0, 0.3))?;
+    let control = control.part(0.3, 1.0);
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for corner in 0..3 * mesh.faces.len() {
+        control.item(corner, 3 * mesh.faces.len())?;
         let vertex = mesh.faces[corner / 3][corner % 3];
         sums[vertex.idx()] += weighted(mesh, &normals, corner, weight);
     }
-    sums.into_iter().map(unit).collect()
+    Ok(sums.into_iter().map(unit).collect())
 }
 
 /// The layer [`Layer::NORMAL`] over vertices, one value a vertex that has a normal.
-pub fn vertex_normal_layer(mesh: &TriMesh, weight: NormalWeight) -> Layer {
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn vertex_normal_layer(
+    mesh: &TriMesh,
+    weight: NormalWeight,
+    control: Control,
+) -> Result<Layer, Cancelled> {
     let mut values = Vec::with_capacity(mesh.positions.len());
-    let index = vertex_normals(mesh, weight)
+    let index = vertex_normals(mesh, weight, control)?
         .into_iter()
         .map(|normal| push_value(&mut values, normal))
         .collect();
-    layer(Domain::Vertex, values, index)
+    Ok(layer(Domain::Vertex, values, index))
 }
 
 /// The layer [`Layer::NORMAL`] over corners: corners of one vertex share a value where their faces
@@ -62,17 +83,31 @@ pub fn vertex_normal_layer(mesh: &TriMesh, weight: NormalWeight) -> Layer {
 /// borders, non-manifold edges and turned faces divide. A face without a normal takes, at each
 /// corner, the value of a neighbor across an edge there, and joins nothing. Values are in the
 /// order of the vertices. A group whose weighted normals cancel has the normal of its first face.
-pub fn corner_normal_layer(mesh: &TriMesh, weight: NormalWeight, crease_angle_rad: f64) -> Layer {
-    let adjacency = Adjacency::new(mesh);
-    let normals = face_normals(mesh);
-    let is_smooth: Vec<bool> = (0..adjacency.edges().len() as u32)
-        .map(|e| is_smooth(mesh, &adjacency, &normals, EdgeId(e), crease_angle_rad))
-        .collect();
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn corner_normal_layer(
+    mesh: &TriMesh,
+    weight: NormalWeight,
+    crease_angle_rad: f64,
+    control: Control,
+) -> Result<Layer, Cancelled> {
+    let adjacency = Adjacency::new(mesh, control.part(0.0, 0.3))?;
+    let normals = face_normals(mesh, control.part(0.3, 0.4))?;
+    let n_edges = adjacency.edges().len();
+    let is_smooth: Vec<bool> = (0..n_edges as u32)
+        .map(|e| {
+            control.part(0.4, 0.5).item(e as usize, n_edges)?;
+            Ok(is_smooth(mesh, &adjacency, &normals, EdgeId(e), crease_angle_rad))
+        })
+        .collect::<Result<_, _>>()?;
+    let control = control.part(0.5, 1.0);
     let mut values = Vec::new();
     let mut index = vec![NO_VALUE; 3 * mesh.faces.len()];
     let mut fans = Fans::default();
     let mut sums = Vec::new();
     for vertex in (0..mesh.positions.len() as u32).map(VertexId) {
+        control.item(vertex.idx(), mesh.positions.len())?;
         let corners = adjacency.corners_of(vertex);
         adjacency.fans(vertex, |edge| is_smooth[edge.idx()], &mut fans);
         sums.clear();
@@ -92,7 +127,7 @@ pub fn corner_normal_layer(mesh: &TriMesh, weight: NormalWeight, crease_angle_ra
         }
         adopt(&adjacency, &normals, vertex, &fans, &mut index);
     }
-    layer(Domain::Corner, values, index)
+    Ok(layer(Domain::Corner, values, index))
 }
 
 /// Gives the corners at a vertex whose face has no normal the value of a neighbor.

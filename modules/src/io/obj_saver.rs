@@ -1,5 +1,6 @@
 //! Saves a mesh as a Wavefront OBJ file with its materials.
 
+use crate::geometry::control::Control;
 use crate::io::obj;
 use crate::prelude::*;
 
@@ -22,7 +23,12 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    obj::save(&mesh, &path).map_err(|error| ModuleError::Numeric(error.to_string()))
+    let report = |share| io.flow(share);
+    obj::save(&mesh, &path, Control::new(&report)).map_err(|error| match io.check() {
+        Err(cancelled) => cancelled,
+        // The message names the file, which may be the one of the materials.
+        Ok(()) => ModuleError::Numeric(error.to_string()),
+    })
 }
 
 #[cfg(test)]

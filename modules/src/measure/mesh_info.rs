@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::geometry::control::Control;
 use crate::geometry::mesh_info::mesh_info;
 use crate::prelude::*;
 
@@ -73,7 +74,9 @@ pub static MODULE: Module = Module {
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let info = mesh_info(&*io.get(MESH_IN)?);
+    let mesh = io.get(MESH_IN)?;
+    let report = |share| io.flow(share);
+    let info = mesh_info(&mesh, Control::new(&report)).map_err(|_| ModuleError::Cancelled)?;
     let size = info.bounds.map_or(DVec3::ZERO, |(low, high)| high - low);
     let numbers = [
         (FACES, info.n_faces as f64),

@@ -6,6 +6,7 @@
 
 use super::union_find::UnionFind;
 use crate::data::{FaceId, TriMesh, VertexId};
+use crate::geometry::control::{Cancelled, Control};
 
 /// Index of an edge in [`Adjacency::edges`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -53,18 +54,21 @@ pub struct Adjacency {
 impl Adjacency {
     /// Builds the lists, O(n) but for sorting around each vertex.
     ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    ///
     /// # Panics
     /// When a face names a vertex that is not there; see [`TriMesh::check`].
-    pub fn new(mesh: &TriMesh) -> Self {
+    pub fn new(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
         let n_vertices = mesh.positions.len();
         let all_corners = mesh.faces.iter().flatten().enumerate();
         let keyed = all_corners.clone().map(|(corner, v)| (v.idx(), corner as u32));
-        let (corner_starts, corners) = bucket(n_vertices, keyed);
+        let (corner_starts, corners) = bucket(n_vertices, keyed, control.part(0.0, 0.25))?;
         let sides = all_corners.filter_map(|(corner, &from)| {
             let to = mesh.faces[corner / 3][(corner + 1) % 3];
             (from != to).then_some((from.min(to).idx(), (from.max(to), corner as u32)))
         });
-        let (starts, mut by_low) = bucket(n_vertices, sides);
+        let (starts, mut by_low) = bucket(n_vertices, sides, control.part(0.25, 0.5))?;
         let mut adjacency = Self {
             corner_starts,
             corners,
@@ -73,7 +77,9 @@ impl Adjacency {
             sides: Vec::with_capacity(by_low.len()),
             face_edges: vec![[EdgeId::NONE; 3]; mesh.faces.len()],
         };
+        let control = control.part(0.5, 1.0);
         for low in 0..n_vertices {
+            control.item(low, n_vertices)?;
             let around = &mut by_low[starts[low] as usize..starts[low + 1] as usize];
             around.sort_unstable();
             let mut last = None;
@@ -89,7 +95,7 @@ impl Adjacency {
             }
         }
         adjacency.side_starts.push(adjacency.sides.len() as u32);
-        adjacency
+        Ok(adjacency)
     }
 
     /// The ends of each edge, the lower first.
@@ -199,9 +205,11 @@ fn start_of(mesh: &TriMesh, side: Side) -> VertexId {
 fn bucket<T: Copy + Default>(
     n: usize,
     items: impl Iterator<Item = (usize, T)> + Clone,
-) -> (Vec<u32>, Vec<T>) {
+    control: Control,
+) -> Result<(Vec<u32>, Vec<T>), Cancelled> {
     let mut starts = vec![0u32; n + 1];
-    for (key, _) in items.clone() {
+    for (place, (key, _)) in items.clone().enumerate() {
+        control.item(place, usize::MAX)?;
         starts[key + 1] += 1;
     }
     for key in 0..n {
@@ -209,11 +217,12 @@ fn bucket<T: Copy + Default>(
     }
     let mut next = starts.clone();
     let mut sorted = vec![T::default(); starts[n] as usize];
-    for (key, item) in items {
+    for (place, (key, item)) in items.enumerate() {
+        control.item(place, sorted.len())?;
         sorted[next[key] as usize] = item;
         next[key] += 1;
     }
-    (starts, sorted)
+    Ok((starts, sorted))
 }
 
 #[cfg(test)]
@@ -224,7 +233,7 @@ mod tests {
     #[test]
     fn a_tetrahedron() {
         let mesh = tetrahedron();
-        let adjacency = Adjacency::new(&mesh);
+        let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
         let ends: Vec<[u32; 2]> = adjacency.edges().iter().map(|e| e.map(|v| v.0)).collect();
         assert_eq!(ends, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]);
         for edge in (0..6).map(EdgeId) {
@@ -242,7 +251,7 @@ mod tests {
     fn what_is_not_manifold_stands() {
         let faces = [[0, 1, 2], [0, 1, 3], [1, 0, 4], [0, 1, 2], [1, 1, 4]];
         let mesh = mesh_of(&[[0.0; 3]; 6], &faces);
-        let adjacency = Adjacency::new(&mesh);
+        let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
         let edge = adjacency.edge_between(VertexId(0), VertexId(1)).unwrap();
         let faces: Vec<u32> = adjacency.sides_of(edge).iter().map(|s| s.face().0).collect();
         assert_eq!(faces, [0, 1, 2, 3]);
@@ -255,7 +264,7 @@ mod tests {
     #[test]
     fn two_triangles_at_a_point_are_two_fans() {
         let mesh = mesh_of(&[[0.0; 3]; 5], &[[0, 1, 2], [0, 3, 4]]);
-        let adjacency = Adjacency::new(&mesh);
+        let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
         let mut fans = Fans::default();
         adjacency.fans(VertexId(0), |_| true, &mut fans);
         assert_eq!((fans.group(0), fans.group(1)), (0, 1));

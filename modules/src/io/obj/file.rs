@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::cursor::{Comments, Cursor};
@@ -30,11 +30,14 @@ pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), Ob
 /// file is replaced whole or not at all.
 ///
 /// # Errors
-/// With the path, when a file cannot be written or the mesh cannot be said in the format (see
+/// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in the format (see
 /// [`write_obj`]).
-pub fn save(mesh: &TriMesh, path: &Path) -> Result<(), FileError> {
+pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
+    let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
+        write_obj(mesh, &mut Watched { out, control }, mtl_name)
+    };
     if mesh.materials.is_empty() {
-        return save_atomic(path, |out| write_obj(mesh, out, None));
+        return save_atomic(path, |out| write(out, None));
     }
     let refuse = |source| FileError::write(path, source);
     let mtl_path = path.with_extension("mtl");
@@ -46,9 +49,26 @@ pub fn save(mesh: &TriMesh, path: &Path) -> Result<(), FileError> {
         return Err(refuse(io::Error::new(io::ErrorKind::InvalidInput, message)));
     }
     // A mesh that cannot be written must not cost the old materials.
-    write_obj(mesh, &mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
+    write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
     save_atomic(&mtl_path, |out| write_mtl(&mesh.materials, out))?;
-    save_atomic(path, |out| write_obj(mesh, out, Some(&mtl_name)))
+    save_atomic(path, |out| write(out, Some(&mtl_name)))
+}
+
+/// A writer that fails once the control says so.
+struct Watched<'a> {
+    out: &'a mut dyn Write,
+    control: Control<'a>,
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.control.at(0.0).map_err(io::Error::other)?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 /// The material files that reading an OBJ file may open, whether they exist or not, without

@@ -219,7 +219,7 @@ fn files_with_materials_come_back_as_they_were() {
     assert_eq!(companions(&path), names.map(|name| folder.path().join(name)));
 
     let copy = folder.path().join("copy.obj");
-    save(&mesh, &copy).expect("save");
+    save(&mesh, &copy, Control::none()).expect("save");
     assert_eq!(companions(&copy), [folder.path().join("copy.mtl")]);
     let (again, warnings) = load(&copy, Control::none()).expect("load");
     assert_eq!(again, mesh);
@@ -232,15 +232,17 @@ fn a_mesh_that_cannot_be_said_leaves_both_files_alone() {
     let path = folder.path().join("a.obj");
     let (mut mesh, _) = read(format!("{CORNERS}f 1 2 3\n")).expect("read");
     mesh.materials.push(Default::default());
-    save(&mesh, &path).expect("save");
+    save(&mesh, &path, Control::none()).expect("save");
     let before = std::fs::read(path.with_extension("mtl")).expect("read");
     mesh.materials[0].name = "new".to_owned();
     mesh.positions[1].x = f64::NAN;
-    let error = save(&mesh, &path).expect_err("not a number").to_string();
+    let error = save(&mesh, &path, Control::none()).expect_err("not a number").to_string();
     assert!(error.contains("a.obj: `v` 2 holds NaN"), "{error}");
     assert_eq!(std::fs::read(path.with_extension("mtl")).expect("read"), before);
     mesh.positions[1].x = 0.0;
-    let error = save(&mesh, &path.with_extension("mtl")).expect_err("one name").to_string();
+    let error = save(&mesh, &path.with_extension("mtl"), Control::none())
+        .expect_err("one name")
+        .to_string();
     assert!(error.contains("name of the material file"), "{error}");
 }
 
