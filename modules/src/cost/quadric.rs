@@ -10,7 +10,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::{Collapsing, Proposal, QuadricOptions};
+use crate::geometry::simplify::{Collapsing, Ends, Proposal, QuadricOptions};
 use crate::prelude::*;
 
 const BOUNDARY_WEIGHT: Param<f64> = Param::number(
@@ -45,8 +45,8 @@ pub struct Quadric {
 impl Cost for Quadric {
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let (kept, gone) = (state.position(proposal.kept), state.position(proposal.gone));
-            let quadric = state.merged_quadric(proposal.kept, proposal.gone);
+            let Ends { kept, gone, quadric } = &proposal.ends;
+            let (kept, gone) = (state.position(*kept), state.position(*gone));
             let tie = TIE * quadric.weight() * kept.distance_squared(gone);
             // Rounding below zero would put noise before the order that the tie term gives.
             *price = quadric.at(proposal.position - kept).max(0.0) + tie;

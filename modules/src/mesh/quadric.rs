@@ -98,8 +98,11 @@ impl Quadric {
             let y = y1 * d1 - l21 * z;
             DVec3::new(r.x * d0 - l10 * y - l20 * z, y, z)
         };
-        let step = |d: DVec3| d - solve(self.times(d) + self.b);
-        let found = step(step(step(start)));
+        // The gradient after a step is ε times the step, so `A d` is needed only once.
+        let first = solve(self.times(start) + self.b);
+        let second = solve(eps * first);
+        let third = solve(eps * second);
+        let found = start - (first + (second + third));
         found.is_finite().then_some(found)
     }
 }

@@ -5,8 +5,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::data::VertexId;
-use crate::geometry::simplify::{Candidates, Collapsing};
+use crate::geometry::simplify::{Candidates, Collapsing, Ends};
 
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Endpoint",
@@ -20,8 +19,10 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
 pub struct Endpoint;
 
 impl Placement for Endpoint {
-    fn propose(&self, state: &Collapsing, kept: VertexId, gone: VertexId, out: &mut Candidates) {
-        out.push(state.position(kept));
-        out.push(state.position(gone));
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
+        for (ends, out) in batch.iter().zip(out) {
+            out.push(state.position(ends.kept));
+            out.push(state.position(ends.gone));
+        }
     }
 }

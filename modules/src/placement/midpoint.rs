@@ -3,8 +3,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::data::VertexId;
-use crate::geometry::simplify::{Candidates, Collapsing};
+use crate::geometry::simplify::{Candidates, Collapsing, Ends};
 
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Midpoint",
@@ -18,7 +17,9 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
 pub struct Midpoint;
 
 impl Placement for Midpoint {
-    fn propose(&self, state: &Collapsing, kept: VertexId, gone: VertexId, out: &mut Candidates) {
-        out.push(state.position(kept).midpoint(state.position(gone)));
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
+        for (ends, out) in batch.iter().zip(out) {
+            out.push(state.position(ends.kept).midpoint(state.position(ends.gone)));
+        }
     }
 }

@@ -12,8 +12,8 @@ pub use midpoint::Midpoint;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use optimal::Optimal;
 
-use crate::data::{TriMesh, VertexId};
-use crate::geometry::simplify::{Candidates, Collapse, Collapsing, QuadricOptions, Reach};
+use crate::data::TriMesh;
+use crate::geometry::simplify::{Candidates, Collapse, Collapsing, Ends, QuadricOptions, Reach};
 
 /// All placements, for the parameters of modules.
 pub static PLACEMENTS: Choices<MakePlacement> = Choices { entries: ENTRIES };
@@ -23,8 +23,10 @@ pub type MakePlacement = fn(&TriMesh, &Settings) -> Result<Box<dyn Placement>, M
 
 /// Proposes positions for the vertex that an edge becomes.
 pub trait Placement: Send {
-    /// Puts out the candidates for merging `kept` and `gone`. A pure function of the state.
-    fn propose(&self, state: &Collapsing, kept: VertexId, gone: VertexId, out: &mut Candidates);
+    /// Proposes where the vertex of each edge of the batch may go: `out[i]`, empty before, takes
+    /// the candidates of `batch[i]`, equally long. A pure function of the state and of each edge
+    /// alone, as prices are.
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]);
 
     /// Told of a collapse, with the state after it.
     fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}

@@ -9,8 +9,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::data::VertexId;
-use crate::geometry::simplify::{Candidates, Collapsing, QuadricOptions};
+use crate::geometry::simplify::{Candidates, Collapsing, Ends, QuadricOptions};
 use crate::prelude::*;
 
 const STIFFNESS: Param<f64> = Param::number(
@@ -55,11 +54,12 @@ impl Default for Optimal {
 }
 
 impl Placement for Optimal {
-    fn propose(&self, state: &Collapsing, kept: VertexId, gone: VertexId, out: &mut Candidates) {
-        let (from, to) = (state.position(kept), state.position(gone));
-        let middle = 0.5 * (to - from);
-        let quadric = state.merged_quadric(kept, gone);
-        out.push(from + quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
+        for (ends, out) in batch.iter().zip(out) {
+            let (from, to) = (state.position(ends.kept), state.position(ends.gone));
+            let middle = 0.5 * (to - from);
+            out.push(from + ends.quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
+        }
     }
 
     // The minimum of a sum is at least that of a part, and the sums only gain parts.

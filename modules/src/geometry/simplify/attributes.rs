@@ -75,6 +75,12 @@ impl Attributes {
         Self { layers, on_seam, pairs: Vec::new() }
     }
 
+    /// Whether there are seams that are kept.
+    #[inline]
+    pub fn have_seams(&self) -> bool {
+        !self.on_seam.is_empty()
+    }
+
     /// Whether each edge lies on a seam that is kept; empty when there is no such seam.
     pub fn seam_edges(&self, state: &Collapsing) -> Vec<bool> {
         let mut is_seam = Vec::new();

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::connectivity::Marks;
-use super::state::{Collapsing, NONE, flag, next_in_face, previous_in_face};
+use super::connectivity::{Marks, Rings};
+use super::state::{Collapsing, Spoke, flag};
 
 /// The most faces that a vertex may have to take part in a collapse. It bounds the time of one
 /// collapse, so that a fan of a million faces around one vertex takes no quadratic time; the
@@ -21,104 +21,99 @@ impl Collapsing {
     /// With ω joined to everything irregular: (0) the common neighbors of the ends, ω among them,
     /// are the opposite vertices of the edge; the links share no edge; (1) the ends are not both
     /// corners of the graph of irregular edges.
-    pub(super) fn link_condition_holds(&mut self, edge: u32, marks: &mut Marks) -> bool {
-        const NEIGHBOR: u32 = 0;
-        const OPPOSITE: u32 = 1;
+    pub(super) fn link_condition_holds(
+        &mut self,
+        edge: u32,
+        rings: &mut Rings,
+        marks: &mut Marks,
+    ) -> bool {
         let [kept, gone] = self.edges[edge as usize];
-        let both = self.vertices[kept as usize].flags & self.vertices[gone as usize].flags;
+        let both = self.flags[kept as usize] & self.flags[gone as usize];
         if both & flag::CORNER != 0
             || (both & flag::IRREGULAR != 0 && !self.irregular[edge as usize])
         {
             return false;
         }
-        if self.prune(kept, MAX_VALENCE).is_none() || self.prune(gone, MAX_VALENCE).is_none() {
-            return false;
-        }
+        self.gather(kept, MAX_VALENCE, &mut rings.kept)
+            && self.gather(gone, MAX_VALENCE, &mut rings.gone)
+            && self.links_agree(kept, gone, rings, marks)
+    }
+
+    /// The part of the link condition that looks at the faces around both ends.
+    fn links_agree(&self, kept: u32, gone: u32, rings: &Rings, marks: &mut Marks) -> bool {
+        const NEIGHBOR: u32 = 0;
+        const OPPOSITE: u32 = 1;
         marks.clear();
-        let mut corner = self.vertices[kept as usize].first;
-        while corner != NONE {
-            let (after, before) = (next_in_face(corner), previous_in_face(corner));
-            let (x, y) = (self.vertex_at(after), self.vertex_at(before));
-            if x == gone {
-                if self.are_irregular(before, after) {
+        for spoke in &rings.kept {
+            if spoke.has(gone) {
+                let [to_after, to_before, across] = spoke.edges(&self.faces);
+                let (third, to_third) = if spoke.after == gone {
+                    (spoke.before, to_before)
+                } else {
+                    (spoke.after, to_after)
+                };
+                if self.irregular[to_third as usize] && self.irregular[across as usize] {
                     return false;
                 }
-                marks.set(y, OPPOSITE);
-            } else if y == gone {
-                if self.are_irregular(corner, after) {
-                    return false;
-                }
-                marks.set(x, OPPOSITE);
+                marks.set(third, OPPOSITE);
             } else {
-                for v in [x, y] {
+                for v in [spoke.after, spoke.before] {
                     if marks.get(v).is_none() {
                         marks.set(v, NEIGHBOR);
                     }
                 }
             }
-            corner = self.next_at(corner);
         }
-        let mut corner = self.vertices[gone as usize].first;
-        while corner != NONE {
-            let x = self.vertex_at(next_in_face(corner));
-            let y = self.vertex_at(previous_in_face(corner));
-            if x != kept && y != kept {
-                match (marks.get(x), marks.get(y)) {
-                    (Some(NEIGHBOR), _) | (_, Some(NEIGHBOR)) => return false,
-                    (Some(_), Some(_)) if self.has_face(kept, x, y) => return false,
-                    _ => {}
-                }
+        let has_face = |x, y| rings.kept.iter().any(|spoke| spoke.has(x) && spoke.has(y));
+        rings.gone.iter().filter(|spoke| !spoke.has(kept)).all(|spoke| {
+            let (x, y) = (spoke.after, spoke.before);
+            match (marks.get(x), marks.get(y)) {
+                (Some(NEIGHBOR), _) | (_, Some(NEIGHBOR)) => false,
+                (Some(_), Some(_)) => !has_face(x, y),
+                _ => true,
             }
-            corner = self.next_at(corner);
-        }
-        true
-    }
-
-    fn are_irregular(&self, half_edge: u32, other: u32) -> bool {
-        let is_irregular = |h: u32| self.irregular[self.edge_at(h) as usize];
-        is_irregular(half_edge) && is_irregular(other)
-    }
-
-    fn has_face(&self, vertex: u32, x: u32, y: u32) -> bool {
-        self.corners_around(vertex).any(|corner| {
-            let face = &self.face_at(corner).vertices;
-            face.contains(&x) && face.contains(&y)
         })
     }
 
     /// Whether merging the ends of an edge at `position` turns a face that stays by more than the
     /// angle of this cosine, or makes it degenerate; a face that is degenerate already may do anything.
-    pub(super) fn turns_a_face(&self, edge: u32, position: DVec3, least_cosine: f64) -> bool {
+    pub(super) fn turns_a_face(
+        &self,
+        edge: u32,
+        rings: &Rings,
+        position: DVec3,
+        least_cosine: f64,
+    ) -> bool {
         let [kept, gone] = self.edges[edge as usize];
-        self.turns_around(kept, gone, position, least_cosine)
-            || self.turns_around(gone, kept, position, least_cosine)
+        let turns = |vertex: u32, other: u32, spokes: &[Spoke]| {
+            let from = self.vertices[vertex as usize].position;
+            spokes.iter().any(|spoke| {
+                !spoke.has(other) && {
+                    let at = |v: u32| self.vertices[v as usize].position;
+                    turns([from, position], [at(spoke.after), at(spoke.before)], least_cosine)
+                }
+            })
+        };
+        turns(kept, gone, &rings.kept) || turns(gone, kept, &rings.gone)
     }
+}
 
-    fn turns_around(&self, vertex: u32, other: u32, position: DVec3, least_cosine: f64) -> bool {
-        let from = self.vertices[vertex as usize].position;
-        let mut corner = self.vertices[vertex as usize].first;
-        while corner != NONE {
-            let x = self.vertex_at(next_in_face(corner));
-            let y = self.vertex_at(previous_in_face(corner));
-            corner = self.next_at(corner);
-            if x == other || y == other || x == NONE {
-                continue;
-            }
-            let (x, y) = (self.vertices[x as usize].position, self.vertices[y as usize].position);
-            let old = (x - from).cross(y - from);
-            let new = (x - position).cross(y - position);
-            let (old_square, new_square) = (old.length_squared(), new.length_squared());
-            let opposite = (x - y).length_squared();
-            let is_sound = |square: f64, at: DVec3| {
-                let longest = (x - at).length_squared().max((y - at).length_squared());
-                square >= DEGENERATE * longest.max(opposite).powi(2)
-            };
-            // What is no number is not sound, so it need not count as turned.
-            let is_turned = new.dot(old) < least_cosine * (old_square * new_square).sqrt();
-            if (is_turned || !is_sound(new_square, position)) && is_sound(old_square, from) {
-                return true;
-            }
-        }
-        false
-    }
+/// Whether a face of corners `x` and `y` turns or degenerates when its third moves.
+#[inline]
+fn turns([from, to]: [DVec3; 2], [x, y]: [DVec3; 2], least_cosine: f64) -> bool {
+    let old = (x - from).cross(y - from);
+    let new = (x - to).cross(y - to);
+    let (old_square, new_square) = (old.length_squared(), new.length_squared());
+    let opposite = (x - y).length_squared();
+    let is_sound = |square: f64, at: DVec3| {
+        let longest = (x - at).length_squared().max((y - at).length_squared());
+        square >= DEGENERATE * longest.max(opposite).powi(2)
+    };
+    // What is no number is not sound, so it need not count as turned.
+    // This is `dot < cosine × √product` without the root.
+    let dot = new.dot(old);
+    let (side, limit) = (dot * dot, least_cosine * least_cosine * old_square * new_square);
+    let is_turned =
+        if least_cosine > 0.0 { dot < 0.0 || side < limit } else { dot < 0.0 && side > limit };
+    (is_turned || !is_sound(new_square, to)) && is_sound(old_square, from)
 }

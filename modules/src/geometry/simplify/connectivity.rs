@@ -7,9 +7,14 @@ use glam::DVec3;
 
 use super::order::Order;
 use super::pulse::Pulse;
-use super::state::{BEAT, Collapsing, Face, NONE, Vertex, flag, next_in_face, previous_in_face};
-use crate::data::TriMesh;
+use super::state::{
+    BEAT, Collapsing, Face, NONE, Spoke, Vertex, flag, next_in_face, previous_in_face,
+};
+use crate::data::{FaceId, TriMesh};
 use crate::geometry::control::Cancelled;
+
+/// The lists of corners may take up to so many times the room of those of the input.
+const WASTE: usize = 8;
 
 /// Marks on vertices that are cleared all at once.
 #[derive(Debug)]
@@ -52,11 +57,21 @@ impl Marks {
     }
 }
 
-/// What merging two vertices took away.
+/// The faces around both ends of an edge.
 #[derive(Debug, Default)]
-pub(super) struct Removed {
-    pub faces: Vec<u32>,
-    pub edges: Vec<u32>,
+pub(super) struct Rings {
+    pub kept: Vec<Spoke>,
+    pub gone: Vec<Spoke>,
+}
+
+/// What merging two vertices did.
+#[derive(Debug, Default)]
+pub(super) struct Merged {
+    /// Faces and edges that are gone.
+    pub dead_faces: Vec<FaceId>,
+    pub dead_edges: Vec<u32>,
+    /// Each edge at the merged vertex and its other end, once for each of its faces.
+    pub spokes: Vec<(u32, u32)>,
 }
 
 impl Collapsing {
@@ -80,28 +95,22 @@ impl Collapsing {
             let is_triangle = a != b && b != c && c != a && ![a, b, c].contains(&NONE);
             n_faces += usize::from(is_triangle);
             let vertices = if is_triangle { [a, b, c] } else { [NONE; 3] };
-            Face { vertices, next: [NONE; 3], edges: [NONE; 3] }
+            Face { vertices, edges: [NONE; 3] }
         };
-        let mut faces: Vec<Face> = order.faces.iter().map(link).collect();
+        let faces: Vec<Face> = order.faces.iter().map(link).collect();
         pulse.beat(n_faces)?;
         let vertex = |&input: &u32| Vertex {
             position: mesh.positions[input as usize],
-            first: NONE,
-            flags: 0,
+            start: 0,
+            n_corners: 0,
         };
         let mut vertices: Vec<Vertex> = order.vertices.iter().map(vertex).collect();
-        // Backwards, so that each list ascends.
-        for (f, face) in faces.iter_mut().enumerate().rev().filter(|(_, face)| !face.is_dead()) {
-            if f.is_multiple_of(BEAT) {
-                pulse.beat(n_faces)?;
-            }
-            for k in (0..3).rev() {
-                let first = &mut vertices[face.vertices[k] as usize].first;
-                face.next[k] = std::mem::replace(first, (3 * f + k) as u32);
-            }
-        }
+        pulse.beat(n_faces)?;
+        let corners = list_corners(&mut vertices, &faces, n_faces, pulse)?;
         let mut state = Self {
+            flags: vec![0; n_vertices],
             vertices,
+            corners,
             faces,
             edges: Vec::with_capacity(3 * n_faces / 2 + 3),
             irregular: Vec::new(),
@@ -126,12 +135,14 @@ impl Collapsing {
                 pulse.beat(self.n_faces)?;
             }
             marks.clear();
-            let mut corner = self.vertices[vertex as usize].first;
-            while corner != NONE {
+            for at in self.vertices[vertex as usize].corners() {
+                let corner = self.corners[at];
                 let (after, before) = (next_in_face(corner), previous_in_face(corner));
+                let face = &mut self.faces[corner as usize / 3];
                 for (half_edge, other, third) in [(corner, after, before), (before, before, after)]
                 {
-                    let (other, third) = (self.vertex_at(other), self.vertex_at(third));
+                    let of = |corner: u32| face.vertices[corner as usize % 3];
+                    let (other, third) = (of(other), of(third));
                     if other < vertex {
                         continue;
                     }
@@ -141,7 +152,7 @@ impl Collapsing {
                         opposite.push([NONE; 2]);
                         self.edges.len() as u32 - 1
                     });
-                    self.set_edge(half_edge, edge);
+                    face.edges[half_edge as usize % 3] = edge;
                     let seen = &mut opposite[edge as usize];
                     if seen[0] == NONE {
                         seen[0] = third;
@@ -151,7 +162,6 @@ impl Collapsing {
                         seen[0] = MANY;
                     }
                 }
-                corner = self.next_at(corner);
             }
         }
         self.irregular = opposite.iter().map(|o| o[1] == NONE || o[0] == MANY).collect();
@@ -166,14 +176,16 @@ impl Collapsing {
             if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
             }
+            if self.is_closed_fan(vertex) {
+                continue;
+            }
             marks.clear();
             parents.clear();
             degrees.clear();
             let mut n_joins = 0;
             let mut ends = [0; 2];
             let mut n_irregular = 0;
-            let mut corner = self.vertices[vertex as usize].first;
-            while corner != NONE {
+            for &corner in &self.corners[self.vertices[vertex as usize].corners()] {
                 let before = previous_in_face(corner);
                 let mut slots = [0; 2];
                 for (slot, (other, half_edge)) in
@@ -198,13 +210,12 @@ impl Collapsing {
                     parents[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
                     n_joins += 1;
                 }
-                corner = self.next_at(corner);
             }
             if parents.is_empty() {
                 continue;
             }
             let is_connected = n_joins + 1 == parents.len();
-            self.vertices[vertex as usize].flags = match n_irregular {
+            self.flags[vertex as usize] = match n_irregular {
                 0 if is_connected => 0,
                 2 if is_connected && degrees[ends[0]] == degrees[ends[1]] => flag::IRREGULAR,
                 _ => flag::IRREGULAR | flag::CORNER,
@@ -213,91 +224,190 @@ impl Collapsing {
         Ok(())
     }
 
-    /// Merges `gone` into `kept` along `edge` at `position`. The link condition must hold.
+    /// Whether the faces around a vertex are one closed fan, which is what nearly all are. It may
+    /// miss some: those of many faces and those that are not oriented alike.
+    fn is_closed_fan(&self, vertex: u32) -> bool {
+        const MAX: usize = 12;
+        let corners = &self.corners[self.vertices[vertex as usize].corners()];
+        let mut spokes = [(0, 0); MAX];
+        let Some(spokes) = spokes.get_mut(..corners.len()) else { return false };
+        for (spoke, &corner) in spokes.iter_mut().zip(corners) {
+            let face = self.face_at(corner);
+            let k = corner as usize % 3;
+            if self.irregular[face.edges[k] as usize]
+                || self.irregular[face.edges[(k + 2) % 3] as usize]
+            {
+                return false;
+            }
+            *spoke = (face.vertices[(k + 1) % 3], face.vertices[(k + 2) % 3]);
+        }
+        let Some(&(start, mut at)) = spokes.first() else { return false };
+        let mut n = 1;
+        while at != start && n < spokes.len() {
+            let Some(&(_, before)) = spokes.iter().find(|spoke| spoke.0 == at) else {
+                return false;
+            };
+            at = before;
+            n += 1;
+        }
+        at == start && n == spokes.len()
+    }
+
+    /// Merges `gone` into `kept` along `edge` at `position`. The link condition must hold, and
+    /// have found the rings.
     pub(super) fn merge(
         &mut self,
         edge: u32,
         position: DVec3,
+        rings: &Rings,
         marks: &mut Marks,
-        removed: &mut Removed,
+        merged: &mut Merged,
     ) {
         let [kept, gone] = self.edges[edge as usize];
-        self.find_dying(edge, marks, removed);
-        self.relink(kept, gone, marks);
-        self.vertices[kept as usize].flags |= self.vertices[gone as usize].flags;
         if !self.quadrics.is_empty() {
             let to_position = |v: u32| position - self.vertices[v as usize].position;
             let mut sum = self.quadrics[kept as usize].shifted(to_position(kept));
             sum.add(&self.quadrics[gone as usize].shifted(to_position(gone)));
             self.quadrics[kept as usize] = sum;
         }
+        self.flags[kept as usize] |= self.flags[gone as usize];
         self.vertices[kept as usize].position = position;
+        self.find_dying(edge, rings, marks, merged);
+        self.relink(kept, gone, rings, marks, merged);
+        self.join_corners(kept, gone, rings);
     }
 
     /// Lists and kills the faces at an edge. The third vertex of each is marked with its edge to
     /// `kept`, which stands for the edge to `gone` too from now on.
-    fn find_dying(&mut self, edge: u32, marks: &mut Marks, removed: &mut Removed) {
-        let [kept, gone] = self.edges[edge as usize];
-        removed.faces.clear();
-        removed.edges.clear();
-        removed.edges.push(edge);
+    fn find_dying(&mut self, edge: u32, rings: &Rings, marks: &mut Marks, merged: &mut Merged) {
+        let gone = self.edges[edge as usize][1];
+        merged.dead_faces.clear();
+        merged.dead_edges.clear();
+        merged.dead_edges.push(edge);
         marks.clear();
-        let mut corner = self.vertices[kept as usize].first;
-        while corner != NONE {
-            let face = corner as usize / 3;
-            if self.faces[face].vertices.contains(&gone) && !self.faces[face].is_dead() {
-                let across = if self.vertex_at(next_in_face(corner)) == gone {
-                    previous_in_face(corner)
-                } else {
-                    next_in_face(corner)
-                };
-                let third = self.vertex_at(across);
-                let (out, into) = (across, previous_in_face(across));
-                let (to_kept, to_gone) = if self.vertex_at(next_in_face(across)) == kept {
-                    (self.edge_at(out), self.edge_at(into))
-                } else {
-                    (self.edge_at(into), self.edge_at(out))
-                };
-                if marks.is_new(third) {
-                    marks.set(third, to_kept);
-                    removed.edges.push(to_gone);
-                    self.irregular[to_kept as usize] |= self.irregular[to_gone as usize];
-                }
-                removed.faces.push(face as u32);
+        for spoke in rings.kept.iter().filter(|spoke| spoke.has(gone)) {
+            let [to_after, to_before, to_gone] = spoke.edges(&self.faces);
+            let (third, to_kept) = if spoke.after == gone {
+                (spoke.before, to_before)
+            } else {
+                (spoke.after, to_after)
+            };
+            if marks.is_new(third) {
+                marks.set(third, to_kept);
+                merged.dead_edges.push(to_gone);
+                self.irregular[to_kept as usize] |= self.irregular[to_gone as usize];
             }
-            corner = self.next_at(corner);
+            self.faces[spoke.corner as usize / 3].vertices = [NONE; 3];
+            merged.dead_faces.push(FaceId(spoke.corner / 3));
         }
-        for &face in &removed.faces {
-            self.faces[face as usize].vertices = [NONE; 3];
-        }
-        self.n_faces -= removed.faces.len();
+        self.n_faces -= merged.dead_faces.len();
     }
 
-    /// Gives the faces around `gone` to `kept`, as marked by [`Self::find_dying`].
-    fn relink(&mut self, kept: u32, gone: u32, marks: &Marks) {
-        let mut corner = self.vertices[gone as usize].first;
-        self.vertices[gone as usize].first = NONE;
-        while corner != NONE {
-            let next = self.next_at(corner);
-            if !self.face_at(corner).is_dead() {
-                self.faces[corner as usize / 3].vertices[corner as usize % 3] = kept;
-                let (after, before) = (next_in_face(corner), previous_in_face(corner));
-                for (half_edge, other) in [(corner, after), (before, before)] {
-                    let other = self.vertex_at(other);
-                    match marks.get(other) {
-                        Some(edge) => self.set_edge(half_edge, edge),
-                        None => {
-                            let edge = self.edge_at(half_edge);
-                            self.edges[edge as usize] = [kept, other];
-                        }
+    /// Gives the faces around `gone` to `kept`, as marked by [`Self::find_dying`], and lists the
+    /// edges of the merged vertex.
+    fn relink(&mut self, kept: u32, gone: u32, rings: &Rings, marks: &Marks, merged: &mut Merged) {
+        merged.spokes.clear();
+        for spoke in rings.kept.iter().filter(|spoke| !spoke.has(gone)) {
+            let [to_after, to_before, _] = spoke.edges(&self.faces);
+            merged.spokes.extend([(to_after, spoke.after), (to_before, spoke.before)]);
+        }
+        for spoke in rings.gone.iter().filter(|spoke| !spoke.has(kept)) {
+            let corner = spoke.corner as usize;
+            let [to_after, to_before, _] = spoke.edges(&self.faces);
+            let face = &mut self.faces[corner / 3];
+            face.vertices[corner % 3] = kept;
+            for (side, edge, other) in
+                [(corner % 3, to_after, spoke.after), ((corner + 2) % 3, to_before, spoke.before)]
+            {
+                let edge = match marks.get(other) {
+                    Some(edge) => edge,
+                    None => {
+                        self.edges[edge as usize] = [kept, other];
+                        edge
                     }
-                }
-                self.set_next(corner, self.vertices[kept as usize].first);
-                self.vertices[kept as usize].first = corner;
+                };
+                face.edges[side] = edge;
+                merged.spokes.push((edge, other));
             }
-            corner = next;
         }
     }
+
+    /// Makes the list of the corners of a merged vertex.
+    fn join_corners(&mut self, kept: u32, gone: u32, rings: &Rings) {
+        let mine = rings.kept.iter().filter(|spoke| !spoke.has(gone));
+        let joined = mine.chain(rings.gone.iter().filter(|spoke| !spoke.has(kept)));
+        let n = joined.clone().count();
+        let free = [kept, gone].map(|v| self.vertices[v as usize].corners());
+        self.vertices[gone as usize].n_corners = 0;
+        let start = match free.into_iter().find(|free| free.len() >= n) {
+            Some(free) => {
+                for (place, spoke) in self.corners[free.clone()].iter_mut().zip(joined) {
+                    *place = spoke.corner;
+                }
+                free.start
+            }
+            None => {
+                self.vertices[kept as usize].n_corners = 0;
+                self.make_room(n);
+                let start = self.corners.len();
+                self.corners.extend(joined.map(|spoke| spoke.corner));
+                start
+            }
+        };
+        let kept = &mut self.vertices[kept as usize];
+        (kept.start, kept.n_corners) = (start as u32, n as u32);
+    }
+
+    /// Drops what merges have left behind among the lists of corners when it is most of it.
+    fn make_room(&mut self, n: usize) {
+        let most = (WASTE * 3 * self.faces.len()).min(u32::MAX as usize);
+        if self.corners.len() + n <= most {
+            return;
+        }
+        let mut corners = Vec::with_capacity(3 * self.faces.len() + n);
+        for vertex in &mut self.vertices {
+            let start = corners.len() as u32;
+            corners.extend_from_slice(&self.corners[vertex.corners()]);
+            vertex.start = start;
+        }
+        self.corners = corners;
+    }
+}
+
+/// The lists of corners of all vertices, each ascending.
+fn list_corners(
+    vertices: &mut [Vertex],
+    faces: &[Face],
+    n_faces: usize,
+    pulse: &mut Pulse,
+) -> Result<Vec<u32>, Cancelled> {
+    let alive = |face: &&Face| !face.is_dead();
+    for piece in faces.chunks(BEAT) {
+        pulse.beat(n_faces)?;
+        for &v in piece.iter().filter(alive).flat_map(|face| &face.vertices) {
+            vertices[v as usize].n_corners += 1;
+        }
+    }
+    let mut n_corners = 0;
+    for piece in vertices.chunks_mut(BEAT) {
+        pulse.beat(n_faces)?;
+        for vertex in piece {
+            vertex.start = n_corners;
+            n_corners += std::mem::take(&mut vertex.n_corners);
+        }
+    }
+    let mut corners = vec![0; n_corners as usize];
+    for (f, face) in faces.iter().enumerate() {
+        if f.is_multiple_of(BEAT) {
+            pulse.beat(n_faces)?;
+        }
+        for (corner, &v) in (3 * f as u32..).zip(&face.vertices).filter(|_| !face.is_dead()) {
+            let vertex = &mut vertices[v as usize];
+            corners[vertex.corners().end] = corner;
+            vertex.n_corners += 1;
+        }
+    }
+    Ok(corners)
 }
 
 fn root_of(parents: &mut [u32], mut slot: u32) -> u32 {

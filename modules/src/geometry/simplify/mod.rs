@@ -38,6 +38,7 @@ pub use stop::{Outcome, Stop};
 use crate::cost::Cost;
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::control::{Cancelled, Control};
+use crate::mesh::quadric::Quadric;
 use crate::placement::Placement;
 
 /// What the engine is to do, apart from cost and placement.
@@ -124,13 +125,23 @@ impl Reach {
     pub const NEIGHBORS: Self = Self(1);
 }
 
-/// One way to collapse an edge.
+/// The ends of an edge that may collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proposal {
+pub struct Ends {
     /// The vertex that stays.
     pub kept: VertexId,
     /// The vertex that merges into it.
     pub gone: VertexId,
+    /// The sum of the quadrics of both about the position of `kept`; zero unless a part asked for
+    /// quadrics.
+    pub quadric: Quadric,
+}
+
+/// One way to collapse an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proposal {
+    /// The edge.
+    pub ends: Ends,
     /// Where the merged vertex goes.
     pub position: DVec3,
 }

@@ -1,8 +1,21 @@
-//! The queue of collapses: a heap over edges whose prices change in place.
+//! The queue of collapses: which edge is cheapest, while prices change.
 //!
-//! Four children a node, so that sifting touches few cache lines; every operation is
-//! O(log n_edges). Entries compare by price, then by edge length, then by edge number: a total
-//! order, so what comes out does not depend on how the entries went in.
+//! Most edges never come near the head before they are gone or dearer, so they are not kept in
+//! order. Every waiting edge has its price in a table; the *pool* holds those up to a price below
+//! which about a quarter lies, the *run* the cheapest of the pool, sorted. An edge priced below
+//! the end of the run goes on a small heap beside it. Entries whose price is no longer that of the
+//! table are passed over. When the run is spent, the next is drawn from the pool, and when the pool
+//! is spent, that from the table. O(log n_edges) for each entry that comes to the head, but O(1)
+//! for a change beyond the run.
+//!
+//! Entries compare by price, then by edge length, then by edge number: a total order, so what
+//! comes out does not depend on how the entries went in.
+
+use std::collections::BinaryHeap;
+
+use super::pulse::Pulse;
+use super::state::BEAT;
+use crate::geometry::control::Cancelled;
 
 /// An edge on the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,140 +28,223 @@ pub(super) struct Entry {
     pub edge: u32,
 }
 
+/// An entry in one number, the greater the earlier it comes.
+type Key = u128;
+
 impl Entry {
     #[inline]
-    fn is_before(&self, other: &Self) -> bool {
-        self.price < other.price
-            || (self.price == other.price
-                && (self.length_squared, self.edge) < (other.length_squared, other.edge))
+    fn key(self) -> Key {
+        // The bits of a number at least 0 grow with it. Adding 0 takes the sign from −0.
+        let bits = (self.price + 0.0).to_bits();
+        let ascending = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
+        let length = (self.length_squared + 0.0).to_bits();
+        !(u128::from(ascending) << 64 | u128::from(length) << 32 | u128::from(self.edge))
     }
 }
 
-const ABSENT: u32 = u32::MAX;
-const ARITY: usize = 4;
+/// The edge of a key.
+#[inline]
+fn edge_of(key: Key) -> u32 {
+    !(key as u32)
+}
 
-/// A heap of [`Entry`], with the place of every edge.
+/// What the queue knows of an edge.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    /// NaN while the edge does not wait.
+    price: f64,
+    length_squared: f32,
+    choice: u8,
+    is_stale: bool,
+}
+
+impl Slot {
+    const ABSENT: Self = Self { price: f64::NAN, length_squared: 0.0, choice: 0, is_stale: false };
+
+    #[inline]
+    fn entry(&self, edge: u32) -> Entry {
+        Entry { price: self.price, length_squared: self.length_squared, edge }
+    }
+}
+
+/// About one in so many of the table goes to the pool, and of the pool to the run.
+const POOL_SHARE: usize = 2;
+const RUN_SHARE: usize = 4;
+/// A list up to this long is taken as a whole.
+const SHORT: usize = 2048;
+/// Prices that are looked at to find the price below which a share lies.
+const N_SAMPLES: usize = 512;
+
+/// Edges by price; see the file's header.
 #[derive(Debug)]
 pub(super) struct Queue {
-    heap: Vec<Entry>,
-    place: Vec<u32>,
+    /// By edge.
+    slots: Vec<Slot>,
+    /// Entries above the end of the run and up to the end of the pool, in no order.
+    pool: Vec<Entry>,
+    /// Sorted entries, the first last.
+    run: Vec<Key>,
+    /// Entries that were set below the end of the run.
+    late: BinaryHeap<Key>,
+    /// The price at which the pool ends; all beyond is in the table alone.
+    pool_end: f64,
+    /// The price at which the run ends.
+    run_end: f64,
 }
 
 impl Queue {
     /// An empty queue for edges `0..n_edges`.
     pub fn new(n_edges: usize) -> Self {
-        Self { heap: Vec::with_capacity(n_edges), place: vec![ABSENT; n_edges] }
+        Self {
+            slots: vec![Slot::ABSENT; n_edges],
+            pool: Vec::new(),
+            run: Vec::new(),
+            late: BinaryHeap::new(),
+            pool_end: f64::NEG_INFINITY,
+            run_end: f64::NEG_INFINITY,
+        }
     }
 
-    /// The first entry.
-    pub fn first(&self) -> Option<Entry> {
-        self.heap.first().copied()
-    }
-
-    /// The edges near the head, those of the topmost levels of the heap.
-    pub fn near_head(&self) -> impl Iterator<Item = u32> + '_ {
-        self.heap.iter().take(1 + ARITY + ARITY * ARITY).map(|entry| entry.edge)
-    }
-
-    /// Whether the edge is on the queue.
-    pub fn contains(&self, edge: u32) -> bool {
-        self.place[edge as usize] != ABSENT
-    }
-
-    /// Puts an entry in without ordering; [`Queue::order`] must follow before anything else.
-    pub fn append(&mut self, entry: Entry) {
-        self.place[entry.edge as usize] = self.heap.len() as u32;
-        self.heap.push(entry);
-    }
-
-    /// Orders the whole heap in linear time.
-    pub fn order(&mut self) {
-        if self.heap.len() > 1 {
-            for at in (0..=(self.heap.len() - 2) / ARITY).rev() {
-                self.sink(at, self.heap[at]);
+    /// The first entry, which stays on the queue.
+    pub fn first(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<Option<Entry>, Cancelled> {
+        loop {
+            while self.run.last().is_some_and(|&key| !self.is_current(key)) {
+                self.run.pop();
+            }
+            while self.late.peek().is_some_and(|&key| !self.is_current(key)) {
+                self.late.pop();
+            }
+            if let Some(&first) = self.run.last().max(self.late.peek()) {
+                let edge = edge_of(first);
+                return Ok(Some(self.slots[edge as usize].entry(edge)));
+            }
+            if !self.refill(n_faces, pulse)? {
+                return Ok(None);
             }
         }
     }
 
+    /// The edges that probably follow the first, the next one first.
+    pub fn coming(&self) -> impl Iterator<Item = u32> + '_ {
+        self.run.iter().rev().filter(|&&key| self.is_current(key)).map(|&key| edge_of(key))
+    }
+
+    /// Whether the edge is on the queue.
+    #[inline]
+    pub fn contains(&self, edge: u32) -> bool {
+        !self.slots[edge as usize].price.is_nan()
+    }
+
+    /// Whether the edge was marked since its price was set.
+    #[inline]
+    pub fn is_stale(&self, edge: u32) -> bool {
+        self.slots[edge as usize].is_stale
+    }
+
+    /// Marks an edge as one whose price is that of an earlier state.
+    #[inline]
+    pub fn mark_stale(&mut self, edge: u32) {
+        self.slots[edge as usize].is_stale = true;
+    }
+
+    /// The candidate that the edge was set with.
+    pub fn choice(&self, edge: u32) -> u8 {
+        self.slots[edge as usize].choice
+    }
+
     /// Puts an edge in or changes its price.
-    pub fn set(&mut self, entry: Entry) {
-        let at = self.place[entry.edge as usize];
-        if at == ABSENT {
-            self.heap.push(entry);
-            self.rise(self.heap.len() - 1, entry);
-        } else if entry.is_before(&self.heap[at as usize]) {
-            self.rise(at as usize, entry);
-        } else {
-            self.sink(at as usize, entry);
+    #[inline]
+    pub fn set(&mut self, entry: Entry, choice: u8) {
+        let Entry { price, length_squared, edge } = entry;
+        self.slots[edge as usize] = Slot { price, length_squared, choice, is_stale: false };
+        if price <= self.run_end {
+            self.late.push(entry.key());
+        } else if price <= self.pool_end {
+            self.pool.push(entry);
         }
     }
 
     /// Takes an edge out, if it is there.
+    #[inline]
     pub fn remove(&mut self, edge: u32) {
-        let at = self.place[edge as usize] as usize;
-        if at == ABSENT as usize {
-            return;
-        }
-        self.place[edge as usize] = ABSENT;
-        if let Some(last) = self.heap.pop()
-            && at < self.heap.len()
-        {
-            if last.is_before(&self.heap[at]) {
-                self.rise(at, last);
-            } else {
-                self.sink(at, last);
-            }
-        }
+        self.slots[edge as usize] = Slot::ABSENT;
     }
 
-    /// Moves `entry` from the hole `at` towards the root.
-    fn rise(&mut self, mut at: usize, entry: Entry) {
-        while at > 0 {
-            let parent = (at - 1) / ARITY;
-            if !entry.is_before(&self.heap[parent]) {
-                break;
-            }
-            self.put(at, self.heap[parent]);
-            at = parent;
-        }
-        self.put(at, entry);
+    #[inline]
+    fn is_current(&self, key: Key) -> bool {
+        let edge = edge_of(key);
+        self.slots[edge as usize].entry(edge).key() == key
     }
 
-    /// Moves `entry` from the hole `at` towards the leaves.
-    fn sink(&mut self, mut at: usize, entry: Entry) {
-        loop {
-            let start = at * ARITY + 1;
-            let end = (start + ARITY).min(self.heap.len());
-            let Some(children) = self.heap.get(start..end) else { break };
-            let mut least = (entry, at);
-            for (child, place) in children.iter().zip(start..) {
-                if child.is_before(&least.0) {
-                    least = (*child, place);
+    /// Draws the next run; whether there is one.
+    fn refill(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<bool, Cancelled> {
+        while self.run.is_empty() {
+            if self.pool.is_empty() && !self.fill_pool(n_faces, pulse)? {
+                return Ok(false);
+            }
+            let prices = self.pool.iter().map(|entry| entry.price);
+            self.run_end = end_of_share(prices, self.pool.len(), RUN_SHARE).min(self.pool_end);
+            let (slots, run, end) = (&self.slots, &mut self.run, self.run_end);
+            self.pool.retain(|entry| {
+                if entry.price <= end && slots[entry.edge as usize].price == entry.price {
+                    run.push(entry.key());
+                }
+                entry.price > end
+            });
+            pulse.beat(n_faces)?;
+            self.run.sort_unstable();
+            pulse.beat(n_faces)?;
+        }
+        Ok(true)
+    }
+
+    /// Draws the next pool; whether there is one.
+    fn fill_pool(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<bool, Cancelled> {
+        // Edges that do not wait are NaN, which is no price of a sample and not up to any end.
+        let prices = self.slots.iter().map(|slot| slot.price);
+        self.pool_end = end_of_share(prices, self.slots.len(), POOL_SHARE);
+        for (piece, first) in self.slots.chunks(BEAT).zip((0u32..).step_by(BEAT)) {
+            pulse.beat(n_faces)?;
+            for (slot, edge) in piece.iter().zip(first..) {
+                if slot.price <= self.pool_end {
+                    self.pool.push(slot.entry(edge));
                 }
             }
-            if least.1 == at {
-                break;
-            }
-            self.put(at, least.0);
-            at = least.1;
         }
-        self.put(at, entry);
+        Ok(!self.pool.is_empty())
     }
+}
 
-    fn put(&mut self, at: usize, entry: Entry) {
-        self.heap[at] = entry;
-        self.place[entry.edge as usize] = at as u32;
+/// A price up to which about one in `share` of `n` prices lies, but at least one.
+fn end_of_share(prices: impl Iterator<Item = f64> + Clone, n: usize, share: usize) -> f64 {
+    if n <= SHORT {
+        return f64::INFINITY;
     }
+    let is_price = |price: &f64| !price.is_nan();
+    let mut sample: Vec<f64> =
+        prices.clone().step_by(n.div_ceil(N_SAMPLES)).filter(is_price).collect();
+    if sample.len() < 2 * share {
+        // Few are left, and the sample has missed them.
+        let n_left = prices.clone().filter(is_price).count();
+        if n_left <= SHORT {
+            return f64::INFINITY;
+        }
+        sample = prices.filter(is_price).step_by(n_left.div_ceil(N_SAMPLES)).collect();
+    }
+    sample.sort_unstable_by(f64::total_cmp);
+    sample[sample.len() / share]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::control::Control;
     use proptest::prelude::*;
 
     fn drain(mut queue: Queue) -> Vec<Entry> {
         let mut out = Vec::new();
-        while let Some(entry) = queue.first() {
+        let mut pulse = Pulse::new(Control::none());
+        while let Some(entry) = queue.first(0, &mut pulse).unwrap() {
             queue.remove(entry.edge);
             out.push(entry);
         }
@@ -165,7 +261,7 @@ mod tests {
             for (edge, price) in changes {
                 match price {
                     Some(price) => {
-                        queue.set(Entry { price: price.into(), length_squared: 1.0, edge });
+                        queue.set(Entry { price: price.into(), length_squared: 1.0, edge }, 0);
                         expected.insert(edge, price);
                     }
                     None => {
@@ -187,9 +283,8 @@ mod tests {
     fn equal_prices_come_out_by_length_then_number() {
         let mut queue = Queue::new(6);
         for (edge, length_squared) in [(5, 2.0), (3, 1.0), (4, 1.0), (0, 3.0)] {
-            queue.append(Entry { price: 0.0, length_squared, edge });
+            queue.set(Entry { price: 0.0, length_squared, edge }, 0);
         }
-        queue.order();
         let edges: Vec<_> = drain(queue).iter().map(|e| e.edge).collect();
         assert_eq!(edges, [3, 4, 5, 0]);
     }

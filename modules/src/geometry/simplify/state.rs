@@ -1,6 +1,6 @@
 //! The mesh in the making: what the engine changes and costs and placements read.
 //!
-//! Faces are triples of vertices; the corners at a vertex form a linked list, so that any list of
+//! Faces are triples of vertices; each vertex has a list of its corners, so that any list of
 //! triangles fits, manifold or not. Corner `3 f + k` is corner `k` of face `f`, and also stands
 //! for the half-edge from that corner to the next. About 130 bytes a face, with quadrics.
 
@@ -9,12 +9,12 @@ use glam::DVec3;
 use super::attributes::Attributes;
 use super::order::Order;
 use super::pulse::Pulse;
-use super::{Boundary, QuadricOptions};
+use super::{Boundary, Ends, QuadricOptions};
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::control::Cancelled;
 use crate::mesh::quadric::Quadric;
 
-/// The end of a list of corners, and the first vertex of a face that is gone.
+/// No vertex, and the first vertex of a face that is gone.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Elements between two looks at the clock while the state is built.
@@ -30,6 +30,8 @@ pub(super) mod flag {
     pub const LOCKED: u8 = 4;
     /// An edge at it was put off and waits for the neighborhood to change.
     pub const PARKED: u8 = 8;
+    /// A coordinate of it is not finite.
+    pub const NOWHERE: u8 = 16;
 }
 
 /// The mesh in the making.
@@ -40,6 +42,10 @@ pub(super) mod flag {
 #[derive(Debug)]
 pub struct Collapsing {
     pub(super) vertices: Vec<Vertex>,
+    /// Bits of [`flag`] of each vertex.
+    pub(super) flags: Vec<u8>,
+    /// The lists of the corners of all vertices, and what merges have left behind.
+    pub(super) corners: Vec<u32>,
     pub(super) faces: Vec<Face>,
     /// The two ends of each edge.
     pub(super) edges: Vec<[u32; 2]>,
@@ -54,10 +60,45 @@ pub struct Collapsing {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub position: DVec3,
-    /// Its first corner.
-    pub first: u32,
-    /// Bits of [`flag`].
-    pub flags: u8,
+    /// Where its corners start in [`Collapsing::corners`]. Corners of dead faces may stay among
+    /// those of a vertex that was opposite to a collapsed edge; walks pass over them.
+    pub start: u32,
+    /// How many corners there are, with those of dead faces.
+    pub n_corners: u32,
+}
+
+impl Vertex {
+    /// Where its corners lie in [`Collapsing::corners`].
+    #[inline]
+    pub fn corners(&self) -> std::ops::Range<usize> {
+        self.start as usize..self.start as usize + self.n_corners as usize
+    }
+}
+
+/// A face at a vertex: its corner there, and its other two vertices in the order of the face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spoke {
+    pub corner: u32,
+    pub after: u32,
+    pub before: u32,
+}
+
+impl Spoke {
+    #[inline]
+    pub fn has(&self, vertex: u32) -> bool {
+        self.after == vertex || self.before == vertex
+    }
+
+    /// The edges from the vertex to `after` and to `before`, and the one between those.
+    #[inline]
+    pub fn edges(&self, faces: &[Face]) -> [u32; 3] {
+        let [x, y, z] = faces[self.corner as usize / 3].edges;
+        match self.corner % 3 {
+            0 => [x, z, y],
+            1 => [y, x, z],
+            _ => [z, y, x],
+        }
+    }
 }
 
 /// A face and its links.
@@ -65,9 +106,6 @@ pub(super) struct Vertex {
 pub(super) struct Face {
     /// The vertices; the first is [`NONE`] once the face is gone.
     pub vertices: [u32; 3],
-    /// The corner after each corner at the same vertex. Corners of dead faces may stay in the
-    /// lists of vertices that were opposite to a collapsed edge; walks pass over them.
-    pub next: [u32; 3],
     /// The edge of each half-edge.
     pub edges: [u32; 3],
 }
@@ -132,35 +170,28 @@ impl Collapsing {
         self.quadrics.get(vertex.idx()).copied().unwrap_or_default()
     }
 
-    /// The sum of the quadrics of two vertices, about the position of `kept`.
+    /// The ends of an edge, with the sum of their quadrics.
     #[inline]
-    pub fn merged_quadric(&self, kept: VertexId, gone: VertexId) -> Quadric {
-        let to_kept = self.position(kept) - self.position(gone);
-        let mut sum = self.quadric(gone).shifted(to_kept);
-        sum.add(&self.quadric(kept));
-        sum
+    pub(super) fn ends(&self, edge: u32) -> Ends {
+        let [kept, gone] = self.edges[edge as usize].map(VertexId);
+        let mut quadric = Quadric::default();
+        if let Some(other) = self.quadrics.get(gone.idx()) {
+            quadric = other.shifted(self.position(kept) - self.position(gone));
+            quadric.add(&self.quadrics[kept.idx()]);
+        }
+        Ends { kept, gone, quadric }
     }
 
     /// The corners at a vertex whose face is left.
     pub(super) fn corners_around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
-        let start = self.vertices[vertex as usize].first;
-        std::iter::successors((start != NONE).then_some(start), |&corner| {
-            let next = self.next_at(corner);
-            (next != NONE).then_some(next)
-        })
-        .filter(|&corner| !self.face_at(corner).is_dead())
+        let corners = &self.corners[self.vertices[vertex as usize].corners()];
+        corners.iter().copied().filter(|&corner| !self.face_at(corner).is_dead())
     }
 
     /// The vertex at a corner.
     #[inline]
     pub(super) fn vertex_at(&self, corner: u32) -> u32 {
         self.faces[corner as usize / 3].vertices[corner as usize % 3]
-    }
-
-    /// The corner after a corner at the same vertex.
-    #[inline]
-    pub(super) fn next_at(&self, corner: u32) -> u32 {
-        self.faces[corner as usize / 3].next[corner as usize % 3]
     }
 
     /// The edge of the half-edge from a corner.
@@ -173,14 +204,6 @@ impl Collapsing {
     #[inline]
     pub(super) fn face_at(&self, corner: u32) -> &Face {
         &self.faces[corner as usize / 3]
-    }
-
-    pub(super) fn set_next(&mut self, corner: u32, next: u32) {
-        self.faces[corner as usize / 3].next[corner as usize % 3] = next;
-    }
-
-    pub(super) fn set_edge(&mut self, corner: u32, edge: u32) {
-        self.faces[corner as usize / 3].edges[corner as usize % 3] = edge;
     }
 
     /// Squared length of an edge; 0 where that is not a number.
@@ -223,28 +246,40 @@ impl Collapsing {
         TriMesh { positions, faces, layers, materials: input.materials.clone() }
     }
 
-    /// Unlinks the corners of dead faces from the list of a vertex and counts the rest, up to
-    /// `limit`; `None` when there are more.
-    pub(super) fn prune(&mut self, vertex: u32, limit: usize) -> Option<usize> {
-        let mut previous = NONE;
-        let mut corner = self.vertices[vertex as usize].first;
-        let mut n_alive = 0;
-        while corner != NONE {
-            let next = self.next_at(corner);
-            if !self.face_at(corner).is_dead() {
-                n_alive += 1;
-                if n_alive > limit {
-                    return None;
+    /// Lists the faces around a vertex and forgets those that are gone; `false` when there are more
+    /// than `limit`.
+    pub(super) fn gather(&mut self, vertex: u32, limit: usize, spokes: &mut Vec<Spoke>) -> bool {
+        spokes.clear();
+        let Some(vertex) = self.vertices.get_mut(vertex as usize) else { return true };
+        let corners = &mut self.corners[vertex.corners()];
+        let mut n_seen = 0;
+        for &corner in corners.iter() {
+            let face = &self.faces[corner as usize / 3];
+            let [a, b, c] = face.vertices;
+            if !face.is_dead() {
+                if spokes.len() == limit {
+                    break;
                 }
-                previous = corner;
-            } else if previous == NONE {
-                self.vertices[vertex as usize].first = next;
-            } else {
-                self.set_next(previous, next);
+                let (after, before) = match corner % 3 {
+                    0 => (b, c),
+                    1 => (c, a),
+                    _ => (a, b),
+                };
+                spokes.push(Spoke { corner, after, before });
             }
-            corner = next;
+            n_seen += 1;
         }
-        Some(n_alive)
+        // What is left of those that were seen moves up to the rest.
+        let n_dead = n_seen - spokes.len();
+        let is_all = n_seen == corners.len();
+        if n_dead > 0 {
+            for (corner, spoke) in corners[n_dead..n_seen].iter_mut().zip(spokes.iter()) {
+                *corner = spoke.corner;
+            }
+            vertex.start += n_dead as u32;
+            vertex.n_corners -= n_dead as u32;
+        }
+        is_all
     }
 
     /// Sums the quadrics of all vertices, each about its own position.
