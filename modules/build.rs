@@ -13,6 +13,9 @@ fn main() {
     println!("cargo::rerun-if-changed=../Cargo.lock");
     let mut files = Vec::new();
     collect(Path::new("src"), &mut files);
+    // The runtime reads parameters and passes values; its defaults and checks decide results too.
+    println!("cargo::rerun-if-changed=../core/src");
+    collect(Path::new("../core/src"), &mut files);
     files.sort();
     let mut hasher = blake3::Hasher::new();
     for file in files.iter().filter(|file| is_shared(file)) {
@@ -31,8 +34,11 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// All but the files directly in a folder of [`ONE_BY_ONE`], of which `mod.rs` is shared.
+/// All but the files that a list names: those in a folder of [`ONE_BY_ONE`] that declare an item.
 fn is_shared(file: &Path) -> bool {
     let folder = file.parent().and_then(|f| f.strip_prefix("src").ok()).and_then(Path::to_str);
-    !folder.is_some_and(|folder| ONE_BY_ONE.contains(&folder)) || file.ends_with("mod.rs")
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let is_item = |item: &&str| text.contains(&format!("pub static {item}:"));
+    let declares_one = ["MODULE", "COST", "PLACEMENT", "METRIC"].iter().any(is_item);
+    !(declares_one && folder.is_some_and(|folder| ONE_BY_ONE.contains(&folder)))
 }

@@ -292,6 +292,7 @@ fn values_come_back_from_the_disk_cache_as_they_were() {
             cancel: &mve_core::CancelToken::new(),
             observer: &|_| {},
             keep: mve_core::Keep::All,
+            output_scope: mve_core::OutputScope::Folder,
         };
         mve_core::run(&plan, &options)
     };

@@ -32,6 +32,7 @@ fn of_box(cost: &str, placement: &str, measure: &str) -> f64 {
         cancel: &CancelToken::new(),
         observer: &|_| {},
         keep: Keep::Scalars,
+        output_scope: OutputScope::Folder,
     };
     match run(&plan, &options).nodes["compare"].record.scalars.get(measure) {
         Some(Scalar::Number(number)) => *number,

@@ -87,6 +87,7 @@ fn summary(path: &Path) -> String {
         cancel: &cancel,
         observer: &|_| {},
         keep: Keep::Scalars,
+        output_scope: OutputScope::Folder,
     };
     let outcome = run(&plan, &options);
     assert!(outcome.is_done(), "{}: {:?}", path.display(), outcome.failures().collect::<Vec<_>>());

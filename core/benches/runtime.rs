@@ -55,6 +55,7 @@ fn nodes(criterion: &mut Criterion) {
                     cancel: &CancelToken::new(),
                     observer: &|_| {},
                     keep: Keep::Scalars,
+                    output_scope: OutputScope::Folder,
                 };
                 run(&checked, &options)
             });

@@ -11,11 +11,15 @@ use std::time::SystemTime;
 use serde::{Deserialize, Serialize};
 
 use crate::cache::{LogLine, Made};
+use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
 
 /// Outputs made in less time than this are made again sooner than they are read.
 const WORTH_SECONDS: f64 = 0.02;
+
+/// How names of files begin that are not complete.
+const TEMPORARY: &str = ".mve-values-";
 
 /// Length of the hash before the content.
 const HASH: usize = 32;
@@ -48,6 +52,10 @@ impl DiskCache {
 
     pub(crate) fn load(&self, key: Fingerprint, module: &Module) -> Option<Made> {
         let path = self.path(key);
+        // Anything else of this name, such as a pipe, could keep a reader waiting for ever.
+        if !fs::symlink_metadata(&path).ok()?.is_file() {
+            return None;
+        }
         let bytes = fs::read(&path).ok()?;
         let (hash, content) = bytes.split_at_checked(HASH)?;
         if blake3::hash(content).as_bytes() != hash {
@@ -81,7 +89,7 @@ impl DiskCache {
 
     fn write(&self, key: Fingerprint, content: &[u8]) -> std::io::Result<()> {
         self.make_room(content.len() as u64)?;
-        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
+        let mut file = fresh_file(&self.folder, TEMPORARY)?;
         file.write_all(blake3::hash(content).as_bytes())?;
         file.write_all(content)?;
         file.persist(self.path(key))?;
@@ -94,6 +102,10 @@ impl DiskCache {
         for file in fs::read_dir(&self.folder)? {
             let file = file?;
             let about = file.metadata()?;
+            // A folder that somebody uses for other things too keeps those.
+            if !about.is_file() || !is_own(&file.file_name().to_string_lossy()) {
+                continue;
+            }
             files.push((about.modified()?, about.len(), file.path()));
         }
         files.sort();
@@ -107,6 +119,12 @@ impl DiskCache {
         }
         Ok(())
     }
+}
+
+/// Whether a file of this name is one of ours: `<key>.values`, or what a killed process left.
+fn is_own(name: &str) -> bool {
+    let key = name.strip_suffix(".values").is_some_and(|key| key.parse::<Fingerprint>().is_ok());
+    key || name.starts_with(TEMPORARY)
 }
 
 #[cfg(test)]
@@ -147,13 +165,20 @@ mod tests {
     }
 
     #[test]
-    fn the_budget_holds() {
+    fn the_budget_holds_and_the_files_of_others_stay() {
         let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("scans")).unwrap();
+        let scan = fs::File::create(folder.path().join("scan.obj")).unwrap();
+        scan.set_len(1 << 40).unwrap();
         let cache = DiskCache::open(folder.path(), 3000).unwrap();
         for n in 0..10_u8 {
             cache.store(Fingerprint::of(&[n]), &made(&"x".repeat(1000)));
         }
-        let sizes = fs::read_dir(folder.path()).unwrap().map(|f| f.unwrap().metadata().unwrap());
-        assert!(sizes.map(|about| about.len()).sum::<u64>() <= 3000);
+        assert_eq!(scan.metadata().unwrap().len(), 1 << 40);
+        assert!(folder.path().join("scan.obj").exists() && folder.path().join("scans").exists());
+        let own = fs::read_dir(folder.path()).unwrap().flatten();
+        let own = own.filter(|file| is_own(&file.file_name().to_string_lossy()));
+        let sizes: Vec<u64> = own.map(|file| file.metadata().unwrap().len()).collect();
+        assert!(!sizes.is_empty() && sizes.iter().sum::<u64>() <= 3000, "{sizes:?}");
     }
 }

@@ -1,11 +1,44 @@
 //! Fingerprints of input files, remembered for as long as a file keeps its size and time.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
+use tempfile::NamedTempFile;
+
 use crate::fingerprint::Fingerprint;
+
+/// A temporary file in `folder`, with the permissions that the system gives new files.
+pub(crate) fn fresh_file(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The umask is applied to these, as it is to any new file.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// Whether `path` is below its base by its text alone: no `..`, no root, no drive.
+pub(crate) fn is_below(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+}
+
+/// Refuses a path below `base` on which a symbolic link could lead elsewhere.
+pub(crate) fn refuse_links(base: &Path, below: &Path) -> Result<(), String> {
+    let mut path = base.to_owned();
+    for part in below.components() {
+        path.push(part);
+        if path.is_symlink() {
+            let message = "is a symbolic link, which may lead out of the output folder";
+            return Err(format!("{} {message}; remove it", path.display()));
+        }
+    }
+    Ok(())
+}
 
 /// Remembers the fingerprints of files, so that ten thousand steps over one scan read it once.
 #[derive(Debug, Default)]
@@ -52,9 +85,7 @@ impl FileHashes {
 /// What went wrong with a file, and what to do.
 fn explain(error: &std::io::Error) -> String {
     match error.kind() {
-        std::io::ErrorKind::NotFound => {
-            "there is no such file; paths are relative to the map's folder".to_owned()
-        }
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
         std::io::ErrorKind::PermissionDenied => {
             "permission denied; make the file readable for this user".to_owned()
         }

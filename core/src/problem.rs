@@ -74,15 +74,35 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { node, port, program } = &self.place;
         if let Some(program) = program {
-            write!(f, "program \"{program}\": ")?;
+            write!(f, "program \"{}\": ", plain(program, LONGEST_NAME))?;
         }
-        match (node, port) {
+        let name = |name: &String| plain(name, LONGEST_NAME);
+        match (node.as_ref().map(name), port.as_ref().map(name)) {
             (Some(node), Some(port)) => write!(f, "{node}.{port}: ")?,
             (Some(node), None) => write!(f, "{node}: ")?,
             _ => {}
         }
-        f.write_str(&self.message)
+        f.write_str(&plain(&self.message, LONGEST_MESSAGE))
     }
+}
+
+/// Longest name and message that are shown whole, in characters.
+const LONGEST_NAME: usize = 80;
+const LONGEST_MESSAGE: usize = 2000;
+
+/// A text from a file as a terminal can show it: what would steer the terminal is written out, and
+/// a very long text is cut.
+fn plain(text: &str, longest: usize) -> String {
+    let is_odd = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
+    let mut shown = String::with_capacity(text.len().min(longest));
+    for (place, c) in text.chars().enumerate() {
+        if place == longest {
+            shown.push('…');
+            break;
+        }
+        if is_odd(c) { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    shown
 }
 
 /// `; did you mean "…"?` where one of the candidates is close to `name`, else nothing.

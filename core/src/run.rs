@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
+use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
 use crate::module::{Io, ModuleError, Reporter};
 use crate::panics::contained;
-use crate::plan::{Plan, PlanNode, Source};
+use crate::plan::{OutputScope, Plan, PlanNode, Source};
 use crate::setting::{Setting, Settings};
 
 /// Progress of one node is told at most this often.
@@ -34,6 +35,8 @@ pub struct RunOptions<'a> {
     pub observer: &'a (dyn Fn(&Event) + Sync),
     /// Which values the outcome holds.
     pub keep: Keep,
+    /// Whether savers may follow symbolic links out of the output folder.
+    pub output_scope: OutputScope,
 }
 
 /// Which values of a run outlive it.
@@ -362,7 +365,8 @@ impl Runner<'_> {
         }
         record.seconds = cached.is_none().then_some(made.seconds);
         record.cached = cached;
-        record.files = node.writes.clone();
+        let is_there = |path: &&PathBuf| self.options.output_folder.join(path).is_file();
+        record.files = node.writes.iter().filter(is_there).cloned().collect();
         record.log = made.log.clone();
         record
     }
@@ -409,7 +413,11 @@ impl Runner<'_> {
             if let (crate::Kind::OutputFile { .. }, Setting::File { resolved, .. }) =
                 (spec.kind, setting)
             {
-                *resolved = self.options.output_folder.join(&*resolved);
+                let base = self.options.output_folder;
+                if self.options.output_scope == OutputScope::Folder {
+                    refuse_links(base, resolved).map_err(|why| ModuleError::io(resolved, why))?;
+                }
+                *resolved = base.join(&*resolved);
                 if let Some(folder) = resolved.parent() {
                     std::fs::create_dir_all(folder).map_err(|error| {
                         ModuleError::io(folder, format!("cannot make this folder: {error}"))

@@ -178,8 +178,13 @@ impl ParamSpec {
         };
         parsed
             .map_err(|expected| {
-                let unit = if self.unit.is_empty() { "" } else { " " };
-                let message = format!("{} is not {expected}{unit}{}", shown(json), self.unit);
+                let unit = if self.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" (in {})", self.unit)
+                };
+                let off = if self.can_be_off { ", or null for off" } else { "" };
+                let message = format!("{} is not {expected}{unit}{off}", shown(json));
                 faults.push(Fault { path: self.name.to_owned(), message });
             })
             .ok()
@@ -250,7 +255,7 @@ fn integer(json: &Json, can_be_off: bool, (low, high): (i64, i64)) -> Result<Set
     match found {
         Some(number) if (low..=high).contains(&number) => Ok(Setting::Integer(number)),
         None if json.is_null() && can_be_off => Ok(Setting::Off),
-        _ => Err(format!("a whole number{}{}", between(low as f64, high as f64), off(can_be_off))),
+        _ => Err(format!("a whole number{}", between(low as f64, high as f64))),
     }
 }
 
@@ -258,7 +263,7 @@ fn number(json: &Json, can_be_off: bool, (low, high): (f64, f64)) -> Result<Sett
     match json.as_f64() {
         Some(number) if (low..=high).contains(&number) => Ok(Setting::Number(number)),
         None if json.is_null() && can_be_off => Ok(Setting::Off),
-        _ => Err(format!("a number{}{}", between(low, high), off(can_be_off))),
+        _ => Err(format!("a number{}", between(low, high))),
     }
 }
 
@@ -282,10 +287,6 @@ pub(crate) fn between(low: f64, high: f64) -> String {
         (false, true) => format!(" of {high} or less"),
         (false, false) => String::new(),
     }
-}
-
-fn off(can_be_off: bool) -> &'static str {
-    if can_be_off { ", or null for off," } else { "" }
 }
 
 /// A JSON value for a message, cut short.

@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use thiserror::Error;
 
+use crate::files::{fresh_file, is_below, refuse_links};
 use crate::run::{NodeRecord, NodeStatus};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.
@@ -55,6 +56,9 @@ pub struct StepRecord {
     pub status: StepStatus,
     /// Seconds from its start to its end.
     pub seconds: f64,
+    /// Whether it ran alone, with nothing shared, so that its seconds can be compared.
+    #[serde(default)]
+    pub is_timed: bool,
     /// Version of mve.
     pub version: String,
     /// Its nodes by name.
@@ -62,7 +66,7 @@ pub struct StepRecord {
 }
 
 /// How a step ended. A step that was stopped by hand has not ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "status", rename_all = "snake_case")]
 pub enum StepStatus {
     /// Every node is done.
@@ -76,6 +80,8 @@ pub enum StepStatus {
     TimedOut {
         /// What it was at, and the limit.
         reason: String,
+        /// The limit in seconds.
+        limit: f64,
     },
 }
 
@@ -93,7 +99,7 @@ impl StepStatus {
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Done => None,
-            Self::Failed { reason } | Self::TimedOut { reason } => Some(reason),
+            Self::Failed { reason } | Self::TimedOut { reason, .. } => Some(reason),
         }
     }
 }
@@ -108,6 +114,15 @@ pub enum StoreError {
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The folder holds the steps of another program.
+    #[error("{}: the folder holds the results of program \"{other}\"; name another one with --out",
+        folder.display())]
+    OtherProgram {
+        /// The folder.
+        folder: PathBuf,
+        /// The program.
+        other: String,
     },
     /// The folder holds other things.
     #[error("{}: the folder is not empty and not a store of mve; name an empty or new one",
@@ -161,6 +176,19 @@ impl Store {
         Ok(Some(Self { folder: folder.to_owned(), known: Mutex::default() }))
     }
 
+    /// Refuses to mix the steps of two programs, whose tables would take each other's place.
+    pub(crate) fn belong_to(&self, program: &str) -> Result<(), StoreError> {
+        let plan = fs::read(self.folder.join(PLAN)).unwrap_or_default();
+        let plan: Json = serde_json::from_slice(&plan).unwrap_or_default();
+        match plan["program"].as_str() {
+            Some(other) if other != program => {
+                let (folder, other) = (self.folder.clone(), other.to_owned());
+                Err(StoreError::OtherProgram { folder, other })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Where it is.
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -178,7 +206,10 @@ impl Store {
         }
         let bytes = fs::read(self.step_folder(id).join(RECORD)).ok()?;
         let record: StepRecord = serde_json::from_slice(&bytes).ok()?;
-        if record.id != id {
+        let outputs = self.step_folder(id).join("outputs");
+        let files = || record.nodes.values().flat_map(|node| &node.files);
+        let is_whole = files().all(|file| is_below(file) && outputs.join(file).is_file());
+        if record.id != id || !is_whole {
             return None;
         }
         let record = Arc::new(record);
@@ -285,9 +316,11 @@ impl Store {
         let from = self.step_folder(&record.id).join("outputs");
         for written in record.nodes.values().flat_map(|node| &node.files) {
             let (source, target) = (from.join(written), self.folder.join("outputs").join(written));
-            if written.is_absolute() || !source.exists() || is_same(&source, &target) {
+            if !is_below(written) || is_same(&source, &target) {
                 continue;
             }
+            refuse_links(&self.folder, &Path::new("outputs").join(written))
+                .map_err(|why| StoreError::at(&target)(std::io::Error::other(why)))?;
             self.alone(|| {
                 let folder = target.parent().unwrap_or(&self.folder);
                 fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
@@ -318,8 +351,8 @@ impl Store {
     /// within [`Store::alone`].
     pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.join(name);
-        let mut file = tempfile::NamedTempFile::new_in(self.folder.join("work"))
-            .map_err(StoreError::at(&path))?;
+        let mut file =
+            fresh_file(&self.folder.join("work"), ".tmp").map_err(StoreError::at(&path))?;
         file.write_all(content).map_err(StoreError::at(&path))?;
         file.as_file().sync_all().map_err(StoreError::at(&path))?;
         file.persist(&path).map_err(|error| StoreError::at(&path)(error.error))?;

@@ -30,6 +30,7 @@ fn run_with(plan: &Plan, threads: usize, cache: Option<&Cache>) -> RunOutcome {
         cancel: &CancelToken::new(),
         observer: &|_| {},
         keep: Keep::Scalars,
+        output_scope: OutputScope::Folder,
     };
     run(plan, &options)
 }
@@ -110,6 +111,7 @@ fn a_stopped_run_ends_within_a_tenth_of_a_second() {
                     cancel: &cancel,
                     observer: &|_| {},
                     keep: Keep::Scalars,
+                    output_scope: OutputScope::Folder,
                 },
             )
         });
@@ -158,6 +160,7 @@ fn a_saver_writes_even_where_its_inputs_are_known() {
             cancel: &CancelToken::new(),
             observer: &|_| {},
             keep: Keep::Scalars,
+            output_scope: OutputScope::Folder,
         };
         assert!(run(&plan, &options).is_done());
         assert_eq!(std::fs::read(folder.path().join("deep/er/x.txt")).unwrap(), b"hello");
@@ -187,6 +190,7 @@ fn events_tell_the_whole_story() {
         cancel: &CancelToken::new(),
         observer: &|event| seen.lock().unwrap().push(serde_json::to_value(event).unwrap()),
         keep: Keep::All,
+        output_scope: OutputScope::Folder,
     };
     run(&plan(text), &options);
     let seen = seen.into_inner().unwrap();

@@ -37,7 +37,7 @@ parameters or modules changed is another step. Failed steps are rows of the tabl
 --retry-failed runs them again.
 
 The folder holds results.csv and results.jsonl (all columns, every digit), summary.md, outputs/ \
-(files that the steps wrote), and steps/ (record and log of each step).")]
+(files that the steps wrote), and steps/ (a record of each step, and what its modules said).")]
 pub struct Args {
     #[command(flatten)]
     map: MapArgs,

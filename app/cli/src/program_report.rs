@@ -125,7 +125,7 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
     place("results", "results.csv");
     place("summary", "summary.md");
     place("outputs", "outputs");
-    place("logs", "steps");
+    place("steps", "steps");
     text
 }
 

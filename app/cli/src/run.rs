@@ -6,7 +6,7 @@ use std::time::Instant;
 use indexmap::IndexMap;
 use mve_core::{
     Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeRecord, NodeStatus, OutputScope,
-    RunOptions, RunOutcome, Scalar,
+    RunOptions, RunOutcome, Scalar, brief,
 };
 use serde::Serialize;
 
@@ -86,6 +86,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         cancel: &cancel,
         observer: &|event| observe(event, &progress, args.json),
         keep: Keep::Scalars,
+        output_scope: scope,
     };
     let outcome = progress.watch(|| mve_core::run(&plan, &options));
     let took = start.elapsed().as_secs_f64();
@@ -171,12 +172,11 @@ fn print_json(outcome: &RunOutcome, out: &Path, exit: Exit, seconds: f64) -> Res
     out::json(&Summary { event: "finished", status, seconds, output_folder: out, nodes })
 }
 
-/// A scalar with all its digits, and an exponent where it is very large or small.
+/// A scalar for a person; `--json` and results tables have all digits.
 fn cell(scalar: &Scalar) -> String {
     match scalar {
-        Scalar::Number(x) if x.is_finite() && *x != 0.0 && !(1e-5..1e15).contains(&x.abs()) => {
-            format!("{x:e}")
-        }
+        Scalar::Number(x) if x.is_nan() => "not defined".to_owned(),
+        Scalar::Number(x) => brief(*x),
         other => other.to_string(),
     }
 }

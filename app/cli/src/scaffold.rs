@@ -103,8 +103,12 @@ fn file_name(id: &str) -> Result<String, String> {
         name.push(c.to_ascii_lowercase());
         before = c;
     }
-    let keywords = ["box", "mod", "move", "loop", "match", "self", "super", "crate", "static"];
-    match keywords.contains(&name.as_str()) {
+    // All strict and reserved words of the language, up to the edition of 2024.
+    const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn \
+        else enum extern false final fn for gen if impl in let loop macro match mod move mut \
+        override priv pub ref return self static struct super trait true try type typeof unsafe \
+        unsized use virtual where while yield";
+    match KEYWORDS.split_whitespace().any(|word| word == name) {
         true => Err(format!("\"{name}\" is a word of Rust; add a word to the id")),
         false => Ok(name),
     }

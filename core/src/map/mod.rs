@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map as JsonMap, Value as Json};
 use thiserror::Error;
 
+use crate::files::fresh_file;
 use crate::json;
 use crate::problem::Problem;
 
@@ -29,6 +30,9 @@ type Migration = fn(&mut JsonMap<String, Json>);
 
 /// Migration `i` takes version `i + 1` to `i + 2`.
 const MIGRATIONS: &[Migration] = &[];
+
+/// Some text editors put it at the beginning of a file.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// No map that a person made comes near this; it stops a wrong path from filling the memory.
 const LARGEST_FILE: u64 = 64 << 20;
@@ -151,14 +155,14 @@ impl Map {
 
     /// Reads the text of a map file.
     pub fn parse(text: &str) -> Result<Self, MapError> {
-        let (json, repeated) = json::parse(text)
+        let (json, repeated) = json::parse(text.trim_start_matches(BYTE_ORDER_MARK))
             .map_err(|error| MapError::NotJson(format!("not valid JSON: {error}")))?;
         let Json::Object(mut object) = json else {
             return Err(MapError::NotJson("the file is JSON, but not an object".to_owned()));
         };
         let mut map = Self::default();
         for path in repeated {
-            let message = format!("\"{path}\" stands twice in the file; only the last one counts");
+            let message = format!("\"{path}\" stands twice in the file; rename or remove one");
             map.problems.push(Problem::error(message));
         }
         match object.remove("mve").map(|version| (version.as_u64(), version)) {
@@ -202,8 +206,7 @@ impl Map {
     pub fn save(&self, path: &Path) -> Result<(), MapError> {
         let fail = |source| MapError::Io { path: path.to_owned(), source };
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let mut file =
-            tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new("."))).map_err(fail)?;
+        let mut file = fresh_file(folder.unwrap_or(Path::new(".")), ".mve-map-").map_err(fail)?;
         file.write_all(self.to_text().as_bytes()).map_err(fail)?;
         file.as_file().sync_all().map_err(fail)?;
         file.persist(path).map_err(|error| fail(error.error))?;

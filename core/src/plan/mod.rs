@@ -17,6 +17,7 @@ use crate::setting::{Setting, Settings};
 
 pub(crate) use assign::MODULE;
 pub use assign::assign;
+pub(crate) use outputs::one_case;
 
 /// What a plan needs to know beside the map.
 #[derive(Clone, Copy, Debug)]
@@ -171,7 +172,12 @@ fn prepare(
                 match options.files.fingerprint(resolved) {
                     Ok(fingerprint) => reads.push((resolved.clone(), fingerprint)),
                     Err(complaint) => {
-                        let message = format!("{}: {complaint}", resolved.display());
+                        let is_relative = Path::new(written.as_str()).is_relative();
+                        let hint = match is_relative {
+                            true => "; paths in a map are relative to its folder",
+                            false => "",
+                        };
+                        let message = format!("{}: {complaint}{hint}", resolved.display());
                         problems.push(Problem::error(message).at(name).port(spec.name));
                         continue;
                     }

@@ -150,21 +150,36 @@ pub(super) fn fill(
             continue;
         };
         let beside = name.also_writes.iter().map(|extension| path.with_extension(extension));
-        for written in std::iter::once(path.clone()).chain(beside) {
-            if let Some(other) = writers.insert(written.clone(), port().to_string()) {
-                let message = format!("{other} writes \"{}\" too", written.display());
-                problems.push(problem(format!("{message}; give each a name of its own")));
+        let all: Vec<PathBuf> = std::iter::once(path.clone()).chain(beside).collect();
+        for written in &all {
+            let own = port().to_string();
+            match writers.insert(one_case(written), own.clone()) {
+                Some(other) if other == own => problems.push(problem(format!(
+                    "\"{}\" is the name of a file that is written beside it; give it another \
+                     extension",
+                    written.display()
+                ))),
+                Some(other) => problems.push(problem(format!(
+                    "{other} writes \"{}\" too; give each a name of its own",
+                    written.display()
+                ))),
+                None => {}
             }
         }
         if let Some(node) = nodes.iter_mut().find(|node| node.name == name.node) {
             resolve_setting(&mut node.settings, name.param, &path);
-            node.writes.push(path);
+            node.writes.extend(all);
         }
     }
     check_folders(&writers, problems);
     if let Some(folder) = options.output_folder {
-        check_inputs(nodes, &writers, folder, problems);
+        check_inputs(nodes, folder, problems);
     }
+}
+
+/// The path as a file system that does not tell `A` from `a` sees it.
+pub(crate) fn one_case(path: &Path) -> PathBuf {
+    path.to_string_lossy().to_lowercase().into()
 }
 
 fn resolve_setting(settings: &mut Settings, param: &str, path: &Path) {
@@ -207,23 +222,21 @@ fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem
 }
 
 /// No run overwrites what it reads.
-fn check_inputs(
-    nodes: &[PlanNode],
-    writers: &BTreeMap<PathBuf, String>,
-    folder: &Path,
-    problems: &mut Vec<Problem>,
-) {
+fn check_inputs(nodes: &[PlanNode], folder: &Path, problems: &mut Vec<Problem>) {
     let absolute = |path: &Path| path.canonicalize().ok();
-    for (written, writer) in writers {
-        let Some(target) = absolute(&folder.join(written)) else { continue };
-        for node in nodes {
-            if node.reads.iter().any(|(path, _)| absolute(path).as_ref() == Some(&target)) {
+    for writer in nodes {
+        for written in &writer.writes {
+            let Some(target) = absolute(&folder.join(written)) else { continue };
+            let reads_it = |node: &&PlanNode| {
+                node.reads.iter().any(|(path, _)| absolute(path).as_ref() == Some(&target))
+            };
+            if let Some(reader) = nodes.iter().find(reads_it) {
                 let message = format!(
-                    "{writer} would overwrite \"{}\", which this node reads; write to another \
-                     folder or name",
-                    target.display()
+                    "would overwrite \"{}\", which {} reads; write to another folder or name",
+                    target.display(),
+                    reader.name
                 );
-                problems.push(Problem::error(message).at(&node.name));
+                problems.push(Problem::error(message).at(&writer.name));
             }
         }
     }

@@ -11,7 +11,7 @@ use super::{Program, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{MODULE, Plan, assign};
+use crate::plan::{MODULE, Plan, assign, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
@@ -48,10 +48,12 @@ impl Program {
                 varied.push(path.clone());
             }
         }
-        let time_limit = spec.time_limit.map(Duration::try_from_secs_f64).transpose();
-        let time_limit = time_limit.map_err(|error| {
-            vec![Problem::error(format!("\"time_limit\": {error}")).in_program(name)]
-        })?;
+        let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
+        if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
+            let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
+            return Err(vec![Problem::error(message).in_program(name)]);
+        }
+        let time_limit = spec.time_limit.map(Duration::from_secs_f64);
         let mut program = Self {
             name: name.to_owned(),
             steps: Vec::with_capacity(assignments.len()),
@@ -64,6 +66,7 @@ impl Program {
             time_limit,
             shared: HashSet::new(),
             inputs: IndexMap::new(),
+            modules: BTreeMap::new(),
             nodes: Vec::new(),
         };
         let mut checker = Checker::default();
@@ -98,6 +101,7 @@ impl Program {
                 checker.check_outputs(&plan, &id, params);
                 for node in &plan.nodes {
                     self.inputs.extend(node.reads.iter().cloned());
+                    self.modules.insert(node.info.module.id, node.info.version);
                 }
                 self.steps.push(Step { id, repeat, params: params.clone() });
             }
@@ -128,8 +132,10 @@ fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
 /// What is remembered of the steps so far to check the next.
 #[derive(Default)]
 struct Checker {
-    /// The step that writes each path, by id.
-    writers: BTreeMap<PathBuf, (String, String)>,
+    /// The parameters of the step that writes each path.
+    writers: BTreeMap<PathBuf, String>,
+    /// Those of a step that needs each folder.
+    folders: BTreeMap<PathBuf, String>,
     /// In how many different steps each key occurs.
     keys: HashMap<Fingerprint, u32>,
     ids: HashSet<String>,
@@ -158,14 +164,20 @@ impl Checker {
             *self.keys.entry(node.key).or_default() += 1;
             for path in &node.writes {
                 let step = shown(params);
-                let new = (id.to_owned(), step.clone());
-                if let Some((_, other)) = self.writers.insert(path.clone(), new) {
+                let other = self.writers.insert(one_case(path), step.clone());
+                // Of a file and a folder of one name, whichever comes second finds the other.
+                let folder = one_case(path).ancestors().skip(1).find_map(|f| self.writers.get(f));
+                let inside = self.folders.get(&one_case(path)).cloned();
+                if let Some(other) = other.or(folder.cloned()).or(inside) {
                     let message = format!(
                         "two steps write \"{}\": {other}; and {step}. Put a varied parameter or \
                          {{step}} into the name",
                         path.display()
                     );
                     self.problems.push(Problem::error(message).at(&node.name));
+                }
+                for folder in one_case(path).ancestors().skip(1) {
+                    self.folders.insert(folder.to_owned(), step.clone());
                 }
             }
         }

@@ -6,7 +6,7 @@ mod tables;
 
 pub use tables::brief;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -47,6 +47,8 @@ pub struct Program {
     shared: HashSet<Fingerprint>,
     /// Input files with the fingerprints of their content.
     inputs: IndexMap<PathBuf, Fingerprint>,
+    /// Modules that some step runs, with their versions.
+    modules: BTreeMap<&'static str, Fingerprint>,
     /// Names of the nodes, in running order.
     nodes: Vec<String>,
 }
@@ -167,11 +169,11 @@ pub fn run_program(
 ) -> Result<ProgramOutcome, StoreError> {
     let start = Instant::now();
     let ids: HashSet<&str> = program.steps.iter().map(|step| step.id.as_str()).collect();
-    if options.retry == Retry::Failed {
-        for id in &ids {
-            if store.record(id).is_some_and(|record| record.status != StepStatus::Done) {
-                store.forget(id)?;
-            }
+    store.belong_to(&program.name)?;
+    let limit = options.time_limit.or(program.time_limit);
+    for id in &ids {
+        if store.record(id).is_some_and(|record| must_run_again(&record, options, limit)) {
+            store.forget(id)?;
         }
     }
     store.alone(|| store.write("plan.json", program.plan_json().as_bytes()))?;
@@ -192,6 +194,18 @@ pub fn run_program(
         seconds: start.elapsed().as_secs_f64(),
         is_stopped: options.cancel.is_cancelled(),
     })
+}
+
+/// Whether a finished step does not answer what is asked now.
+fn must_run_again(record: &StepRecord, options: &ProgramOptions, limit: Option<Duration>) -> bool {
+    let may_take_longer = match &record.status {
+        StepStatus::TimedOut { limit: old, .. } => limit.is_none_or(|new| new.as_secs_f64() > *old),
+        _ => false,
+    };
+    // The seconds of a step that shared its work, or the machine, are no measure.
+    let is_not_timed = options.sharing == Sharing::Timing && !record.is_timed;
+    let is_failed = options.retry == Retry::Failed && record.status != StepStatus::Done;
+    may_take_longer || is_not_timed || is_failed
 }
 
 struct Workers<'a> {
@@ -324,6 +338,7 @@ impl<'a> Workers<'a> {
                         (self.options.observer)(&event);
                     },
                     keep: Keep::Scalars,
+                    output_scope: OutputScope::Folder,
                 },
             )),
         };
@@ -343,6 +358,7 @@ impl<'a> Workers<'a> {
             params: step.params.clone(),
             status,
             seconds: start.elapsed().as_secs_f64(),
+            is_timed: self.options.sharing == Sharing::Timing,
             version: crate::VERSION.to_owned(),
             nodes,
         })
@@ -378,7 +394,7 @@ fn step_status(
     let at = outcome.nodes.iter().find(|(_, node)| node.record.status == NodeStatus::Stopped);
     let (at, limit) = (at.map_or("", |(name, _)| name.as_str()), limit?.as_secs_f64());
     let reason = format!("{at}: not done within the time limit of {limit} s");
-    cancel.is_overdue().then_some(StepStatus::TimedOut { reason })
+    cancel.is_overdue().then_some(StepStatus::TimedOut { reason, limit })
 }
 
 impl Program {
@@ -398,19 +414,16 @@ impl Program {
             program: &'a str,
             mve: &'a str,
             inputs: IndexMap<String, Fingerprint>,
-            modules: IndexMap<&'a str, Fingerprint>,
+            modules: &'a BTreeMap<&'static str, Fingerprint>,
             map: Json,
             steps: &'a [Step],
         }
-        let modules = self.map.nodes.values().filter_map(|node| self.registry.find(&node.module));
-        let mut modules: IndexMap<_, _> = modules.map(|i| (i.module.id, i.version)).collect();
-        modules.sort_keys();
         let inputs = self.inputs.iter().map(|(path, hash)| (path.display().to_string(), *hash));
         let file = PlanFile {
             program: &self.name,
             mve: crate::VERSION,
             inputs: inputs.collect(),
-            modules,
+            modules: &self.modules,
             map: self.map.to_json(),
             steps: &self.steps,
         };

@@ -11,7 +11,7 @@ use crate::data::Scalar;
 use crate::store::{StepRecord, Store, StoreError};
 
 /// How many outputs of one node a person reads first.
-const MOST_OF_A_NODE: usize = 3;
+const MOST_OF_A_NODE: usize = 4;
 
 /// Writes `results.csv`, `results.jsonl` and `summary.md`.
 pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> {
@@ -136,6 +136,10 @@ fn cell(scalar: &Scalar) -> String {
 
 /// The shortest text that reads back as the number, with an exponent where it is long.
 fn number(value: f64) -> String {
+    // Where there is no number, there is an empty cell.
+    if value.is_nan() {
+        return String::new();
+    }
     let is_plain = value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite();
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
@@ -240,7 +244,7 @@ mod tests {
             assert_eq!(number(value).parse::<f64>().unwrap(), value);
             assert!(number(value).len() < 25);
         }
-        assert_eq!(number(f64::NAN), "NaN");
+        assert_eq!(number(f64::NAN), "");
     }
 
     #[test]

@@ -22,7 +22,8 @@ pub struct EdgeLength;
 impl Cost for EdgeLength {
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            *price = state.position(proposal.ends.kept).distance(state.position(proposal.ends.gone));
+            *price =
+                state.position(proposal.ends.kept).distance(state.position(proposal.ends.gone));
         }
     }
 }

@@ -25,8 +25,8 @@ pub static MODULE: Module = Module {
     summary: "Measures how a simplified mesh differs from its original.",
     inputs: &[ORIGINAL_IN.spec(), SIMPLIFIED_IN.spec()],
     outputs: &[
-        VALUE_OUT.spec(),
         MEASURES_OUT.spec(),
+        VALUE_OUT.spec(),
         ORIGINAL_FIELD_OUT.spec(),
         SIMPLIFIED_FIELD_OUT.spec(),
     ],

@@ -100,11 +100,11 @@ fn scalars(found: &Hausdorff) -> Vec<Measure> {
     let mut put = |name, value, unit, doc| scalars.push(Measure::new(name, value, unit, doc));
     let both = found;
     put("max", both.max(), LENGTH, "Hausdorff distance: the larger maximum of both directions.");
-    put("mean", both.mean(), LENGTH, "The larger mean distance of both directions.");
     put("rms", both.rms(), LENGTH, "The larger root mean square distance of both directions.");
     put("max_relative", relative(both.max()), NONE, "max over the diagonal of the original.");
-    put("mean_relative", relative(both.mean()), NONE, "mean over the diagonal of the original.");
     put("rms_relative", relative(both.rms()), NONE, "rms over the diagonal of the original.");
+    put("mean", both.mean(), LENGTH, "The larger mean distance of both directions.");
+    put("mean_relative", relative(both.mean()), NONE, "mean over the diagonal of the original.");
     if let Some(bound) = both.max_upper_bound() {
         put("max_upper_bound", bound, LENGTH, "No point of either surface is farther than this.");
     }

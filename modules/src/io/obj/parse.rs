@@ -85,6 +85,11 @@ pub fn parse(
     if mesh.n_faces() == 0 {
         warnings.add_general("the file has vertices but no faces".to_owned());
     }
+    let last = bytes.rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+    if last.starts_with(b"f ") || last.starts_with(b"v ") {
+        let message = "the last line has no end; the file may have been cut there";
+        warnings.add_general(message.to_owned());
+    }
     let materials = materials::read_all(&libraries, mesh.material.labels(), mtl, &mut warnings);
     let mut mesh = mesh.finish();
     mesh.materials = materials;
