@@ -207,6 +207,9 @@ impl<'a> Engine<'a> {
 
     /// Prices the edges in the scratch and puts each on the queue with its best candidate.
     fn price_edges(&mut self) {
+        if self.scratch.edges.is_empty() {
+            return;
+        }
         self.propose();
         let scratch = &mut self.scratch;
         scratch.batch.clear();
