@@ -1,7 +1,7 @@
 //! What happens to attribute layers when vertices merge.
 //!
 //! A layer over vertices gets one value a vertex, a layer over corners one a *wedge*: the corners
-//! of a vertex that share a value (H. Hoppe, "Efficient implementation of progressive meshes",
+//! of a vertex with equal values (H. Hoppe, "Efficient implementation of progressive meshes",
 //! Computers & Graphics 22, 1998). When an edge collapses, each face that dies says which wedge of
 //! one end meets which of the other; the two become one, interpolated by where the new vertex lies
 //! along the edge. A wedge that no dying face touches keeps its value.
@@ -201,7 +201,8 @@ impl Working {
         working
     }
 
-    /// Gives each group of corners of a vertex with the same value a slot of its own.
+    /// Gives each group of corners of a vertex with equal values a slot of its own. Files that
+    /// write each value once for each corner have seams only where values differ.
     fn make_wedges(&mut self, layer: &Layer, state: &Collapsing) {
         self.slots = vec![NO_VALUE; 3 * state.faces.len()];
         let mut corners = Vec::new();
@@ -209,11 +210,11 @@ impl Working {
             corners.clear();
             corners.extend(state.corners_around(vertex).map(|corner| {
                 let input = 3 * state.order.faces[corner as usize / 3] + corner % 3;
-                let value = layer.index.get(input as usize).copied().unwrap_or(NO_VALUE);
-                (value, corner, input)
+                let value = value_of(layer, input as usize);
+                (value.map(|value| value.to_array().map(f64::to_bits)), corner, input)
             }));
             corners.sort_unstable();
-            let mut last = (NO_VALUE, NO_VALUE);
+            let mut last = (None, NO_VALUE);
             for &(value, corner, input) in &corners {
                 if value != last.0 {
                     last = (value, self.values.add(layer, input as usize));
@@ -349,6 +350,17 @@ impl Working {
     }
 }
 
+/// The value of an element of a layer as three numbers.
+fn value_of(layer: &Layer, element: usize) -> Option<DVec3> {
+    let number = layer.index.get(element).copied().unwrap_or(NO_VALUE) as usize;
+    match &layer.values {
+        LayerValues::Number(v) => v.get(number).map(|&x| DVec3::new(x, 0.0, 0.0)),
+        LayerValues::Vec2(v) => v.get(number).map(|p| p.extend(0.0)),
+        LayerValues::Vec3(v) => v.get(number).copied(),
+        LayerValues::Label(v) => v.get(number).map(|_| DVec3::new(number as f64, 0.0, 0.0)),
+    }
+}
+
 /// A list of values that takes copies of those of a layer.
 trait AddValue {
     /// Appends the value of an element of the layer and returns its slot.
@@ -357,14 +369,7 @@ trait AddValue {
 
 impl AddValue for Vec<DVec3> {
     fn add(&mut self, layer: &Layer, element: usize) -> u32 {
-        let number = layer.index.get(element).copied().unwrap_or(NO_VALUE) as usize;
-        let value = match &layer.values {
-            LayerValues::Number(v) => v.get(number).map(|&x| DVec3::new(x, 0.0, 0.0)),
-            LayerValues::Vec2(v) => v.get(number).map(|p| p.extend(0.0)),
-            LayerValues::Vec3(v) => v.get(number).copied(),
-            LayerValues::Label(v) => v.get(number).map(|_| DVec3::new(number as f64, 0.0, 0.0)),
-        };
-        value.map_or(NO_VALUE, |value| {
+        value_of(layer, element).map_or(NO_VALUE, |value| {
             self.push(value);
             self.len() as u32 - 1
         })

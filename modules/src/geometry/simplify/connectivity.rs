@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::order::Order;
+use super::order::{Order, inverse};
 use super::pulse::Pulse;
 use super::state::{
     BEAT, Collapsing, Face, NONE, Spoke, Vertex, flag, next_in_face, previous_in_face,
@@ -84,10 +84,7 @@ impl Collapsing {
     ) -> Result<Self, Cancelled> {
         let order = Order::along_curve(mesh, pulse)?;
         let n_vertices = mesh.positions.len();
-        let mut new_ids = vec![0; n_vertices];
-        for (new, &old) in order.vertices.iter().enumerate() {
-            new_ids[old as usize] = new as u32;
-        }
+        let new_ids = inverse(&order.vertices, pulse)?;
         let mut n_faces = 0;
         let link = |&input: &u32| {
             let [a, b, c] =
@@ -97,15 +94,13 @@ impl Collapsing {
             let vertices = if is_triangle { [a, b, c] } else { [NONE; 3] };
             Face { vertices, edges: [NONE; 3] }
         };
-        let faces: Vec<Face> = order.faces.iter().map(link).collect();
-        pulse.beat(n_faces)?;
+        let faces = pulse.collect(&order.faces, link)?;
         let vertex = |&input: &u32| Vertex {
             position: mesh.positions[input as usize],
             start: 0,
             n_corners: 0,
         };
-        let mut vertices: Vec<Vertex> = order.vertices.iter().map(vertex).collect();
-        pulse.beat(n_faces)?;
+        let mut vertices = pulse.collect(&order.vertices, vertex)?;
         let corners = list_corners(&mut vertices, &faces, n_faces, pulse)?;
         let mut state = Self {
             flags: vec![0; n_vertices],
@@ -164,7 +159,7 @@ impl Collapsing {
                 }
             }
         }
-        self.irregular = opposite.iter().map(|o| o[1] == NONE || o[0] == MANY).collect();
+        self.irregular = pulse.collect(&opposite, |o| o[1] == NONE || o[0] == MANY)?;
         Ok(())
     }
 
@@ -175,6 +170,9 @@ impl Collapsing {
         for vertex in 0..self.vertices.len() as u32 {
             if (vertex as usize).is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
+            }
+            if !self.vertices[vertex as usize].position.is_finite() {
+                self.flags[vertex as usize] = flag::NOWHERE;
             }
             if self.is_closed_fan(vertex) {
                 continue;
@@ -215,7 +213,7 @@ impl Collapsing {
                 continue;
             }
             let is_connected = n_joins + 1 == parents.len();
-            self.flags[vertex as usize] = match n_irregular {
+            self.flags[vertex as usize] |= match n_irregular {
                 0 if is_connected => 0,
                 2 if is_connected && degrees[ends[0]] == degrees[ends[1]] => flag::IRREGULAR,
                 _ => flag::IRREGULAR | flag::CORNER,

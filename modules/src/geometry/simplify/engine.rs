@@ -78,11 +78,6 @@ impl<'a> Engine<'a> {
             let is_seam = attributes.seam_edges(&state);
             state.sum_quadrics(quadrics, options.boundary, &is_seam, &mut pulse)?;
         }
-        for (vertex, flags) in state.vertices.iter().zip(&mut state.flags) {
-            if !vertex.position.is_finite() {
-                *flags |= flag::NOWHERE;
-            }
-        }
         if options.boundary == Boundary::Locked {
             for flags in &mut state.flags {
                 if *flags & flag::IRREGULAR != 0 {
@@ -92,7 +87,7 @@ impl<'a> Engine<'a> {
         }
         let target_faces = options.stop.target_faces(mesh.faces.len());
         pulse.set_goal(state.n_faces, target_faces.unwrap_or(0));
-        let n_edges = state.edges.len();
+        let queue = Queue::new(state.edges.len(), &mut pulse)?;
         let statistics = Statistics {
             n_faces: state.n_faces,
             target_faces,
@@ -109,7 +104,7 @@ impl<'a> Engine<'a> {
             mesh,
             attributes,
             state,
-            queue: Queue::new(n_edges),
+            queue,
             cost,
             placement,
             options,
@@ -150,12 +145,15 @@ impl<'a> Engine<'a> {
                 break;
             }
         }
-        self.pulse.call(self.state.n_faces)?;
-        self.statistics.n_faces = self.state.n_faces;
-        Ok(Simplified {
-            mesh: self.state.into_mesh(self.mesh, self.attributes),
-            statistics: self.statistics,
-        })
+        let Self { mesh, state, attributes, queue, mut pulse, mut statistics, .. } = self;
+        statistics.n_faces = state.n_faces;
+        pulse.call(statistics.n_faces)?;
+        // Giving memory back takes time, too.
+        drop(queue);
+        pulse.beat(statistics.n_faces)?;
+        let mesh = state.into_mesh(mesh, attributes, &mut pulse)?;
+        pulse.call(statistics.n_faces)?;
+        Ok(Simplified { mesh, statistics })
     }
 
     /// Prices every edge.
@@ -207,6 +205,9 @@ impl<'a> Engine<'a> {
 
     /// Prices the edges in the scratch and puts each on the queue with its best candidate.
     fn price_edges(&mut self) {
+        if self.scratch.edges.is_empty() {
+            return;
+        }
         self.propose();
         let scratch = &mut self.scratch;
         scratch.batch.clear();

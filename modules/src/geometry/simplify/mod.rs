@@ -20,6 +20,8 @@ mod attributes;
 mod check;
 mod connectivity;
 mod engine;
+#[cfg(test)]
+mod engine_tests;
 mod order;
 mod pulse;
 mod queue;

@@ -29,7 +29,7 @@ impl Order {
     /// Sorts vertices along the curve, then by position, and faces by their vertices. O(n log n).
     pub fn along_curve(mesh: &TriMesh, pulse: &mut Pulse) -> Result<Self, Cancelled> {
         let points = &mesh.positions;
-        let keys = keys(points);
+        let keys = keys(points, pulse)?;
         let vertices = bucket_sort(
             points.len(),
             1 << (3 * BUCKET_LEVELS),
@@ -44,10 +44,7 @@ impl Order {
             pulse,
         )?;
         drop(keys);
-        let mut new_ids = vec![0; points.len()];
-        for (new, &old) in vertices.iter().enumerate() {
-            new_ids[old as usize] = new as u32;
-        }
+        let new_ids = inverse(&vertices, pulse)?;
         let sorted_face = |f: usize| {
             let mut face = mesh.faces[f].map(|v| new_ids.get(v.idx()).copied().unwrap_or(NONE));
             face.sort_unstable();
@@ -62,6 +59,18 @@ impl Order {
         )?;
         Ok(Self { vertices, faces })
     }
+}
+
+/// The place of each number in a list of `0..n` in some order.
+pub(super) fn inverse(list: &[u32], pulse: &mut Pulse) -> Result<Vec<u32>, Cancelled> {
+    let mut places = vec![0; list.len()];
+    for (piece, first) in list.chunks(BEAT).zip((0u32..).step_by(BEAT)) {
+        pulse.beat(0)?;
+        for (&number, place) in piece.iter().zip(first..) {
+            places[number as usize] = place;
+        }
+    }
+    Ok(places)
 }
 
 /// `0..n` by bucket, then by `compare`, then by number.
@@ -106,10 +115,14 @@ fn bucket_sort(
 }
 
 /// The place of each point on the curve through the box around all that are finite.
-fn keys(points: &[DVec3]) -> Vec<u64> {
-    let finite = || points.iter().filter(|p| p.is_finite());
-    let low = finite().copied().reduce(DVec3::min).unwrap_or_default();
-    let high = finite().copied().reduce(DVec3::max).unwrap_or_default();
+fn keys(points: &[DVec3], pulse: &mut Pulse) -> Result<Vec<u64>, Cancelled> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for piece in points.chunks(BEAT) {
+        pulse.beat(0)?;
+        for &p in piece.iter().filter(|p| p.is_finite()) {
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
     let cells = f64::from(1u32 << LEVELS) / (high - low).max_element().max(f64::MIN_POSITIVE);
     let last = (1u64 << LEVELS) - 1;
     let key = |p: &DVec3| {
@@ -117,7 +130,12 @@ fn keys(points: &[DVec3]) -> Vec<u64> {
         let [x, y, z] = ((*p - low) * cells).to_array().map(|c| spread((c as u64).min(last)));
         x | y << 1 | z << 2
     };
-    points.iter().map(key).collect()
+    let mut keys = Vec::with_capacity(points.len());
+    for piece in points.chunks(BEAT) {
+        pulse.beat(0)?;
+        keys.extend(piece.iter().map(key));
+    }
+    Ok(keys)
 }
 
 /// Puts two zeros between the 21 low bits.
@@ -132,6 +150,7 @@ fn spread(mut bits: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::control::Control;
 
     #[test]
     fn spreading_puts_bits_three_apart() {
@@ -144,8 +163,9 @@ mod tests {
     fn keys_follow_octants_and_stand_odd_numbers() {
         let points =
             [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::splat(f64::NAN)];
-        let keys = keys(&points);
+        let mut pulse = Pulse::new(Control::none());
+        let keys = keys(&points, &mut pulse).unwrap();
         assert!(keys[..5].is_sorted(), "{keys:?}");
-        assert_eq!(self::keys(&[DVec3::ONE; 2]), [0, 0]);
+        assert_eq!(self::keys(&[DVec3::ONE; 2], &mut pulse).unwrap(), [0, 0]);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::state::BEAT;
 use crate::geometry::control::{Cancelled, Control};
 
 const PERIOD: Duration = Duration::from_micros(500);
@@ -43,6 +44,20 @@ impl<'a> Pulse<'a> {
             return Ok(());
         }
         self.call(n_faces)
+    }
+
+    /// Maps a list, with beats.
+    pub fn collect<T, U>(
+        &mut self,
+        list: &[T],
+        mut map: impl FnMut(&T) -> U,
+    ) -> Result<Vec<U>, Cancelled> {
+        let mut out = Vec::with_capacity(list.len());
+        for piece in list.chunks(BEAT) {
+            self.beat(0)?;
+            out.extend(piece.iter().map(&mut map));
+        }
+        Ok(out)
     }
 
     /// Calls the control whatever the clock says.

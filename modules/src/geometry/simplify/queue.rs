@@ -94,15 +94,20 @@ pub(super) struct Queue {
 
 impl Queue {
     /// An empty queue for edges `0..n_edges`.
-    pub fn new(n_edges: usize) -> Self {
-        Self {
-            slots: vec![Slot::ABSENT; n_edges],
+    pub fn new(n_edges: usize, pulse: &mut Pulse) -> Result<Self, Cancelled> {
+        let mut slots = Vec::with_capacity(n_edges);
+        while slots.len() < n_edges {
+            pulse.beat(0)?;
+            slots.resize((slots.len() + BEAT).min(n_edges), Slot::ABSENT);
+        }
+        Ok(Self {
+            slots,
             pool: Vec::new(),
             run: Vec::new(),
             late: BinaryHeap::new(),
             pool_end: f64::NEG_INFINITY,
             run_end: f64::NEG_INFINITY,
-        }
+        })
     }
 
     /// The first entry, which stays on the queue.
@@ -256,7 +261,7 @@ mod tests {
         fn comes_out_sorted_after_changes(
             changes in prop::collection::vec((0u32..40, prop::option::of(0u8..9)), 0..200)
         ) {
-            let mut queue = Queue::new(40);
+            let mut queue = Queue::new(40, &mut Pulse::new(Control::none())).unwrap();
             let mut expected = std::collections::BTreeMap::new();
             for (edge, price) in changes {
                 match price {
@@ -281,7 +286,7 @@ mod tests {
 
     #[test]
     fn equal_prices_come_out_by_length_then_number() {
-        let mut queue = Queue::new(6);
+        let mut queue = Queue::new(6, &mut Pulse::new(Control::none())).unwrap();
         for (edge, length_squared) in [(5, 2.0), (3, 1.0), (4, 1.0), (0, 3.0)] {
             queue.set(Entry { price: 0.0, length_squared, edge }, 0);
         }

@@ -213,37 +213,51 @@ impl Collapsing {
     }
 
     /// The faces that are left, with the vertices that they use, both in the order of the input.
-    pub(super) fn into_mesh(self, input: &TriMesh, attributes: Attributes) -> TriMesh {
-        // By the input's ids: first where each vertex is now, then its id in the result.
-        let mut alive = vec![NONE; self.order.faces.len()];
-        let mut here = vec![NONE; self.vertices.len()];
-        for (face, &input) in self.faces.iter().zip(&self.order.faces) {
-            if !face.is_dead() {
-                alive[input as usize] = 0;
-                for &v in &face.vertices {
-                    here[self.order.vertices[v as usize] as usize] = v;
+    pub(super) fn into_mesh(
+        self,
+        input: &TriMesh,
+        attributes: Attributes,
+        pulse: &mut Pulse,
+    ) -> Result<TriMesh, Cancelled> {
+        let Self { vertices, faces, order, corners, n_faces, .. } = self;
+        drop(corners);
+        // By the input's ids: where each face and each vertex that it uses is now.
+        let mut alive = vec![NONE; order.faces.len()];
+        pulse.beat(n_faces)?;
+        let mut here = vec![NONE; vertices.len()];
+        let numbered = (0u32..).step_by(BEAT).zip(faces.chunks(BEAT).zip(order.faces.chunks(BEAT)));
+        for (first, (faces, inputs)) in numbered {
+            pulse.beat(n_faces)?;
+            for ((number, face), &input) in (first..).zip(faces).zip(inputs) {
+                if !face.is_dead() {
+                    alive[input as usize] = number;
+                    for &v in &face.vertices {
+                        here[order.vertices[v as usize] as usize] = v;
+                    }
                 }
             }
         }
-        let mut new_ids = vec![NONE; self.vertices.len()];
-        let mut positions = Vec::with_capacity(self.n_faces / 2 + 3);
         here.retain(|&v| v != NONE);
-        for &v in &here {
-            new_ids[v as usize] = positions.len() as u32;
-            positions.push(self.vertices[v as usize].position);
-        }
-        for (face, &input) in self.order.faces.iter().enumerate() {
-            if alive[input as usize] != NONE {
-                alive[input as usize] = face as u32;
-            }
-        }
+        pulse.beat(n_faces)?;
         alive.retain(|&face| face != NONE);
-        let faces = alive
-            .iter()
-            .map(|&face| self.faces[face as usize].vertices.map(|v| VertexId(new_ids[v as usize])))
-            .collect();
+        let mut new_ids = vec![NONE; vertices.len()];
+        pulse.beat(n_faces)?;
+        let mut n_placed = 0;
+        let positions = pulse.collect(&here, |&v| {
+            new_ids[v as usize] = n_placed;
+            n_placed += 1;
+            vertices[v as usize].position
+        })?;
+        let new_face =
+            |&face: &u32| faces[face as usize].vertices.map(|v| VertexId(new_ids[v as usize]));
+        let new_faces = pulse.collect(&alive, new_face)?;
+        drop(vertices);
+        pulse.beat(n_faces)?;
+        drop(faces);
+        pulse.beat(n_faces)?;
         let layers = attributes.into_layers(input, &here, &alive);
-        TriMesh { positions, faces, layers, materials: input.materials.clone() }
+        let materials = input.materials.clone();
+        Ok(TriMesh { positions, faces: new_faces, layers, materials })
     }
 
     /// Lists the faces around a vertex and forgets those that are gone; `false` when there are more
