@@ -185,7 +185,12 @@ impl Walker<'_> {
 
     /// The squared distance from `point` to the face of `hit`, which may be of another point.
     pub fn distance_sq_to(&self, point: DVec3, hit: &Hit) -> f64 {
-        self.bvh.triangles[hit.slot as usize].distance_sq(point)
+        self.triangle(hit).distance_sq(point)
+    }
+
+    /// The face of `hit`, ready for distances.
+    pub(super) fn triangle(&self, hit: &Hit) -> &PreparedTriangle {
+        &self.bvh.triangles[hit.slot as usize]
     }
 
     /// The face nearest to `point`: `None` when the tree has no face or the point is not finite.

@@ -15,6 +15,8 @@ const N_BINS: usize = 16;
 const SAH_DEPTH: u32 = 40;
 /// Parts of at least this many triangles look whether the work was cancelled.
 const REPORT_SIZE: usize = 2048;
+/// Faces or items of a long loop between two such looks: a millisecond or so.
+const STRIDE: usize = 1 << 15;
 
 /// A face and its box in the tree's frame.
 #[derive(Clone, Copy)]
@@ -74,9 +76,12 @@ pub(super) fn build(mesh: &TriMesh, control: Control) -> Result<Bvh, Cancelled> 
         let corners = [a?, b?, c?];
         corners.iter().all(|&p| is_usable(p)).then_some(corners)
     };
-    let frame = frame_of((0..mesh.faces.len()).filter_map(corners_of).flatten());
+    let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
     let mut items = Vec::with_capacity(mesh.faces.len());
     for face in 0..mesh.faces.len() {
+        if face % STRIDE == 0 {
+            control.at(0.0)?;
+        }
         if let Some(corners) = corners_of(face) {
             let mut bounds = Bounds::EMPTY;
             for corner in corners {
@@ -86,41 +91,58 @@ pub(super) fn build(mesh: &TriMesh, control: Control) -> Result<Bvh, Cancelled> 
             items.push(Item { low: bounds.low, high: bounds.high, face: face as u32 });
         }
     }
-    let mut builder = Builder { nodes: Vec::new(), n_items: items.len(), n_placed: 0, control };
-    let whole = Part { start: 0, end: items.len(), bounds: bounds_of(&items) };
+    let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
+    let main = control.part(0.0, 0.9);
+    let mut builder =
+        Builder { nodes: Vec::new(), n_items: items.len(), n_placed: 0, control: main };
+    let whole = Part { start: 0, end: items.len(), bounds };
     builder.node(&mut items, whole, 0)?;
-    let prepared = |item: &Item| corners_of(item.face as usize).map(PreparedTriangle::new);
-    Ok(Bvh {
-        nodes: builder.nodes,
-        triangles: items.iter().filter_map(prepared).collect(),
-        faces: items.iter().map(|item| FaceId(item.face)).collect(),
-        frame,
-        n_left_out: mesh.faces.len() - items.len(),
-    })
+    let nodes = builder.nodes;
+    let mut triangles = Vec::with_capacity(items.len());
+    let mut faces = Vec::with_capacity(items.len());
+    for chunk in items.chunks(STRIDE) {
+        control.at(0.9 + 0.1 * (faces.len() as f64 / items.len() as f64))?;
+        let prepared = |item: &Item| corners_of(item.face as usize).map(PreparedTriangle::new);
+        triangles.extend(chunk.iter().filter_map(prepared));
+        faces.extend(chunk.iter().map(|item| FaceId(item.face)));
+    }
+    Ok(Bvh { nodes, triangles, faces, frame, n_left_out: mesh.faces.len() - items.len() })
 }
 
-/// The middle of the points, and the power of two that brings them within -1 to 1.
-fn frame_of(points: impl Iterator<Item = DVec3>) -> Frame {
+/// The middle of the faces' corners, and the power of two that brings them within -1 to 1.
+fn frame_of(
+    n_faces: usize,
+    corners_of: impl Fn(usize) -> Option<[DVec3; 3]>,
+    control: Control,
+) -> Result<Frame, Cancelled> {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
-    for point in points {
-        low = low.min(point);
-        high = high.max(point);
+    for face in 0..n_faces {
+        if face % STRIDE == 0 {
+            control.at(0.0)?;
+        }
+        for point in corners_of(face).into_iter().flatten() {
+            low = low.min(point);
+            high = high.max(point);
+        }
     }
     let radius = ((high - low) * 0.5).max_element();
     if !(radius > 1e-150 && radius.is_finite()) {
         let center = if low.is_finite() { low } else { DVec3::ZERO };
-        return Frame { center, scale: 1.0 };
+        return Ok(Frame { center, scale: 1.0 });
     }
-    Frame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() }
+    Ok(Frame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() })
 }
 
-fn bounds_of(items: &[Item]) -> Bounds {
+fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
     let mut bounds = Bounds::EMPTY;
-    for item in items {
-        bounds.add(item.low, item.high);
+    for chunk in items.chunks(STRIDE) {
+        report_long(chunk, control)?;
+        for item in chunk {
+            bounds.add(item.low, item.high);
+        }
     }
-    bounds
+    Ok(bounds)
 }
 
 struct Builder<'a> {
@@ -133,12 +155,14 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Puts the items of `part` under a new node and returns its index.
     fn node(&mut self, items: &mut [Item], part: Part, depth: u32) -> Result<u32, Cancelled> {
+        let done = self.n_placed as f64 / self.n_items.max(1) as f64;
+        let here = self.control.part(done, done);
         if part.len() >= REPORT_SIZE {
-            self.control.at(self.n_placed as f64 / self.n_items as f64)?;
+            here.at(0.0)?;
         }
         let index = self.nodes.len();
         self.nodes.push(Node::empty());
-        let (parts, n_parts) = four_parts(items, part, depth);
+        let (parts, n_parts) = four_parts(items, part, depth, here)?;
         for (lane, &part) in parts[..n_parts].iter().enumerate() {
             let child = match part.len() {
                 0 => EMPTY,
@@ -155,7 +179,12 @@ impl Builder<'_> {
 }
 
 /// Splits a part in up to four, always the largest in area next; says how many there are.
-fn four_parts(items: &mut [Item], part: Part, depth: u32) -> ([Part; 4], usize) {
+fn four_parts(
+    items: &mut [Item],
+    part: Part,
+    depth: u32,
+    control: Control,
+) -> Result<([Part; 4], usize), Cancelled> {
     let mut parts = [part; 4];
     let mut n_parts = 1;
     while n_parts < 4 {
@@ -168,41 +197,65 @@ fn four_parts(items: &mut [Item], part: Part, depth: u32) -> ([Part; 4], usize) 
             }
         }
         let Some(chosen) = chosen else { break };
-        let [left, right] = split(items, parts[chosen], depth);
+        let [left, right] = split(items, parts[chosen], depth, control)?;
         parts[chosen] = left;
         parts[n_parts] = right;
         n_parts += 1;
     }
-    (parts, n_parts)
+    Ok((parts, n_parts))
 }
 
 /// Splits a part of at least two items in two that are not empty.
-fn split(items: &mut [Item], part: Part, depth: u32) -> [Part; 2] {
+fn split(
+    items: &mut [Item],
+    part: Part,
+    depth: u32,
+    control: Control,
+) -> Result<[Part; 2], Cancelled> {
     let slice = &mut items[part.start..part.end];
     let mut centers = Bounds::EMPTY;
-    for item in slice.iter() {
-        centers.add(item.center(), item.center());
+    for chunk in slice.chunks(STRIDE) {
+        report_long(chunk, control)?;
+        for item in chunk {
+            centers.add(item.center(), item.center());
+        }
     }
     let extent = centers.high - centers.low;
     let axis = extent.max_position();
     let by_bins = if extent[axis] > 0.0 && depth < SAH_DEPTH {
-        split_by_area(slice, axis, centers.low[axis], extent[axis])
+        split_by_area(slice, axis, centers.low[axis], extent[axis], control)?
     } else {
         None
     };
-    let (count, bounds) = by_bins.unwrap_or_else(|| {
-        let half = slice.len() / 2;
-        slice.select_nth_unstable_by(half, |a, b| {
-            a.center()[axis].total_cmp(&b.center()[axis]).then(a.face.cmp(&b.face))
-        });
-        (half, [bounds_of(&slice[..half]), bounds_of(&slice[half..])])
-    });
+    let (count, bounds) = match by_bins {
+        Some(found) => found,
+        None => split_by_count(slice, axis, control)?,
+    };
     let cut = part.start + count;
     let [below, above] = bounds;
-    [
+    Ok([
         Part { start: part.start, end: cut, bounds: below },
         Part { start: cut, end: part.end, bounds: above },
-    ]
+    ])
+}
+
+/// Looks whether the work was cancelled, if the chunk of a loop is a whole one.
+fn report_long(chunk: &[Item], control: Control) -> Result<(), Cancelled> {
+    if chunk.len() == STRIDE { control.at(0.0) } else { Ok(()) }
+}
+
+/// Reorders the items by the median of their centers; returns as [`split_by_area`] does.
+fn split_by_count(
+    slice: &mut [Item],
+    axis: usize,
+    control: Control,
+) -> Result<(usize, [Bounds; 2]), Cancelled> {
+    let half = slice.len() / 2;
+    slice.select_nth_unstable_by(half, |a, b| {
+        a.center()[axis].total_cmp(&b.center()[axis]).then(a.face.cmp(&b.face))
+    });
+    let (below, above) = slice.split_at(half);
+    Ok((half, [bounds_of(below, control)?, bounds_of(above, control)?]))
 }
 
 /// Reorders the items by the cheapest plane between bins; returns how many lie before it, and the
@@ -212,16 +265,20 @@ fn split_by_area(
     axis: usize,
     low: f32,
     extent: f32,
-) -> Option<(usize, [Bounds; 2])> {
+    control: Control,
+) -> Result<Option<(usize, [Bounds; 2])>, Cancelled> {
     let n_bins = if slice.len() < 2 * N_BINS { N_BINS / 2 } else { N_BINS };
     let per_extent = n_bins as f32 * (1.0 - 1e-6) / extent;
     let bin_of =
         |item: &Item| (((item.center()[axis] - low) * per_extent) as i32 as usize).min(n_bins - 1);
     let mut bins = [(Bounds::EMPTY, 0usize); N_BINS];
-    for item in slice.iter() {
-        let (bounds, count) = &mut bins[bin_of(item)];
-        bounds.add(item.low, item.high);
-        *count += 1;
+    for chunk in slice.chunks(STRIDE) {
+        report_long(chunk, control)?;
+        for item in chunk {
+            let (bounds, count) = &mut bins[bin_of(item)];
+            bounds.add(item.low, item.high);
+            *count += 1;
+        }
     }
     let mut above = [(Bounds::EMPTY, 0); N_BINS];
     for cut in (1..n_bins).rev() {
@@ -242,15 +299,18 @@ fn split_by_area(
             best = Some((total, cut, [below.0, above[cut].0]));
         }
     }
-    let (_, cut, bounds) = best?;
+    let Some((_, cut, bounds)) = best else { return Ok(None) };
     let mut n_before = 0;
     for k in 0..slice.len() {
+        if k % STRIDE == STRIDE - 1 {
+            control.at(0.0)?;
+        }
         if bin_of(&slice[k]) < cut {
             slice.swap(n_before, k);
             n_before += 1;
         }
     }
-    Some((n_before, bounds))
+    Ok(Some((n_before, bounds)))
 }
 
 #[cfg(test)]

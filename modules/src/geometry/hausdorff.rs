@@ -16,7 +16,7 @@ use thiserror::Error;
 use super::bvh::{Bvh, Hit};
 use super::control::{Cancelled, Control};
 use super::hausdorff_max::{Found, MaxSearch, search};
-use super::morton::morton_order;
+use super::morton::{morton_order, sort_by_code};
 use super::sample::{SurfaceSampler, sample_edges};
 use crate::data::{Domain, Field, TriMesh};
 
@@ -42,7 +42,8 @@ pub struct HausdorffOptions {
     /// this fraction of the diagonal of the original. `None`: no bisection, the maximum is the
     /// largest of the samples and has no upper bound.
     pub max_tolerance: Option<f64>,
-    /// Parts of faces that one bisection may look at before it gives up with what bounds it has.
+    /// Parts of faces, beyond all faces and their quarters, that one bisection may look at before it
+    /// gives up with what bounds it has.
     pub max_parts: usize,
 }
 
@@ -53,7 +54,7 @@ impl HausdorffOptions {
         seed: 0,
         n_edge_samples: 0,
         max_tolerance: Some(1e-5),
-        max_parts: 400_000,
+        max_parts: 1_000_000,
     };
 }
 
@@ -206,9 +207,12 @@ fn surface<'a>(
     }
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
-    for v in bvh.faces().iter().flat_map(|f| mesh.faces[f.idx()]) {
-        low = low.min(mesh.positions[v.idx()]);
-        high = high.max(mesh.positions[v.idx()]);
+    for chunk in bvh.faces().chunks(CHUNK) {
+        control.at(1.0)?;
+        for v in chunk.iter().flat_map(|f| mesh.faces[f.idx()]) {
+            low = low.min(mesh.positions[v.idx()]);
+            high = high.max(mesh.positions[v.idx()]);
+        }
     }
     Ok(Surface { mesh, bvh, diagonal: (high - low).length() })
 }
@@ -226,11 +230,15 @@ fn directed(
     values.extend(hits.iter().map(|h| h.map_or(f64::NAN, |h| h.distance_sq.sqrt())));
     let default = (10 * from.mesh.faces.len().max(to.mesh.faces.len())).clamp(100_000, 2_000_000);
     let n_samples = options.n_samples.unwrap_or(default);
-    let sampler = SurfaceSampler::new(from.mesh, n_samples, options.seed);
-    let mut sums = sample_sums(&sampler, &to.bvh, control.part(0.1, 0.7))?;
-    for v in from.bvh.faces().iter().flat_map(|f| from.mesh.faces[f.idx()]) {
-        if let Some(hit) = hits[v.idx()] {
-            sums.most.offer(hit.distance_sq, from.mesh.positions[v.idx()]);
+    let set_up = control.part(0.1, 0.12);
+    let sampler = SurfaceSampler::new(from.mesh, n_samples, options.seed, set_up)?;
+    let mut sums = sample_sums(&sampler, &to.bvh, control.part(0.12, 0.7))?;
+    for chunk in from.bvh.faces().chunks(CHUNK) {
+        control.at(0.7)?;
+        for v in chunk.iter().flat_map(|f| from.mesh.faces[f.idx()]) {
+            if let Some(hit) = hits[v.idx()] {
+                sums.most.offer(hit.distance_sq, from.mesh.positions[v.idx()]);
+            }
         }
     }
     offer_edges(from, to, options, &mut sums.most, control.part(0.7, 0.7))?;
@@ -248,7 +256,7 @@ fn directed(
     }
     control.at(1.0)?;
     if sums.n == 0 {
-        sums = vertex_sums(from, &hits, sums.most);
+        sums = vertex_sums(from, &hits, sums.most, control.part(1.0, 1.0))?;
     }
     let n = sums.n.max(1) as f64;
     let directed = Directed {
@@ -265,7 +273,7 @@ fn directed(
 
 /// The nearest face of each vertex of `mesh`, `None` where the vertex is not finite.
 fn vertex_hits(mesh: &TriMesh, to: &Bvh, control: Control) -> Result<Vec<Option<Hit>>, Cancelled> {
-    let order = morton_order(&mesh.positions);
+    let order = morton_order(&mesh.positions, control.part(0.0, 0.0))?;
     let steps = control.steps(order.len().div_ceil(CHUNK));
     let found: Vec<Vec<Option<Hit>>> = order
         .par_chunks(CHUNK)
@@ -337,18 +345,26 @@ fn chunk_sums(mut points: impl Iterator<Item = DVec3>, to: &Bvh) -> Sums {
 }
 
 /// Sums over the vertices that faces use, where there is no area to sum over.
-fn vertex_sums(from: &Surface, hits: &[Option<Hit>], most: Found) -> Sums {
-    let mut used: Vec<usize> =
-        from.bvh.faces().iter().flat_map(|f| from.mesh.faces[f.idx()]).map(|v| v.idx()).collect();
-    used.sort_unstable();
-    used.dedup();
-    let distances = || used.iter().filter_map(|&v| hits[v]).map(|h| h.distance_sq);
-    Sums {
-        distance: distances().map(f64::sqrt).sum(),
-        distance_sq: distances().sum(),
-        n: distances().count(),
-        most,
+fn vertex_sums(
+    from: &Surface,
+    hits: &[Option<Hit>],
+    most: Found,
+    control: Control,
+) -> Result<Sums, Cancelled> {
+    let mut is_counted = vec![false; hits.len()];
+    let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most };
+    for chunk in from.bvh.faces().chunks(CHUNK) {
+        control.at(0.0)?;
+        for v in chunk.iter().flat_map(|f| from.mesh.faces[f.idx()]) {
+            let is_new = !std::mem::replace(&mut is_counted[v.idx()], true);
+            if let Some(hit) = hits[v.idx()].filter(|_| is_new) {
+                sums.distance += hit.distance_sq.sqrt();
+                sums.distance_sq += hit.distance_sq;
+                sums.n += 1;
+            }
+        }
     }
+    Ok(sums)
 }
 
 /// Looks along the edges for a larger maximum.
@@ -362,16 +378,24 @@ fn offer_edges(
     if options.n_edge_samples == 0 {
         return Ok(());
     }
-    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * from.bvh.n_faces());
-    for face in from.bvh.faces() {
-        let [a, b, c] = from.mesh.faces[face.idx()].map(|v| v.0);
-        edges.extend([[a, b], [b, c], [c, a]].map(|[v, w]| [v.min(w), v.max(w)]));
+    let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * from.bvh.n_faces());
+    for chunk in from.bvh.faces().chunks(CHUNK) {
+        control.at(0.0)?;
+        for face in chunk {
+            let [a, b, c] = from.mesh.faces[face.idx()].map(|v| u64::from(v.0));
+            edges.extend([[a, b], [b, c], [c, a]].map(|[v, w]| (v.min(w) << 32 | v.max(w), 0)));
+        }
     }
-    edges.sort_unstable();
+    sort_by_code(&mut edges, control)?;
     edges.dedup();
-    let ends: Vec<[DVec3; 2]> =
-        edges.iter().map(|e| e.map(|v| from.mesh.positions[v as usize])).collect();
-    let points = sample_edges(&ends, options.n_edge_samples, options.seed ^ EDGE_STREAM);
+    let end = |v: u64| from.mesh.positions[v as u32 as usize];
+    let mut ends: Vec<[DVec3; 2]> = Vec::with_capacity(edges.len());
+    for chunk in edges.chunks(CHUNK) {
+        control.at(0.0)?;
+        ends.extend(chunk.iter().map(|&(edge, _)| [end(edge >> 32), end(edge)]));
+    }
+    let seed = options.seed ^ EDGE_STREAM;
+    let points = sample_edges(&ends, options.n_edge_samples, seed, control)?;
     let chunks: Vec<Sums> = points
         .par_chunks(CHUNK)
         .map(|chunk| {

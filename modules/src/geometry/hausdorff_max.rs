@@ -1,25 +1,39 @@
 //! The largest distance of a surface from another, between two bounds.
 //!
 //! Branch and bound over parts of faces, as in Kang, Kyung, Yoon & Kim, "Fast and robust Hausdorff
-//! distance computation from triangle mesh to quad mesh in near-zero cases", CAGD 2018, with this
-//! bound: the distance from one triangle of the target is a convex function of the point, so over
-//! a part of a face it is largest at a corner of that part, and so is the distance from the whole
-//! target at most `min over triangles t of (max over corners of distance to t)`. The triangles
-//! tried are those nearest to the corners and to the center. Where the target is finer than the
-//! part, [`covered`] bounds better: the distance changes no faster than the point moves. A part whose bound exceeds the largest
-//! distance found so far by more than the tolerance is split in four.
+//! distance computation from triangle mesh to quad mesh in near-zero cases", CAGD 2018, with these
+//! bounds:
 //!
-//! Parts are looked at in rounds, whose results do not depend on threads.
+//! - The distance from one triangle of the target is a convex function of the point, so over a
+//!   convex piece of a face it is largest at a corner, and so is the distance from the whole
+//!   target at most `min over triangles t of (max over corners of distance to t)`. The triangles
+//!   tried are those nearest to the corners and to the center.
+//! - Where the target is finer than the part, [`covered`] bounds better: the distance changes no
+//!   faster than the point moves.
+//! - A part over several triangles is cut along their sides until each piece is over one of them:
+//!   [`Splitter::cover`]. The first bound then holds piece by piece, wherever the cuts are. Two
+//!   triangulations of the same plane need this, as a part over an edge between two triangles
+//!   otherwise stays open until it is as small as the tolerance.
+//!
+//! A part whose bound exceeds the largest distance found so far by more than the tolerance is
+//! split in four. Parts are looked at in rounds, whose results do not depend on threads.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, Hit, Walker};
 use super::control::{Cancelled, Control};
+use super::point_triangle::PreparedTriangle;
 use crate::data::{FaceId, TriMesh};
 
 /// Parts of one chunk.
 const CHUNK: usize = 1024;
+/// Pieces that one part is cut into before it is split in four instead: more close more parts, but
+/// cost more where they fail. 32 is best on the bench `hausdorff`.
+const MOST_CUTS: usize = 32;
+/// A piece that lies beyond a side by less than this part of the height over that side is not cut
+/// by it: pieces as thin as the rounding of their corners are over neither of two triangles.
+const SLACK: f64 = 1e-10;
 
 /// The farthest point so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +64,7 @@ pub(super) struct MaxSearch<'a> {
     pub vertex_hits: &'a [Option<Hit>],
     /// In model units.
     pub tolerance: f64,
-    /// After so many parts the search ends.
+    /// After so many parts other than faces and quarters of faces the search ends.
     pub max_parts: usize,
 }
 
@@ -59,6 +73,8 @@ pub(super) struct MaxSearch<'a> {
 struct Part {
     corners: [DVec3; 3],
     hits: [Hit; 3],
+    /// Of the center; any in parts that are let go.
+    center: Hit,
     /// No point of the part is farther, squared.
     bound_sq: f64,
 }
@@ -69,13 +85,27 @@ pub(super) fn search(
     most: &mut Found,
     control: Control,
 ) -> Result<f64, Cancelled> {
-    let mut parts = first_parts(task, most, control)?;
-    let mut n_seen = parts.len();
+    let mut round = merged(
+        task.faces
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                control.at(0.0)?;
+                Ok(first_parts(task, chunk, *most))
+            })
+            .collect::<Result<_, Cancelled>>()?,
+        most,
+        control,
+    )?;
+    let mut n_seen = 0;
+    let max_parts = task.max_parts.saturating_add(4 * task.faces.len());
     // The largest bound among the parts that were let go.
     let mut closed_sq = most.distance_sq.max(0.0);
-    while !parts.is_empty() {
-        control.at((n_seen as f64 / task.max_parts.max(1) as f64).min(1.0))?;
+    loop {
+        let done = (n_seen as f64 / max_parts.max(1) as f64).min(1.0);
+        let here = control.part(done, done);
         let limit_sq = limit_sq(task, most);
+        closed_sq = closed_sq.max(round.closed_sq);
+        let mut parts = round.open;
         parts.retain(|part| {
             let is_open = part.bound_sq > limit_sq;
             if !is_open {
@@ -83,26 +113,43 @@ pub(super) fn search(
             }
             is_open
         });
-        if n_seen + 4 * parts.len() > task.max_parts {
-            break;
-        }
         n_seen += 4 * parts.len();
-        let rounds: Vec<(Vec<Part>, Found, f64)> = parts
+        if parts.is_empty() || n_seen > max_parts {
+            let open_sq = parts.iter().map(|part| part.bound_sq).fold(0.0, f64::max);
+            return Ok(closed_sq.max(open_sq).max(most.distance_sq).sqrt());
+        }
+        let rounds = parts
             .par_chunks(CHUNK)
             .map(|chunk| {
-                control.at(0.0)?;
+                here.at(0.0)?;
                 Ok(split_all(task, chunk, *most))
             })
             .collect::<Result<_, Cancelled>>()?;
-        parts.clear();
-        for (children, found, closed) in rounds {
-            parts.extend(children);
-            most.offer(found.distance_sq, found.point);
-            closed_sq = closed_sq.max(closed);
-        }
+        drop(parts);
+        round = merged(rounds, most, here)?;
     }
-    let open_sq = parts.iter().map(|part| part.bound_sq).fold(0.0, f64::max);
-    Ok(closed_sq.max(open_sq).max(most.distance_sq).sqrt())
+}
+
+/// What became of the parts of a chunk or of a round.
+struct Round {
+    /// Parts that may hold the maximum.
+    open: Vec<Part>,
+    found: Found,
+    /// The largest bound of the parts that were let go.
+    closed_sq: f64,
+}
+
+/// Puts the chunks of a round together.
+fn merged(chunks: Vec<Round>, most: &mut Found, control: Control) -> Result<Round, Cancelled> {
+    let n_open = chunks.iter().map(|chunk| chunk.open.len()).sum();
+    let mut round = Round { open: Vec::with_capacity(n_open), found: *most, closed_sq: 0.0 };
+    for chunk in chunks {
+        control.at(0.0)?;
+        round.open.extend(chunk.open);
+        round.closed_sq = round.closed_sq.max(chunk.closed_sq);
+        most.offer(chunk.found.distance_sq, chunk.found.point);
+    }
+    Ok(round)
 }
 
 /// Parts up to this squared bound need no closer look.
@@ -111,104 +158,250 @@ fn limit_sq(task: &MaxSearch, most: &Found) -> f64 {
     limit * limit
 }
 
-/// The faces that may hold something farther than `most`.
-fn first_parts(
-    task: &MaxSearch,
-    most: &mut Found,
-    control: Control,
-) -> Result<Vec<Part>, Cancelled> {
-    let limit_sq = limit_sq(task, most);
-    let rounds: Vec<(Vec<Part>, Found)> = task
-        .faces
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            control.at(0.0)?;
-            let mut walker = task.to.walker();
-            let mut found = *most;
-            let mut parts = Vec::new();
-            for face in chunk {
-                let corners = task.mesh.corners(*face);
-                let hits = task.mesh.faces[face.idx()].map(|v| task.vertex_hits[v.idx()]);
-                let [Some(a), Some(b), Some(c)] = hits else { continue };
-                let part = bounded(&mut walker, corners, [a, b, c], limit_sq, &mut found);
-                parts.push(part);
-            }
-            Ok((parts, found))
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let mut parts = Vec::new();
-    for (round, found) in rounds {
-        parts.extend(round);
-        most.offer(found.distance_sq, found.point);
+/// Bounds faces as they are.
+fn first_parts(task: &MaxSearch, faces: &[FaceId], most: Found) -> Round {
+    let mut splitter = Splitter::new(task, most);
+    for face in faces {
+        let hits = task.mesh.faces[face.idx()].map(|v| task.vertex_hits[v.idx()]);
+        // The corners of usable faces are usable.
+        let [Some(a), Some(b), Some(c)] = hits else { continue };
+        splitter.add(task.mesh.corners(*face), [a, b, c], a, f64::INFINITY);
     }
-    Ok(parts)
+    splitter.round
 }
 
-/// Splits parts in four: the children that stay open, what was found, and the largest bound of
-/// the children that were closed.
-fn split_all(task: &MaxSearch, parts: &[Part], most: Found) -> (Vec<Part>, Found, f64) {
-    let limit_sq = limit_sq(task, &most);
-    let mut walker = task.to.walker();
-    let mut found = most;
-    let mut closed_sq = 0.0f64;
-    let mut open = Vec::new();
+/// Splits parts.
+fn split_all(task: &MaxSearch, parts: &[Part], most: Found) -> Round {
+    let mut splitter = Splitter::new(task, most);
     for part in parts {
+        if !splitter.cover(part) {
+            splitter.quarter(part);
+        }
+    }
+    splitter.round
+}
+
+/// Bounds and splits the parts of one chunk.
+struct Splitter<'a> {
+    walker: Walker<'a>,
+    limit_sq: f64,
+    round: Round,
+    /// What is left of the part in work, each with a triangle that it was cut off from.
+    pieces: Vec<(Polygon, Hit)>,
+}
+
+impl<'a> Splitter<'a> {
+    fn new(task: &MaxSearch<'a>, most: Found) -> Self {
+        Self {
+            walker: task.to.walker(),
+            limit_sq: limit_sq(task, &most),
+            round: Round { open: Vec::new(), found: most, closed_sq: 0.0 },
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Bounds a part of what was bounded by `bound_sq`; keeps it if it may hold the maximum.
+    /// `near` is a hit of a point near it.
+    fn add(&mut self, corners: [DVec3; 3], hits: [Hit; 3], near: Hit, bound_sq: f64) {
+        let mut part = self.bounded(corners, hits, near);
+        part.bound_sq = part.bound_sq.min(bound_sq);
+        if part.bound_sq > self.limit_sq {
+            self.round.open.push(part);
+        } else {
+            self.close(part.bound_sq);
+        }
+    }
+
+    /// Lets something go.
+    fn close(&mut self, bound_sq: f64) {
+        self.round.closed_sq = self.round.closed_sq.max(bound_sq);
+    }
+
+    /// Splits a part in four at the middles of its sides.
+    fn quarter(&mut self, part: &Part) {
         let [a, b, c] = part.corners;
         let middles = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
-        walker.start_from(&part.hits[0]);
-        let [Some(hit_ab), Some(hit_bc), Some(hit_ca)] = middles.map(|m| walker.closest(m)) else {
-            continue;
+        self.walker.start_from(&part.center);
+        let [Some(hit_ab), Some(hit_bc), Some(hit_ca)] = middles.map(|m| self.walker.closest(m))
+        else {
+            // Middles of usable points are usable.
+            return self.close(part.bound_sq);
         };
         for (hit, middle) in [hit_ab, hit_bc, hit_ca].iter().zip(middles) {
-            found.offer(hit.distance_sq, middle);
+            self.round.found.offer(hit.distance_sq, middle);
         }
         let [ab, bc, ca] = middles;
         let [hit_a, hit_b, hit_c] = part.hits;
-        for (corners, hits) in [
-            ([a, ab, ca], [hit_a, hit_ab, hit_ca]),
-            ([ab, b, bc], [hit_ab, hit_b, hit_bc]),
-            ([ca, bc, c], [hit_ca, hit_bc, hit_c]),
-            ([ab, bc, ca], [hit_ab, hit_bc, hit_ca]),
-        ] {
-            let mut child = bounded(&mut walker, corners, hits, limit_sq, &mut found);
-            child.bound_sq = child.bound_sq.min(part.bound_sq);
-            if child.bound_sq > limit_sq {
-                open.push(child);
-            } else {
-                closed_sq = closed_sq.max(child.bound_sq);
+        self.add([a, ab, ca], [hit_a, hit_ab, hit_ca], part.center, part.bound_sq);
+        self.add([ab, b, bc], [hit_ab, hit_b, hit_bc], part.center, part.bound_sq);
+        self.add([ca, bc, c], [hit_ca, hit_bc, hit_c], part.center, part.bound_sq);
+        self.add([ab, bc, ca], [hit_ab, hit_bc, hit_ca], part.center, part.bound_sq);
+    }
+
+    /// Tries to let a part go by cutting it along the sides of the triangles that it is over;
+    /// says whether it did.
+    ///
+    /// The pieces cover the part but for the rounding of their corners, whatever is cut off where,
+    /// and each is let go by the largest distance of its corners from one triangle `t`. That
+    /// distance is convex, so no point of the piece is farther from `t`, nor from the target, and
+    /// the largest of these bounds is one of the part. Slivers are pieces like others: none is
+    /// dropped. After [`MOST_CUTS`], or when a piece has nothing over the triangle nearest to its
+    /// center, the pieces are forgotten and the part is left to [`Splitter::quarter`].
+    fn cover(&mut self, part: &Part) -> bool {
+        let mut bound_sq = 0.0f64;
+        let mut center = Some(part.center);
+        self.pieces.clear();
+        self.pieces.push((Polygon::of(part.corners), part.center));
+        for _ in 0..MOST_CUTS {
+            let Some((piece, beside)) = self.pieces.pop() else {
+                self.close(bound_sq.min(part.bound_sq));
+                return true;
+            };
+            // The whole part's center is known, and no triangle nearest to a corner closes it.
+            let known = center.take();
+            if known.is_none() {
+                let by_beside = piece.most_sq(self.walker.triangle(&beside));
+                if by_beside <= self.limit_sq {
+                    bound_sq = bound_sq.max(by_beside);
+                    continue;
+                }
+            }
+            let Some(hit) = known.or_else(|| self.ask(piece.center(), &beside)) else {
+                return false;
+            };
+            let Some(by_target) = self.cut_off(piece, &hit) else { return false };
+            bound_sq = bound_sq.max(by_target);
+        }
+        false
+    }
+
+    /// The triangle nearest to a point near `start`; the point may be the farthest.
+    fn ask(&mut self, point: DVec3, start: &Hit) -> Option<Hit> {
+        self.walker.start_from(start);
+        let hit = self.walker.closest(point)?;
+        self.round.found.offer(hit.distance_sq, point);
+        Some(hit)
+    }
+
+    /// Lets go what of the piece is over the triangle of `hit` and leaves the rest in `pieces`.
+    /// Returns the squared bound of what it let go, or nothing when it left all as it was.
+    ///
+    /// "Over" is wider than the triangle by a margin at first: as long as points stay nearer than
+    /// the largest distance found, it costs nothing, and takes along what is nearest to a side.
+    fn cut_off(&mut self, piece: Polygon, hit: &Hit) -> Option<f64> {
+        let target = *self.walker.triangle(hit);
+        let n_pieces = self.pieces.len();
+        let margin = 0.5 * (self.round.found.distance_sq - hit.distance_sq).max(0.0).sqrt();
+        for margin in [margin, 0.0] {
+            let mut inside = piece;
+            for (side, slope) in target.slopes().into_iter().enumerate() {
+                let (within, beyond) = inside.cut(&target, side, margin * slope)?;
+                if within.n == 0 {
+                    return None;
+                }
+                if beyond.n > 0 {
+                    self.pieces.push((beyond, *hit));
+                }
+                inside = within;
+            }
+            let bound_sq = inside.most_sq(&target);
+            if bound_sq <= self.limit_sq {
+                return Some(bound_sq);
+            }
+            self.pieces.truncate(n_pieces);
+        }
+        None
+    }
+
+    /// Bounds the distance over a triangle whose corners have these hits.
+    fn bounded(&mut self, corners: [DVec3; 3], hits: [Hit; 3], near: Hit) -> Part {
+        let mut part = Part { corners, hits, center: near, bound_sq: f64::INFINITY };
+        let most_sq = |walker: &Walker, hit: &Hit| {
+            corners.iter().map(|&p| walker.distance_sq_to(p, hit)).fold(0.0, f64::max)
+        };
+        for hit in hits.iter().chain([&near]) {
+            part.bound_sq = part.bound_sq.min(most_sq(&self.walker, hit));
+            if part.bound_sq <= self.limit_sq {
+                return part;
             }
         }
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        if let Some(hit) = self.ask(center, &near) {
+            part.center = hit;
+            let by_center = covered(corners, hits.map(|h| h.distance_sq), center, hit.distance_sq);
+            part.bound_sq =
+                part.bound_sq.min(most_sq(&self.walker, &hit)).min(by_center * by_center);
+        }
+        part
     }
-    (open, found, closed_sq)
 }
 
-/// Bounds the distance over a triangle whose corners have these hits.
-fn bounded(
-    walker: &mut Walker,
-    corners: [DVec3; 3],
-    hits: [Hit; 3],
-    limit_sq: f64,
-    found: &mut Found,
-) -> Part {
-    let bound_by = |walker: &Walker, hit: &Hit| {
-        corners.iter().map(|&p| walker.distance_sq_to(p, hit)).fold(0.0, f64::max)
-    };
-    let mut bound_sq = f64::INFINITY;
-    for hit in &hits {
-        bound_sq = bound_sq.min(bound_by(walker, hit));
-        if bound_sq <= limit_sq {
-            return Part { corners, hits, bound_sq };
+/// A convex polygon.
+#[derive(Clone, Copy)]
+struct Polygon {
+    points: [DVec3; Self::MAX],
+    n: usize,
+}
+
+impl Polygon {
+    /// A cut adds a corner at most; a polygon with more is not made.
+    const MAX: usize = 14;
+    const EMPTY: Self = Self { points: [DVec3::NAN; Self::MAX], n: 0 };
+
+    fn of(corners: [DVec3; 3]) -> Self {
+        let mut polygon = Self { n: 3, ..Self::EMPTY };
+        polygon.points[..3].copy_from_slice(&corners);
+        polygon
+    }
+
+    fn points(&self) -> &[DVec3] {
+        &self.points[..self.n]
+    }
+
+    /// Adds a corner, if there is room and it is finite.
+    fn push(&mut self, point: DVec3) -> Option<()> {
+        *self.points.get_mut(self.n).filter(|_| point.is_finite())? = point;
+        self.n += 1;
+        Some(())
+    }
+
+    fn center(&self) -> DVec3 {
+        self.points().iter().sum::<DVec3>() / self.n as f64
+    }
+
+    /// The largest squared distance of a point of the polygon from the triangle.
+    fn most_sq(&self, target: &PreparedTriangle) -> f64 {
+        self.points().iter().map(|&p| target.distance_sq(p)).fold(0.0, f64::max)
+    }
+
+    /// The piece where a barycentric coordinate is at least `-margin`, and the other; nothing
+    /// when one of them would have too many corners.
+    fn cut(&self, target: &PreparedTriangle, side: usize, margin: f64) -> Option<(Self, Self)> {
+        let (mut within, mut beyond) = (Self::EMPTY, Self::EMPTY);
+        let mut at = [0.0; Self::MAX];
+        for (at, &point) in at.iter_mut().zip(self.points()) {
+            *at = target.coordinates(point)[side] + margin;
         }
+        if at[..self.n].iter().all(|&at| at > -SLACK) {
+            return Some((*self, beyond));
+        }
+        for (k, &point) in self.points().iter().enumerate() {
+            let next = (k + 1) % self.n;
+            let is_within = at[k] >= 0.0;
+            if is_within {
+                within.push(point)?;
+            } else {
+                beyond.push(point)?;
+            }
+            if is_within != (at[next] >= 0.0) {
+                let share = at[k] / (at[k] - at[next]);
+                let between = point + (self.points[next] - point) * share;
+                within.push(between)?;
+                beyond.push(between)?;
+            }
+        }
+        Some((within, beyond))
     }
-    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-    walker.start_from(&hits[0]);
-    if let Some(hit) = walker.closest(center) {
-        found.offer(hit.distance_sq, center);
-        bound_sq = bound_sq.min(bound_by(walker, &hit));
-        let by_center = covered(corners, hits.map(|h| h.distance_sq), center, hit.distance_sq);
-        bound_sq = bound_sq.min(by_center * by_center);
-    }
-    Part { corners, hits, bound_sq }
 }
 
 /// A bound from the distances at the corners and the center alone: moving by some length changes

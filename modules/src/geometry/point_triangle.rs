@@ -53,6 +53,21 @@ impl PreparedTriangle {
         }
     }
 
+    /// The barycentric coordinates of the point of the triangle's plane below `point`: linear in
+    /// it, all positive above the inside, not numbers for a flat triangle.
+    #[inline]
+    pub fn coordinates(&self, point: DVec3) -> [f64; 3] {
+        let ap = point - self.a;
+        let at_b = ap.dot(self.dual_b);
+        let at_c = ap.dot(self.dual_c);
+        [1.0 - at_b - at_c, at_b, at_c]
+    }
+
+    /// By how much each barycentric coordinate changes at most per length moved.
+    pub fn slopes(&self) -> [f64; 3] {
+        [self.dual_b + self.dual_c, self.dual_b, self.dual_c].map(DVec3::length)
+    }
+
     /// The squared distance from `point`, in squared model units.
     #[inline]
     pub fn distance_sq(&self, point: DVec3) -> f64 {

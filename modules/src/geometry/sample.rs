@@ -15,9 +15,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::control::{Cancelled, Control};
 use super::morton::morton_order;
 use crate::data::{FaceId, TriMesh};
 
+/// Faces or edges between two looks whether the work was cancelled.
+const STRIDE: usize = 1 << 15;
 /// Four-way divisions within a face at most: with 12, cells are 1/4096 of a side.
 const MOST_LEVELS: u32 = 12;
 
@@ -77,21 +80,31 @@ pub struct SurfaceSampler<'a> {
 }
 
 impl<'a> SurfaceSampler<'a> {
-    /// Prepares `n_samples` samples, O(faces × log faces). Faces without a positive, finite area
-    /// get none; a mesh of such faces has no samples.
-    pub fn new(mesh: &'a TriMesh, n_samples: usize, seed: u64) -> Self {
-        let corners: Vec<Option<[DVec3; 3]>> =
-            (0..mesh.faces.len()).map(|f| corners_of(mesh, f)).collect();
-        let center = |corners: &Option<[DVec3; 3]>| match corners {
-            Some([a, b, c]) => (a + b + c) / 3.0,
-            None => DVec3::NAN,
-        };
-        let centers: Vec<DVec3> = corners.iter().map(center).collect();
-        let mut faces = Vec::with_capacity(corners.len());
-        let mut areas_before = Vec::with_capacity(corners.len() + 1);
+    /// Prepares `n_samples` samples, O(faces). Faces without a positive, finite area get none; a
+    /// mesh of such faces has no samples.
+    pub fn new(
+        mesh: &'a TriMesh,
+        n_samples: usize,
+        seed: u64,
+        control: Control,
+    ) -> Result<Self, Cancelled> {
+        let n_faces = mesh.faces.len();
+        let mut centers = Vec::with_capacity(n_faces);
+        for face in 0..n_faces {
+            if face % STRIDE == 0 {
+                control.at(0.0)?;
+            }
+            let center = corners_of(mesh, face).map(|[a, b, c]| (a + b + c) / 3.0);
+            centers.push(center.unwrap_or(DVec3::NAN));
+        }
+        let mut faces = Vec::with_capacity(n_faces);
+        let mut areas_before = Vec::with_capacity(n_faces + 1);
         let mut total = 0.0;
-        for face in morton_order(&centers) {
-            let Some([a, b, c]) = corners[face as usize] else { continue };
+        for (k, face) in morton_order(&centers, control.part(0.1, 0.1))?.into_iter().enumerate() {
+            if k % STRIDE == 0 {
+                control.at(0.5 + 0.5 * (k as f64 / n_faces as f64))?;
+            }
+            let Some([a, b, c]) = corners_of(mesh, face as usize) else { continue };
             let area = 0.5 * (b - a).cross(c - a).length();
             if area > 0.0 && area.is_finite() {
                 faces.push(FaceId(face));
@@ -101,7 +114,7 @@ impl<'a> SurfaceSampler<'a> {
         }
         areas_before.push(total);
         let n_samples = if faces.is_empty() { 0 } else { n_samples };
-        Self { mesh, faces, areas_before, n_samples, random: IndexedRandom::new(seed) }
+        Ok(Self { mesh, faces, areas_before, n_samples, random: IndexedRandom::new(seed) })
     }
 
     /// How many samples there are.
@@ -204,25 +217,40 @@ impl FaceCells {
 /// `n_samples` points on the edges of the faces, uniform by length and stratified along them.
 ///
 /// `edges` are pairs of points; those without a positive, finite length get none.
-pub fn sample_edges(edges: &[[DVec3; 2]], n_samples: usize, seed: u64) -> Vec<DVec3> {
+pub fn sample_edges(
+    edges: &[[DVec3; 2]],
+    n_samples: usize,
+    seed: u64,
+    control: Control,
+) -> Result<Vec<DVec3>, Cancelled> {
     let length = |[a, b]: &[DVec3; 2]| Some(a.distance(*b)).filter(|&l| l > 0.0 && l.is_finite());
-    let total: f64 = edges.iter().filter_map(length).sum();
+    let mut total = 0.0;
+    for chunk in edges.chunks(STRIDE) {
+        control.at(0.0)?;
+        total += chunk.iter().filter_map(length).sum::<f64>();
+    }
     let step = total / n_samples.max(1) as f64;
     let random = IndexedRandom::new(seed);
     let mut points = Vec::with_capacity(n_samples);
     let mut before = 0.0;
-    for edge in edges {
+    for (k, edge) in edges.iter().enumerate() {
+        if k % STRIDE == 0 {
+            control.at(k as f64 / edges.len() as f64)?;
+        }
         let Some(length) = length(edge) else { continue };
         while points.len() < n_samples {
             let place = (points.len() as f64 + random.unit(points.len() as u64)) * step;
             if place >= before + length {
                 break;
             }
+            if points.len() % STRIDE == STRIDE - 1 {
+                control.at(k as f64 / edges.len() as f64)?;
+            }
             points.push(edge[0].lerp(edge[1], ((place - before) / length).clamp(0.0, 1.0)));
         }
         before += length;
     }
-    points
+    Ok(points)
 }
 
 /// The points of the vertices that some face names, in the mesh's order; points that are not
@@ -243,8 +271,12 @@ mod tests {
     use super::*;
     use crate::mesh::fixtures::{mesh_of, tetrahedron};
 
+    fn sampler(mesh: &TriMesh, n: usize, seed: u64) -> SurfaceSampler<'_> {
+        SurfaceSampler::new(mesh, n, seed, Control::none()).unwrap()
+    }
+
     fn points(mesh: &TriMesh, n: usize, seed: u64) -> Vec<DVec3> {
-        SurfaceSampler::new(mesh, n, seed).samples(0..n).map(|s| s.point).collect()
+        sampler(mesh, n, seed).samples(0..n).map(|s| s.point).collect()
     }
 
     fn triangle() -> TriMesh {
@@ -283,7 +315,7 @@ mod tests {
     #[test]
     fn any_part_of_the_list_is_the_same() {
         let mesh = tetrahedron();
-        let sampler = SurfaceSampler::new(&mesh, 1000, 3);
+        let sampler = sampler(&mesh, 1000, 3);
         let whole: Vec<Sample> = sampler.samples(0..1000).collect();
         for range in [0..1, 17..23, 500..1000] {
             assert!(sampler.samples(range.clone()).eq(whole[range].iter().copied()));
@@ -304,18 +336,18 @@ mod tests {
     #[test]
     fn faces_without_area_get_no_sample() {
         let flat = mesh_of(&[[0.0; 3], [1.0; 3], [f64::NAN; 3]], &[[0, 1, 1], [0, 1, 2]]);
-        assert_eq!(SurfaceSampler::new(&flat, 10, 0).n_samples(), 0);
-        assert_eq!(SurfaceSampler::new(&TriMesh::default(), 10, 0).n_samples(), 0);
+        assert_eq!(sampler(&flat, 10, 0).n_samples(), 0);
+        assert_eq!(sampler(&TriMesh::default(), 10, 0).n_samples(), 0);
         let mut mesh = triangle();
         mesh.faces.extend([mesh.faces[0]; 2].map(|[a, b, _]| [a, b, b]));
-        let sampler = SurfaceSampler::new(&mesh, 100, 0);
+        let sampler = sampler(&mesh, 100, 0);
         assert!(sampler.samples(0..100).all(|s| s.face == FaceId(0)));
     }
 
     #[test]
     fn edge_samples_are_spread_by_length() {
         let edges = [[DVec3::ZERO, DVec3::X], [DVec3::Y, DVec3::Y], [DVec3::ZERO, DVec3::Z * 3.0]];
-        let points = sample_edges(&edges, 400, 5);
+        let points = sample_edges(&edges, 400, 5, Control::none()).unwrap();
         assert_eq!(points.len(), 400);
         assert_eq!(points.iter().filter(|p| p.x > 0.0).count(), 100);
         let mean_z: f64 = points.iter().map(|p| p.z).sum::<f64>() / 400.0;
