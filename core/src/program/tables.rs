@@ -221,6 +221,14 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
     text
 }
 
+/// Without zeros at the end of the fraction.
+fn trimmed(number: &str) -> String {
+    match number.contains('.') {
+        true => number.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => number.to_owned(),
+    }
+}
+
 /// A number to five significant digits, for reading.
 pub fn brief(value: f64) -> String {
     let size = value.abs();
@@ -228,9 +236,10 @@ pub fn brief(value: f64) -> String {
         value.to_string()
     } else if (1e-3..1e6).contains(&size) {
         let digits = (4.0 - size.log10().floor()).clamp(0.0, 8.0) as usize;
-        format!("{value:.digits$}")
+        trimmed(&format!("{value:.digits$}"))
     } else {
-        format!("{value:.4e}")
+        let text = format!("{value:.4e}");
+        text.split_once('e').map_or(text.clone(), |(number, e)| format!("{}e{e}", trimmed(number)))
     }
 }
 
@@ -249,7 +258,7 @@ mod tests {
 
     #[test]
     fn brief_numbers_keep_five_digits() {
-        let numbers = [(0.0123456, "0.012346"), (6945.0, "6945"), (2.66e-5, "2.6600e-5")];
+        let numbers = [(0.0123456, "0.012346"), (6945.0, "6945"), (2.66e-5, "2.66e-5")];
         numbers.iter().for_each(|(value, text)| assert_eq!(brief(*value), *text));
     }
 
