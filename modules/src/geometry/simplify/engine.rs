@@ -72,10 +72,9 @@ impl<'a> Engine<'a> {
         let mut pulse = Pulse::new(control);
         let mut marks = Marks::new(mesh.positions.len());
         let mut state = Collapsing::link(mesh, &mut marks, &mut pulse)?;
-        let attributes = Attributes::new(mesh, &state, options.seams);
-        pulse.beat(state.n_faces)?;
+        let attributes = Attributes::new(mesh, &state, options.seams, &mut pulse)?;
         if let Some(quadrics) = cost.quadrics().or(placement.quadrics()) {
-            let is_seam = attributes.seam_edges(&state);
+            let is_seam = attributes.seam_edges(&state, &mut pulse)?;
             state.sum_quadrics(quadrics, options.boundary, &is_seam, &mut pulse)?;
         }
         if options.boundary == Boundary::Locked {
