@@ -18,7 +18,7 @@ use crate::placement::Placement;
 
 /// Edges priced in one batch while the queue is filled, at the start and at most. A batch grows
 /// while it takes less than a millisecond; that changes no price.
-const BATCH: std::ops::RangeInclusive<usize> = 16..=4096;
+const BATCH: std::ops::RangeInclusive<usize> = 16..=512;
 
 /// How many of the edges that come up next are priced, or read, along with the first: their loads
 /// from memory overlap.
