@@ -15,8 +15,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Seams;
-use super::state::{Collapsing, next_in_face, previous_in_face};
+use super::pulse::Pulse;
+use super::state::{BEAT, Collapsing, next_in_face, previous_in_face};
 use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
+use crate::geometry::control::Cancelled;
 
 /// How values of a layer mix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,20 +61,28 @@ pub(super) enum SeamRule {
 }
 
 impl Attributes {
-    pub fn new(mesh: &TriMesh, state: &Collapsing, seams: Seams) -> Self {
-        let layers: Vec<Working> =
-            (0..mesh.layers.len()).map(|layer| Working::new(mesh, layer, state)).collect();
+    pub fn new(
+        mesh: &TriMesh,
+        state: &Collapsing,
+        seams: Seams,
+        pulse: &mut Pulse,
+    ) -> Result<Self, Cancelled> {
+        let new = |layer| Working::new(mesh, layer, state, pulse);
+        let layers = (0..mesh.layers.len()).map(new).collect::<Result<Vec<_>, _>>()?;
         let mut on_seam = Vec::new();
         for layer in layers.iter().filter(|layer| seams == Seams::Kept && layer.has_seams()) {
             on_seam.resize(state.n_vertices(), false);
             for (vertex, is_on_seam) in on_seam.iter_mut().enumerate() {
+                if vertex.is_multiple_of(BEAT) {
+                    pulse.beat(0)?;
+                }
                 let mut slots = state.corners_around(vertex as u32).map(|c| layer.slot(c));
                 if let Some(first) = slots.next() {
                     *is_on_seam |= slots.any(|slot| slot != first);
                 }
             }
         }
-        Self { layers, on_seam, pairs: Vec::new() }
+        Ok(Self { layers, on_seam, pairs: Vec::new() })
     }
 
     /// Whether there are seams that are kept.
@@ -82,14 +92,21 @@ impl Attributes {
     }
 
     /// Whether each edge lies on a seam that is kept; empty when there is no such seam.
-    pub fn seam_edges(&self, state: &Collapsing) -> Vec<bool> {
+    pub fn seam_edges(
+        &self,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<Vec<bool>, Cancelled> {
         let mut is_seam = Vec::new();
         for layer in
             self.layers.iter().filter(|layer| !self.on_seam.is_empty() && layer.has_seams())
         {
             is_seam.resize(state.edges.len(), false);
-            let mut seen = vec![None; state.edges.len()];
+            let mut seen = pulse.fill(state.edges.len(), None)?;
             for corner in 0..3 * state.faces.len() as u32 {
+                if (corner as usize).is_multiple_of(3 * BEAT) {
+                    pulse.beat(0)?;
+                }
                 if state.face_at(corner).is_dead() {
                     continue;
                 }
@@ -102,7 +119,7 @@ impl Attributes {
                 is_seam[edge] |= *seen[edge].get_or_insert(slots) != slots;
             }
         }
-        is_seam
+        Ok(is_seam)
     }
 
     /// Where the ends of an edge may merge.
@@ -155,24 +172,33 @@ impl Attributes {
 
     /// The layers of the result. `vertices` and `faces` name the engine's id of each vertex and
     /// face of the result.
-    pub fn into_layers(self, mesh: &TriMesh, vertices: &[u32], faces: &[u32]) -> Vec<Layer> {
+    pub fn into_layers(
+        self,
+        mesh: &TriMesh,
+        vertices: &[u32],
+        faces: &[u32],
+        pulse: &mut Pulse,
+    ) -> Result<Vec<Layer>, Cancelled> {
         let finish = |working: Working| {
-            let elements: Vec<u32> = match working.domain {
-                Domain::Vertex => vertices.to_vec(),
-                Domain::Corner => {
-                    faces.iter().flat_map(|&f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
-                }
-                Domain::Face => faces.to_vec(),
-            };
             let input = &mesh.layers[working.layer];
-            working.finish(input, &elements)
+            let corners = || faces.iter().flat_map(|&f| [3 * f, 3 * f + 1, 3 * f + 2]);
+            match working.domain {
+                Domain::Vertex => working.finish(input, vertices, pulse),
+                Domain::Corner => working.finish(input, &corners().collect::<Vec<_>>(), pulse),
+                Domain::Face => working.finish(input, faces, pulse),
+            }
         };
         self.layers.into_iter().map(finish).collect()
     }
 }
 
 impl Working {
-    fn new(mesh: &TriMesh, number: usize, state: &Collapsing) -> Self {
+    fn new(
+        mesh: &TriMesh,
+        number: usize,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<Self, Cancelled> {
         let layer = &mesh.layers[number];
         let mut working = Self {
             layer: number,
@@ -189,24 +215,34 @@ impl Working {
         };
         match layer.domain {
             Domain::Vertex => {
-                let inputs = state.order.vertices.iter().map(|&v| v as usize);
-                working.slots = inputs.map(|v| working.values.add(layer, v)).collect();
+                let values = &mut working.values;
+                working.slots =
+                    pulse.collect(&state.order.vertices, |&v| values.add(layer, v as usize))?;
             }
             Domain::Face => {
-                let inputs = state.order.faces.iter().map(|&f| f as usize);
-                working.slots = inputs.map(|f| working.values.add(layer, f)).collect();
+                let values = &mut working.values;
+                working.slots =
+                    pulse.collect(&state.order.faces, |&f| values.add(layer, f as usize))?;
             }
-            Domain::Corner => working.make_wedges(layer, state),
+            Domain::Corner => working.make_wedges(layer, state, pulse)?,
         }
-        working
+        Ok(working)
     }
 
     /// Gives each group of corners of a vertex with equal values a slot of its own. Files that
     /// write each value once for each corner have seams only where values differ.
-    fn make_wedges(&mut self, layer: &Layer, state: &Collapsing) {
-        self.slots = vec![NO_VALUE; 3 * state.faces.len()];
+    fn make_wedges(
+        &mut self,
+        layer: &Layer,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<(), Cancelled> {
+        self.slots = pulse.fill(3 * state.faces.len(), NO_VALUE)?;
         let mut corners = Vec::new();
         for vertex in 0..state.n_vertices() as u32 {
+            if (vertex as usize).is_multiple_of(BEAT) {
+                pulse.beat(0)?;
+            }
             corners.clear();
             corners.extend(state.corners_around(vertex).map(|corner| {
                 let input = 3 * state.order.faces[corner as usize / 3] + corner % 3;
@@ -222,6 +258,7 @@ impl Working {
                 self.slots[corner as usize] = last.1;
             }
         }
+        Ok(())
     }
 
     fn has_seams(&self) -> bool {
@@ -321,10 +358,15 @@ impl Working {
     }
 
     /// The layer of the result; values that are equal bit for bit are stored once.
-    fn finish(self, input: &Layer, elements: &[u32]) -> Layer {
+    fn finish(
+        self,
+        input: &Layer,
+        elements: &[u32],
+        pulse: &mut Pulse,
+    ) -> Result<Layer, Cancelled> {
         let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
         let mut values: Vec<DVec3> = Vec::new();
-        let mut number_of = |&element: &u32| {
+        let index = pulse.collect(elements, |&element| {
             let slot = self.slot(element);
             if slot == NO_VALUE {
                 return NO_VALUE;
@@ -334,8 +376,7 @@ impl Working {
                 values.push(value);
                 values.len() as u32 - 1
             })
-        };
-        let index = elements.iter().map(&mut number_of).collect();
+        })?;
         let values = match &input.values {
             LayerValues::Number(_) => LayerValues::Number(values.iter().map(|v| v.x).collect()),
             LayerValues::Vec2(_) => {
@@ -346,7 +387,7 @@ impl Working {
                 LayerValues::Label(values.iter().map(|v| names[v.x as usize].clone()).collect())
             }
         };
-        Layer { name: input.name.clone(), domain: input.domain, values, index }
+        Ok(Layer { name: input.name.clone(), domain: input.domain, values, index })
     }
 }
 

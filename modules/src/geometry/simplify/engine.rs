@@ -18,7 +18,7 @@ use crate::placement::Placement;
 
 /// Edges priced in one batch while the queue is filled, at the start and at most. A batch grows
 /// while it takes less than a millisecond; that changes no price.
-const BATCH: std::ops::RangeInclusive<usize> = 16..=4096;
+const BATCH: std::ops::RangeInclusive<usize> = 16..=512;
 
 /// How many of the edges that come up next are priced, or read, along with the first: their loads
 /// from memory overlap.
@@ -72,10 +72,9 @@ impl<'a> Engine<'a> {
         let mut pulse = Pulse::new(control);
         let mut marks = Marks::new(mesh.positions.len());
         let mut state = Collapsing::link(mesh, &mut marks, &mut pulse)?;
-        let attributes = Attributes::new(mesh, &state, options.seams);
-        pulse.beat(state.n_faces)?;
+        let attributes = Attributes::new(mesh, &state, options.seams, &mut pulse)?;
         if let Some(quadrics) = cost.quadrics().or(placement.quadrics()) {
-            let is_seam = attributes.seam_edges(&state);
+            let is_seam = attributes.seam_edges(&state, &mut pulse)?;
             state.sum_quadrics(quadrics, options.boundary, &is_seam, &mut pulse)?;
         }
         if options.boundary == Boundary::Locked {

@@ -86,7 +86,7 @@ fn seam_rules_at_its_end() {
     let mesh = cut();
     let (mut marks, mut pulse) = (Marks::new(mesh.positions.len()), Pulse::new(Control::none()));
     let state = Collapsing::link(&mesh, &mut marks, &mut pulse).unwrap();
-    let attributes = Attributes::new(&mesh, &state, Seams::Kept);
+    let attributes = Attributes::new(&mesh, &state, Seams::Kept, &mut pulse).unwrap();
     // The only place left to the edge between two points of the grid, or what else holds for it.
     let rule = |from: [f64; 2], to: [f64; 2]| {
         let at = |v: u32| state.vertices[v as usize].position.truncate().to_array();

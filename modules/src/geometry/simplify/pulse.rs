@@ -60,6 +60,16 @@ impl<'a> Pulse<'a> {
         Ok(out)
     }
 
+    /// A list of `n` equal elements, made with beats: the first touch of memory takes its time.
+    pub fn fill<T: Copy>(&mut self, n: usize, value: T) -> Result<Vec<T>, Cancelled> {
+        let mut list = Vec::with_capacity(n);
+        while list.len() < n {
+            self.beat(0)?;
+            list.resize((list.len() + BEAT).min(n), value);
+        }
+        Ok(list)
+    }
+
     /// Calls the control whatever the clock says.
     pub fn call(&mut self, n_faces: usize) -> Result<(), Cancelled> {
         self.last = Instant::now();

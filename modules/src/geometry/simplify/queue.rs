@@ -72,6 +72,8 @@ const POOL_SHARE: usize = 2;
 const RUN_SHARE: usize = 4;
 /// A list up to this long is taken as a whole.
 const SHORT: usize = 2048;
+/// A run is not meant to be longer than this: it is sorted between two looks at the control.
+const LONG: usize = 1 << 17;
 /// Prices that are looked at to find the price below which a share lies.
 const N_SAMPLES: usize = 512;
 
@@ -95,13 +97,8 @@ pub(super) struct Queue {
 impl Queue {
     /// An empty queue for edges `0..n_edges`.
     pub fn new(n_edges: usize, pulse: &mut Pulse) -> Result<Self, Cancelled> {
-        let mut slots = Vec::with_capacity(n_edges);
-        while slots.len() < n_edges {
-            pulse.beat(0)?;
-            slots.resize((slots.len() + BEAT).min(n_edges), Slot::ABSENT);
-        }
         Ok(Self {
-            slots,
+            slots: pulse.fill(n_edges, Slot::ABSENT)?,
             pool: Vec::new(),
             run: Vec::new(),
             late: BinaryHeap::new(),
@@ -188,14 +185,22 @@ impl Queue {
                 return Ok(false);
             }
             let prices = self.pool.iter().map(|entry| entry.price);
-            self.run_end = end_of_share(prices, self.pool.len(), RUN_SHARE).min(self.pool_end);
-            let (slots, run, end) = (&self.slots, &mut self.run, self.run_end);
-            self.pool.retain(|entry| {
-                if entry.price <= end && slots[entry.edge as usize].price == entry.price {
-                    run.push(entry.key());
+            let share = RUN_SHARE.max(self.pool.len() / LONG);
+            self.run_end = end_of_share(prices, self.pool.len(), share).min(self.pool_end);
+            let mut n_left = 0;
+            for at in 0..self.pool.len() {
+                if at.is_multiple_of(BEAT) {
+                    pulse.beat(n_faces)?;
                 }
-                entry.price > end
-            });
+                let entry = self.pool[at];
+                if entry.price > self.run_end {
+                    self.pool[n_left] = entry;
+                    n_left += 1;
+                } else if self.slots[entry.edge as usize].price == entry.price {
+                    self.run.push(entry.key());
+                }
+            }
+            self.pool.truncate(n_left);
             pulse.beat(n_faces)?;
             self.run.sort_unstable();
             pulse.beat(n_faces)?;

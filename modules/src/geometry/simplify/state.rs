@@ -222,9 +222,8 @@ impl Collapsing {
         let Self { vertices, faces, order, corners, n_faces, .. } = self;
         drop(corners);
         // By the input's ids: where each face and each vertex that it uses is now.
-        let mut alive = vec![NONE; order.faces.len()];
-        pulse.beat(n_faces)?;
-        let mut here = vec![NONE; vertices.len()];
+        let mut alive = pulse.fill(order.faces.len(), NONE)?;
+        let mut here = pulse.fill(vertices.len(), NONE)?;
         let numbered = (0u32..).step_by(BEAT).zip(faces.chunks(BEAT).zip(order.faces.chunks(BEAT)));
         for (first, (faces, inputs)) in numbered {
             pulse.beat(n_faces)?;
@@ -240,8 +239,7 @@ impl Collapsing {
         here.retain(|&v| v != NONE);
         pulse.beat(n_faces)?;
         alive.retain(|&face| face != NONE);
-        let mut new_ids = vec![NONE; vertices.len()];
-        pulse.beat(n_faces)?;
+        let mut new_ids = pulse.fill(vertices.len(), NONE)?;
         let mut n_placed = 0;
         let positions = pulse.collect(&here, |&v| {
             new_ids[v as usize] = n_placed;
@@ -255,7 +253,7 @@ impl Collapsing {
         pulse.beat(n_faces)?;
         drop(faces);
         pulse.beat(n_faces)?;
-        let layers = attributes.into_layers(input, &here, &alive);
+        let layers = attributes.into_layers(input, &here, &alive, pulse)?;
         let materials = input.materials.clone();
         Ok(TriMesh { positions, faces: new_faces, layers, materials })
     }
@@ -310,7 +308,7 @@ impl Collapsing {
         is_seam: &[bool],
         pulse: &mut Pulse,
     ) -> Result<(), Cancelled> {
-        self.quadrics = vec![Quadric::default(); self.vertices.len()];
+        self.quadrics = pulse.fill(self.vertices.len(), Quadric::default())?;
         for face in 0..self.faces.len() {
             if face.is_multiple_of(BEAT) {
                 pulse.beat(self.n_faces)?;
