@@ -29,7 +29,8 @@ use crate::data::{FaceId, TriMesh};
 /// Parts of one chunk.
 const CHUNK: usize = 1024;
 /// Pieces that one part is cut into before it is split in four instead: more close more parts, but
-/// cost more where they fail. 32 is best on the bench `hausdorff`.
+/// cost more where they fail. Of 16, 32 and 64 the middle one took the least time on scans, sharp
+/// models and cylinders against their halves and tenths.
 const MOST_CUTS: usize = 32;
 /// A piece that lies beyond a side by less than this part of the height over that side is not cut
 /// by it: pieces as thin as the rounding of their corners are over neither of two triangles.
