@@ -52,7 +52,9 @@ pub struct SimplifyOptions {
     pub boundary: Boundary,
     /// What may happen to the seams of texture coordinates.
     pub seams: Seams,
-    /// The largest turn of a face's normal in one collapse, in radians; `None` is no test.
+    /// The largest turn of a face's normal in one collapse, in radians; `None` is no test. With a
+    /// test, no collapse folds two faces at the merged vertex onto each other (150° and more
+    /// between their normals) that were not folded before.
     pub flip_angle_rad: Option<f64>,
 }
 
