@@ -185,7 +185,7 @@ impl<'a> Engine<'a> {
         let Scratch { edges, ends, candidates, .. } = &mut self.scratch;
         ends.clear();
         ends.extend(edges.iter().map(|&edge| self.state.ends(edge)));
-        candidates.clear();
+        candidates.iter_mut().for_each(Candidates::clear);
         candidates.resize(edges.len(), Candidates::default());
         self.placement.propose(&self.state, ends, candidates);
         for ((&edge, ends), candidates) in edges.iter().zip(ends).zip(candidates) {

@@ -15,20 +15,24 @@ pub(super) struct Pulse<'a> {
     stride: u32,
     left: u32,
     target: Option<(usize, usize)>,
+    /// Faces that were left at the last beat.
+    n_faces: usize,
 }
 
 impl<'a> Pulse<'a> {
     pub fn new(control: Control<'a>) -> Self {
-        Self { control, last: Instant::now(), stride: 1, left: 1, target: None }
+        Self { control, last: Instant::now(), stride: 1, left: 1, target: None, n_faces: 0 }
     }
 
     /// Says what progress is measured by: faces at the start and at the end.
     pub fn set_goal(&mut self, from: usize, to: usize) {
         self.target = Some((from, to));
+        self.n_faces = from;
     }
 
     /// Marks a small piece of work, a few hundred microseconds at most where it can be helped.
     pub fn beat(&mut self, n_faces: usize) -> Result<(), Cancelled> {
+        self.n_faces = n_faces;
         self.left -= 1;
         if self.left > 0 {
             return Ok(());
@@ -54,7 +58,7 @@ impl<'a> Pulse<'a> {
     ) -> Result<Vec<U>, Cancelled> {
         let mut out = Vec::with_capacity(list.len());
         for piece in list.chunks(BEAT) {
-            self.beat(0)?;
+            self.beat(self.n_faces)?;
             out.extend(piece.iter().map(&mut map));
         }
         Ok(out)
@@ -64,7 +68,7 @@ impl<'a> Pulse<'a> {
     pub fn fill<T: Copy>(&mut self, n: usize, value: T) -> Result<Vec<T>, Cancelled> {
         let mut list = Vec::with_capacity(n);
         while list.len() < n {
-            self.beat(0)?;
+            self.beat(self.n_faces)?;
             list.resize((list.len() + BEAT).min(n), value);
         }
         Ok(list)

@@ -2,7 +2,7 @@
 //!
 //! Most edges never come near the head before they are gone or dearer, so they are not kept in
 //! order. Every waiting edge has its price in a table; the *pool* holds those up to a price below
-//! which about a quarter lies, the *run* the cheapest of the pool, sorted. An edge priced below
+//! which about half lies, the *run* the cheapest quarter of the pool, sorted. An edge priced below
 //! the end of the run goes on a small heap beside it. Entries whose price is no longer that of the
 //! table are passed over. When the run is spent, the next is drawn from the pool, and when the pool
 //! is spent, that from the table. O(log n_edges) for each entry that comes to the head, but O(1)

@@ -2,7 +2,8 @@
 //!
 //! Faces are triples of vertices; each vertex has a list of its corners, so that any list of
 //! triangles fits, manifold or not. Corner `3 f + k` is corner `k` of face `f`, and also stands
-//! for the half-edge from that corner to the next. About 130 bytes a face, with quadrics.
+//! for the half-edge from that corner to the next. With quadrics and the queue, a run takes 170 to
+//! 190 bytes a face of the input at its peak.
 
 use glam::DVec3;
 
