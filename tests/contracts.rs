@@ -7,7 +7,8 @@ use glam::DVec3;
 use mve_core::testing::{Outputs, Trial};
 use mve_core::{Data, Kind, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
-    Domain, Field, Layer, LayerValues, Measure, Measures, NO_VALUE, TriMesh, VertexId,
+    Domain, Field, Image, Images, Layer, LayerValues, Measure, Measures, NO_VALUE, PixelKind,
+    TriMesh, VertexId,
 };
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
@@ -79,6 +80,10 @@ fn value_of(type_id: &str, mesh: &TriMesh) -> Option<Value> {
         "Flag" => Value::new(true),
         "Text" => Value::new("text".to_owned()),
         "Field" => Value::new(field),
+        "Images" => {
+            let side = mesh.faces.len() % 16 + 1;
+            Value::new(Images(vec![Image::filled("a", [side, side], PixelKind::Rgb, 99)]))
+        }
         "Measures" => Value::new(Measures(vec![Measure::new("x", 1.0, "", "A number.")])),
         _ => return None,
     })
@@ -348,7 +353,15 @@ fn shuffle(mesh: &TriMesh) -> TriMesh {
 
 #[test]
 fn data_types_have_ids_of_their_own() {
-    let types = [TriMesh::TYPE, Field::TYPE, Measures::TYPE, f64::TYPE, bool::TYPE, String::TYPE];
+    let types = [
+        TriMesh::TYPE,
+        Field::TYPE,
+        Images::TYPE,
+        Measures::TYPE,
+        f64::TYPE,
+        bool::TYPE,
+        String::TYPE,
+    ];
     let ids: HashSet<_> = types.iter().map(|data_type| data_type.id).collect();
     assert_eq!(ids.len(), types.len());
     assert!(types.iter().all(|data_type| is_sentence(data_type.doc)));

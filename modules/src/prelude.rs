@@ -10,4 +10,4 @@ pub use mve_core::{
 };
 
 #[allow(unused_imports)]
-pub use crate::data::{Domain, Field, Layer, Measures, TriMesh};
+pub use crate::data::{Domain, Field, Images, Layer, Measures, TriMesh};

@@ -20,6 +20,17 @@ const SIMPLIFIED_FIELD_OUT: Out<Field> = Out::new(
     "The difference at each vertex of the simplified mesh; empty if the metric has none.",
 );
 
+const ORIGINAL_IMAGES_OUT: Out<Images> =
+    Out::new("original_images", "Pictures of the original; none if the metric takes none.");
+const SIMPLIFIED_IMAGES_OUT: Out<Images> = Out::new(
+    "simplified_images",
+    "Pictures of the simplified mesh from the same cameras; none if the metric takes none.",
+);
+const DIFFERENCE_IMAGES_OUT: Out<Images> = Out::new(
+    "difference_images",
+    "How the pictures of the two differ, camera by camera; none if the metric takes none.",
+);
+
 pub static MODULE: Module = Module {
     id: "MeshComparer",
     summary: "Measures how a simplified mesh differs from its original.",
@@ -29,6 +40,9 @@ pub static MODULE: Module = Module {
         VALUE_OUT.spec(),
         ORIGINAL_FIELD_OUT.spec(),
         SIMPLIFIED_FIELD_OUT.spec(),
+        ORIGINAL_IMAGES_OUT.spec(),
+        SIMPLIFIED_IMAGES_OUT.spec(),
+        DIFFERENCE_IMAGES_OUT.spec(),
     ],
     params: &[METRIC.spec()],
     run,
@@ -55,6 +69,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     io.put(MEASURES_OUT, Measures(found.scalars));
     io.put(ORIGINAL_FIELD_OUT, found.original_fields.drain(..).next().unwrap_or_else(none));
     io.put(SIMPLIFIED_FIELD_OUT, found.simplified_fields.drain(..).next().unwrap_or_else(none));
+    io.put(ORIGINAL_IMAGES_OUT, found.original_images);
+    io.put(SIMPLIFIED_IMAGES_OUT, found.simplified_images);
+    io.put(DIFFERENCE_IMAGES_OUT, found.difference_images);
     Ok(())
 }
 

@@ -89,6 +89,7 @@ impl Metric for HausdorffMetric {
             warnings: warnings(&found),
             original_fields: vec![found.original_distance],
             simplified_fields: vec![found.simplified_distance],
+            ..Comparison::default()
         })
     }
 }

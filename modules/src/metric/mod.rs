@@ -10,7 +10,7 @@ pub use hausdorff::HausdorffMetric;
 
 use mve_core::{Choices, Entry, ModuleError, Settings};
 
-use crate::data::{Field, Measure, TriMesh};
+use crate::data::{Field, Images, Measure, TriMesh};
 use crate::geometry::control::{Cancelled, Control};
 
 mve_core::registered! {
@@ -43,6 +43,12 @@ pub struct Comparison {
     pub original_fields: Vec<Field>,
     /// Fields over the elements of the simplified mesh.
     pub simplified_fields: Vec<Field>,
+    /// Pictures of the original.
+    pub original_images: Images,
+    /// Pictures of the simplified mesh, from the same places.
+    pub simplified_images: Images,
+    /// How those two differ, picture by picture.
+    pub difference_images: Images,
     /// What was left out or could not be measured, as sentences.
     pub warnings: Vec<String>,
 }
