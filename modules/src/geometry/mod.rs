@@ -10,5 +10,6 @@ pub mod mesh_info;
 mod morton;
 pub mod normals;
 pub mod point_triangle;
+pub mod render;
 pub mod sample;
 pub mod simplify;

@@ -1,0 +1,35 @@
+//! Luminance of faces: 8-bit values under a light at the camera.
+//!
+//! A face is white and perfectly matt (Lambert): its luminance is the cosine between its normal and
+//! the light's rays, 0 to 1, times 255, rounded to the nearest whole number. A back face, where it
+//! is drawn, is lit as if it were turned. Colors become luminance by the NTSC weights. Values are
+//! not gamma-corrected: a byte is what a screen is given, as in the first experiments of this kind.
+
+use glam::DVec3;
+
+use super::raster::Side;
+
+/// The parts of red, green and blue in the luminance (NTSC, 1953; ITU-R BT.601).
+pub const NTSC: DVec3 = DVec3::new(0.299, 0.587, 0.114);
+
+/// The unit normal of a triangle, counter-clockwise from its front; zero where it has none.
+#[inline]
+pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let across = (b - a).cross(c - a);
+    let length = across.length();
+    if length > 0.0 && length.is_finite() { across / length } else { DVec3::ZERO }
+}
+
+/// The luminance of a surface with this unit normal, seen from this side along `forward`.
+#[inline]
+pub fn luminance(normal: DVec3, forward: DVec3, side: Side) -> u8 {
+    let cosine = normal.dot(forward);
+    to_byte(if side == Side::Front { -cosine } else { cosine })
+}
+
+/// A value from 0 to 1 as a byte; others are clamped, and what is not a number is 0.
+#[inline]
+pub fn to_byte(value: f64) -> u8 {
+    // Cutting off the fraction of a positive number after adding a half rounds it.
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
