@@ -4,15 +4,19 @@
 //! every collapse. It owns no queue, no link condition and no flip test, and must not decide
 //! anything by the order in which it is asked.
 
+mod pictures;
+
 mve_core::registered! {
-    static ENTRIES: Entry<MakeCost> = COST in edge_length, quadric;
+    static ENTRIES: Entry<MakeCost> = COST in edge_length, image_mse, image_ssim, quadric;
 }
 
 pub use edge_length::EdgeLength;
+pub use image_mse::Squares;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use quadric::Quadric;
 
 use crate::data::TriMesh;
+use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::simplify::{Collapse, Collapsing, Proposal, QuadricOptions, Reach};
 
 /// All costs, for the parameters of modules.
@@ -25,6 +29,11 @@ pub type MakeCost = fn(&TriMesh, &Settings) -> Result<Box<dyn Cost>, ModuleError
 ///
 /// Prices are compared only with each other; a price that is not a number forbids the collapse.
 pub trait Cost: Send {
+    /// Told of the mesh before anything else. What takes long reports to `control`.
+    fn begin(&mut self, _state: &Collapsing, _control: Control) -> Result<(), Cancelled> {
+        Ok(())
+    }
+
     /// Prices every proposal of the batch: `prices[i]` for `batch[i]`, equally long.
     ///
     /// A pure function of the state and of each proposal alone, so that a batch may be split over

@@ -6,6 +6,7 @@ pub mod control;
 pub mod generate;
 pub mod hausdorff;
 mod hausdorff_max;
+pub mod image_driven;
 pub mod mesh_info;
 mod morton;
 pub mod normals;

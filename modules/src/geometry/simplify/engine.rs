@@ -1,5 +1,7 @@
 //! The greedy loop: price, queue, check, merge, price again.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
 use super::attributes::{Attributes, SeamRule};
@@ -84,6 +86,11 @@ impl<'a> Engine<'a> {
                 }
             }
         }
+        let still = |_| match control.at(0.0) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(Cancelled) => ControlFlow::Break(()),
+        };
+        cost.begin(&state, Control::new(&still))?;
         let target_faces = options.stop.target_faces(mesh.faces.len());
         pulse.set_goal(state.n_faces, target_faces.unwrap_or(0));
         let queue = Queue::new(state.edges.len(), &mut pulse)?;

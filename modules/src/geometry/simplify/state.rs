@@ -160,6 +160,12 @@ impl Collapsing {
         (!face.is_dead()).then(|| face.vertices.map(VertexId))
     }
 
+    /// The faces that are left, by id.
+    pub fn face_ids(&self) -> impl Iterator<Item = FaceId> + '_ {
+        let numbered = (0u32..).zip(&self.faces);
+        numbered.filter(|(_, face)| !face.is_dead()).map(|(number, _)| FaceId(number))
+    }
+
     /// The faces around a vertex that are left, in an order that depends only on the input.
     pub fn faces_around(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
         self.corners_around(vertex.0).map(|corner| FaceId(corner / 3))

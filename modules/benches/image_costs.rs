@@ -1,0 +1,167 @@
+//! The image-driven costs: seconds of a run, evaluations a second, and how much drawing whole
+//! pictures would take.
+//!
+//! `cargo bench -p mve-modules --bench image_costs [-- WORD]` runs the cases whose name has the
+//! word. An evaluation prices one collapse in all 20 cameras. The models are those of the folder
+//! `MVE_MODELS`; without it, only the generated torus is measured.
+
+use std::cell::Cell;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use mve_modules::cost::{Cost, Squares};
+use mve_modules::data::TriMesh;
+use mve_modules::geometry::control::{Cancelled, Control};
+use mve_modules::geometry::image_driven::{
+    Areas, Difference, ImageDriven, PictureOptions, Structure,
+};
+use mve_modules::geometry::simplify::{
+    Collapse, Collapsing, Proposal, Reach, SimplifyOptions, Stop, simplify,
+};
+use mve_modules::placement::Optimal;
+
+/// Whole pictures are drawn for one in so many batches, to have a time to compare with.
+const WHOLE_EACH: usize = 200;
+
+/// A cost that counts and times what it is asked.
+struct Counted<D: Difference> {
+    active: ImageDriven<D>,
+    whole: Option<ImageDriven<D>>,
+    n_batches: Cell<usize>,
+    n_active: Cell<usize>,
+    n_whole: Cell<usize>,
+    in_active: Cell<Duration>,
+    in_whole: Cell<Duration>,
+}
+
+fn add<T: Copy + std::ops::Add<Output = T>>(cell: &Cell<T>, more: T) {
+    cell.set(cell.get() + more);
+}
+
+impl<D: Difference> Cost for Counted<D> {
+    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+        if let Some(whole) = &mut self.whole {
+            whole.begin(state, control)?;
+        }
+        self.active.begin(state, control)
+    }
+
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        let start = Instant::now();
+        self.active.price(state, batch, prices);
+        add(&self.in_active, start.elapsed());
+        add(&self.n_active, batch.len());
+        add(&self.n_batches, 1);
+        let whole = self.whole.as_ref().filter(|_| self.n_batches.get().is_multiple_of(WHOLE_EACH));
+        if let (Some(whole), Some(first)) = (whole, batch.first()) {
+            let mut price = [0.0];
+            let start = Instant::now();
+            whole.price(state, &[*first], &mut price);
+            add(&self.in_whole, start.elapsed());
+            add(&self.n_whole, 1);
+            assert_eq!(price[0], prices[0]);
+        }
+    }
+
+    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        self.active.collapsed(state, collapse);
+        if let Some(whole) = &mut self.whole {
+            whole.collapsed(state, collapse);
+        }
+    }
+
+    fn reach(&self) -> Reach {
+        self.active.reach()
+    }
+}
+
+fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, size: usize) {
+    let run = |with_whole: bool| {
+        let options = PictureOptions { resolution: size, ..PictureOptions::DEFAULT };
+        let new =
+            |areas| ImageDriven::new(mesh, difference.clone(), PictureOptions { areas, ..options });
+        let mut cost = Counted {
+            active: new(Areas::Active),
+            whole: with_whole.then(|| new(Areas::Whole)),
+            n_batches: Cell::default(),
+            n_active: Cell::default(),
+            n_whole: Cell::default(),
+            in_active: Cell::default(),
+            in_whole: Cell::default(),
+        };
+        let stop = Stop { faces: Some(to), ..Stop::default() };
+        let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+        let start = Instant::now();
+        let placement = &mut Optimal::default();
+        let found = simplify(mesh, &mut cost, placement, options, Control::none());
+        let found = found.expect("nothing cancels it");
+        (start.elapsed().as_secs_f64(), cost, found.statistics.n_faces)
+    };
+    let (seconds, cost, n_faces) = run(false);
+    let micros = |time: Duration, n: usize| time.as_secs_f64() * 1e6 / n.max(1) as f64;
+    let n = cost.n_active.get();
+    let each = micros(cost.in_active.get(), n);
+    let (_, sampled, _) = run(true);
+    let whole = micros(sampled.in_whole.get(), sampled.n_whole.get());
+    println!(
+        "{name:28} {:>6} -> {n_faces:>6} faces: {seconds:7.2} s, {n:>8} evaluations, {:>7.0} a \
+         second, {each:7.1} us each, whole pictures {whole:8.0} us ({:.0}x)",
+        mesh.faces.len(),
+        n as f64 / seconds,
+        whole / each,
+    );
+}
+
+/// A torus of `2 n²` faces.
+fn torus(n: usize) -> TriMesh {
+    use mve_modules::data::VertexId;
+    let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+    let place = |i: usize, j: usize| {
+        let radius = 1.0 + 0.4 * turn(j).cos();
+        glam::DVec3::new(radius * turn(i).cos(), 0.4 * turn(j).sin(), radius * turn(i).sin())
+    };
+    let positions = (0..n * n).map(|k| place(k / n, k % n)).collect();
+    let id = |i: usize, j: usize| VertexId((i % n * n + j % n) as u32);
+    let faces = (0..n * n).flat_map(|k| {
+        let (i, j) = (k / n, k % n);
+        [[id(i, j), id(i, j + 1), id(i + 1, j + 1)], [id(i, j), id(i + 1, j + 1), id(i + 1, j)]]
+    });
+    TriMesh::new(positions, faces.collect())
+}
+
+fn model(name: &str) -> Option<TriMesh> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
+    let folder = std::env::var_os("MVE_MODELS").map_or(beside, Into::into);
+    let Ok(text) = std::fs::read(folder.join(name)) else {
+        println!("skipped: no {name} in {}", folder.display());
+        return None;
+    };
+    let mut no_mtl = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    mve_modules::io::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
+}
+
+fn main() {
+    let word = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
+    let both = |name: &str, mesh: &TriMesh, to: usize, size: usize| {
+        let mse = format!("{name} ImageMse {size}");
+        if mse.contains(&word) {
+            measure(&mse, mesh, to, Squares, size);
+        }
+        let ssim = format!("{name} ImageSsim {size}");
+        if ssim.contains(&word) {
+            measure(&ssim, mesh, to, Structure::default(), size);
+        }
+    };
+    if let Some(cow) = model("cow.obj") {
+        both("cow", &cow, 3000, 256);
+        both("cow", &cow, 3000, 512);
+    }
+    if let Some(bunny) = model("stanford-bunny.obj") {
+        both("bunny", &bunny, 6945, 256);
+    }
+    // The same number of collapses in meshes of 4 and 64 times the size.
+    for n in [50, 100, 400] {
+        let mesh = torus(n);
+        both(&format!("torus {}", mesh.faces.len()), &mesh, mesh.faces.len() - 1000, 256);
+    }
+}

@@ -1,0 +1,112 @@
+//! What a collapse changes: the faces that go and the faces that come.
+
+use glam::DVec3;
+
+use crate::data::{FaceId, VertexId};
+use crate::geometry::render::normal;
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal};
+
+/// A face before or after a collapse.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patched {
+    /// Its number; a face that only changes its shape keeps it.
+    pub face: u32,
+    /// Its vertices.
+    pub vertices: [u32; 3],
+    /// Where they are.
+    pub points: [DVec3; 3],
+    /// Its unit normal.
+    pub normal: DVec3,
+}
+
+impl Patched {
+    fn new(face: FaceId, vertices: [VertexId; 3], point: impl Fn(VertexId) -> DVec3) -> Self {
+        let points = vertices.map(point);
+        Self { face: face.0, vertices: vertices.map(|v| v.0), points, normal: normal(points) }
+    }
+
+    /// A face of the mesh as it is.
+    pub fn of(state: &Collapsing, face: FaceId) -> Option<Self> {
+        Some(Self::new(face, state.face(face)?, |v| state.position(v)))
+    }
+}
+
+/// A collapse, made or proposed, as pictures see it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Change {
+    /// The faces that go, by number.
+    pub old: Vec<Patched>,
+    /// The faces that come, by number.
+    pub new: Vec<Patched>,
+    /// All vertices of the faces that go.
+    pub ring: Vec<u32>,
+    /// The vertex that stays.
+    pub kept: u32,
+    /// Where it goes.
+    pub position: DVec3,
+    /// One bit for each face that goes, by the end of its number.
+    bits: u64,
+}
+
+impl Change {
+    /// The change that a proposal would be.
+    pub fn proposed(state: &Collapsing, proposal: &Proposal) -> Self {
+        let (kept, gone) = (proposal.ends.kept, proposal.ends.gone);
+        let mut change = Self { kept: kept.0, position: proposal.position, ..Self::default() };
+        for face in state.faces_around(kept).chain(state.faces_around(gone)) {
+            let Some(old) = Patched::of(state, face) else { continue };
+            change.old.push(old);
+            let has = |v: VertexId| old.vertices.contains(&v.0);
+            if !(has(kept) && has(gone)) {
+                let moved = old.vertices.map(|v| VertexId(if v == gone.0 { kept.0 } else { v }));
+                let point = |v| if v == kept { proposal.position } else { state.position(v) };
+                change.new.push(Patched::new(face, moved, point));
+            }
+        }
+        change.settle()
+    }
+
+    /// The change that a collapse was; `face_before` gives the faces as they were.
+    pub fn made(
+        state: &Collapsing,
+        collapse: &Collapse,
+        face_before: impl Fn(u32) -> [u32; 3],
+    ) -> Self {
+        let kept = collapse.kept;
+        let mut change = Self { kept: kept.0, position: collapse.position, ..Self::default() };
+        let point_before = |v: VertexId| match v {
+            v if v == kept => collapse.before[0],
+            v if v == collapse.gone => collapse.before[1],
+            v => state.position(v),
+        };
+        for face in state.faces_around(kept) {
+            change.new.extend(Patched::of(state, face));
+        }
+        let left = change.new.iter().map(|new| FaceId(new.face));
+        for face in left.chain(collapse.dead_faces.iter().copied()) {
+            let vertices = face_before(face.0).map(VertexId);
+            change.old.push(Patched::new(face, vertices, point_before));
+        }
+        change.settle()
+    }
+
+    /// Brings the lists into order.
+    fn settle(mut self) -> Self {
+        self.old.sort_unstable_by_key(|old| old.face);
+        self.old.dedup_by_key(|old| old.face);
+        self.new.sort_unstable_by_key(|new| new.face);
+        self.new.dedup_by_key(|new| new.face);
+        self.ring.extend(self.old.iter().flat_map(|old| old.vertices));
+        self.ring.sort_unstable();
+        self.ring.dedup();
+        self.bits = self.old.iter().fold(0, |bits, old| bits | 1 << (old.face % 64));
+        self
+    }
+
+    /// Whether a face goes.
+    #[inline(always)]
+    pub fn removes(&self, face: u32) -> bool {
+        self.bits >> (face % 64) & 1 != 0
+            && self.old.binary_search_by_key(&face, |old| old.face).is_ok()
+    }
+}

@@ -1,0 +1,246 @@
+//! Image-driven prices: how much more the pictures of a mesh differ from those of the original
+//! after a collapse.
+//!
+//! P. Lindstrom and G. Turk, "Image-driven simplification", ACM Transactions on Graphics 19(3),
+//! 2000: a collapse is worth what it changes in pictures from all around. What is new here is how a
+//! price is found. Each camera keeps its picture with all faces behind every pixel (`layers`). To
+//! price a collapse only the few faces that it makes are drawn, over the pixels that they and the
+//! faces before them span (the *active area*); where a face goes, the next one behind it is known.
+//! So a price costs the same in a mesh of any size, and it is exactly that of drawing the whole
+//! pictures, which [`Areas::Whole`] does, for comparison.
+//!
+//! Departures from the paper: faces are shaded flat, so that a collapse changes no other faces than
+//! those around its edge; edges are priced again after a collapse when their own faces have
+//! changed, not when some other part of the surface comes before or behind them in a picture.
+
+mod change;
+mod layers;
+mod picture;
+mod structure;
+#[cfg(test)]
+mod tests;
+mod view;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::prelude::*;
+
+use change::Change;
+pub use picture::{Difference, Patch, Picture};
+pub use structure::Structure;
+use view::{Canvas, View};
+
+use crate::cost::Cost;
+use crate::data::TriMesh;
+use crate::geometry::control::{Cancelled, Control};
+use crate::geometry::render::{CameraSet, Lens, Sides};
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
+
+/// How much of the pictures a price looks at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Areas {
+    /// Only what the collapse changes.
+    #[default]
+    Active,
+    /// All of it, drawn anew: the same prices, slowly.
+    Whole,
+}
+
+/// What pictures are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// From where.
+    pub cameras: CameraSet,
+    /// Pixels a side.
+    pub resolution: usize,
+    /// Which sides of a face are drawn.
+    pub sides: Sides,
+    /// Luminance where no face is.
+    pub background: u8,
+    /// How much of the pictures a price looks at.
+    pub areas: Areas,
+}
+
+impl PictureOptions {
+    /// The default.
+    pub const DEFAULT: Self = Self {
+        cameras: CameraSet::Dodecahedron,
+        resolution: 256,
+        sides: Sides::Front,
+        background: 255,
+        areas: Areas::Active,
+    };
+}
+
+/// A cost that looks at pictures; `D` says how two pictures differ.
+pub struct ImageDriven<D: Difference> {
+    difference: D,
+    options: PictureOptions,
+    lenses: Vec<Lens>,
+    cameras: Vec<Mutex<Watched<D>>>,
+    /// The vertices of every face, as the cameras know them.
+    faces: Vec<[u32; 3]>,
+    /// Collapses that some camera may not have seen yet: they see them when they are next asked,
+    /// which saves calling all threads together twice.
+    pending: Vec<Change>,
+    scratch: Mutex<Vec<Scratch<D>>>,
+}
+
+/// A camera with what its difference keeps.
+struct Watched<D: Difference> {
+    view: View,
+    kept: D::Kept,
+    /// How many of the pending collapses it has seen.
+    n_seen: usize,
+}
+
+/// Buffers of a thread.
+struct Scratch<D: Difference> {
+    canvas: Canvas,
+    patch: Patch,
+    difference: D::Scratch,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl<D: Difference> ImageDriven<D> {
+    /// Looks at the mesh from around its box. A mesh without extent is in no picture; its prices
+    /// are all 0.
+    pub fn new(mesh: &TriMesh, difference: D, options: PictureOptions) -> Self {
+        let lenses = mesh.bounds().map_or_else(Vec::new, |bounds| {
+            let distance = (bounds.1 - bounds.0).length();
+            let cameras = options.cameras.around(bounds);
+            cameras.into_iter().map(|c| Lens::new(c, options.resolution, distance)).collect()
+        });
+        Self {
+            difference,
+            options,
+            lenses,
+            cameras: Vec::new(),
+            faces: Vec::new(),
+            pending: Vec::new(),
+            scratch: Mutex::default(),
+        }
+    }
+
+    /// The picture of a camera as it is after all collapses.
+    pub fn picture(&self, camera: usize) -> Picture {
+        let mut watched = lock(&self.cameras[camera]);
+        self.catch_up(&mut watched, &mut self.take_scratch());
+        watched.view.picture.clone()
+    }
+
+    fn take_scratch(&self) -> Scratch<D> {
+        lock(&self.scratch).pop().unwrap_or_default()
+    }
+
+    fn watch(
+        &self,
+        lens: Lens,
+        state: &Collapsing,
+        control: Control,
+    ) -> Result<Watched<D>, Cancelled> {
+        let view = View::new(lens, self.options.sides, self.options.background, state, control)?;
+        let kept = self.difference.keep(&view.picture);
+        Ok(Watched { view, kept, n_seen: 0 })
+    }
+
+    /// Shows a camera the collapses that it has not seen.
+    fn catch_up(&self, watched: &mut Watched<D>, scratch: &mut Scratch<D>) {
+        let Watched { view, kept, n_seen } = watched;
+        for change in &self.pending[*n_seen..] {
+            if view.redraw(change, &mut scratch.canvas, &mut scratch.patch) {
+                let Scratch { patch, difference, .. } = scratch;
+                self.difference.update(&view.picture, kept, patch, difference);
+                patch.apply(&mut view.picture);
+            }
+            view.make(change);
+        }
+        *n_seen = self.pending.len();
+    }
+
+    /// By how much each change makes the picture of a camera differ more.
+    fn growths(&self, camera: usize, state: &Collapsing, changes: &[Change]) -> Vec<i64> {
+        let mut scratch = self.take_scratch();
+        let mut watched = lock(&self.cameras[camera]);
+        self.catch_up(&mut watched, &mut scratch);
+        let Watched { view, kept, .. } = &*watched;
+        let Scratch { canvas, patch, difference } = &mut scratch;
+        let growth = |change: &Change| {
+            let differs = match self.options.areas {
+                Areas::Active => view.redraw(change, canvas, patch),
+                Areas::Whole => {
+                    view.redraw_whole(state, change, canvas, patch);
+                    true
+                }
+            };
+            if !differs {
+                return 0;
+            }
+            self.difference.change(&view.picture, kept, patch, difference)
+        };
+        let growths = changes.iter().map(growth).collect();
+        lock(&self.scratch).push(scratch);
+        growths
+    }
+}
+
+impl<D: Difference> Default for Scratch<D> {
+    fn default() -> Self {
+        Self { canvas: Canvas::default(), patch: Patch::default(), difference: Default::default() }
+    }
+}
+
+impl<D: Difference> Cost for ImageDriven<D> {
+    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+        let n = self.lenses.len().max(1) as f64;
+        let numbered = self.lenses.par_iter().enumerate();
+        let watched = numbered.map(|(k, &lens)| {
+            self.watch(lens, state, control.part(k as f64 / n, (k + 1) as f64 / n)).map(Mutex::new)
+        });
+        self.cameras = watched.collect::<Result<_, _>>()?;
+        self.faces = state.face_ids().fold(Vec::new(), |mut faces, face| {
+            faces.resize(face.idx(), [0; 3]);
+            faces.push(state.face(face).map_or([0; 3], |vertices| vertices.map(|v| v.0)));
+            faces
+        });
+        Ok(())
+    }
+
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        let changes: Vec<Change> =
+            batch.iter().map(|proposal| Change::proposed(state, proposal)).collect();
+        let of_camera = |camera| self.growths(camera, state, &changes);
+        let growths: Vec<Vec<i64>> =
+            (0..self.cameras.len()).into_par_iter().map(of_camera).collect();
+        let (n_cameras, size) = (self.cameras.len(), self.options.resolution);
+        for (at, price) in prices.iter_mut().enumerate() {
+            let growth = growths.iter().map(|of_camera| of_camera[at]).sum();
+            *price = self.difference.price(growth, n_cameras, size);
+        }
+    }
+
+    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        let is_seen = |watched: &mut Mutex<Watched<D>>| {
+            watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen == self.pending.len()
+        };
+        if self.cameras.iter_mut().all(is_seen) {
+            self.pending.clear();
+            for watched in &mut self.cameras {
+                watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen = 0;
+            }
+        }
+        let change = Change::made(state, collapse, |face| self.faces[face as usize]);
+        for new in &change.new {
+            self.faces[new.face as usize] = new.vertices;
+        }
+        self.pending.push(change);
+    }
+
+    // The faces of an edge are those around its ends.
+    fn reach(&self) -> Reach {
+        Reach::NEIGHBORS
+    }
+}

@@ -1,0 +1,137 @@
+use glam::DVec3;
+
+use super::*;
+use crate::cost::Squares;
+use crate::geometry::generate::{VaseOptions, vase};
+use crate::geometry::render::{NO_FACE, Side, Visible, luminance, normal};
+use crate::geometry::simplify::{SimplifyOptions, Stop, simplify};
+use crate::placement::{Endpoint, Optimal, Placement};
+
+/// Prices by active areas, and checks some of them against whole pictures.
+struct Checked<D: Difference> {
+    active: ImageDriven<D>,
+    whole: ImageDriven<D>,
+    n_checked: Mutex<usize>,
+}
+
+impl<D: Difference> Checked<D> {
+    fn new(mesh: &TriMesh, difference: D, options: PictureOptions) -> Self {
+        let new =
+            |areas| ImageDriven::new(mesh, difference.clone(), PictureOptions { areas, ..options });
+        Self { active: new(Areas::Active), whole: new(Areas::Whole), n_checked: Mutex::new(0) }
+    }
+}
+
+impl<D: Difference> Cost for Checked<D> {
+    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+        self.active.begin(state, control)?;
+        self.whole.begin(state, control)
+    }
+
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        self.active.price(state, batch, prices);
+        // One of the batch is checked, another one each time.
+        let mut n_checked = lock(&self.n_checked);
+        let at = (*n_checked * 7) % batch.len();
+        let mut expected = [0.0];
+        self.whole.price(state, &batch[at..=at], &mut expected);
+        assert_eq!(prices[at], expected[0], "price {} of {:?}", *n_checked, batch[at].ends);
+        *n_checked += 1;
+    }
+
+    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        self.active.collapsed(state, collapse);
+        self.whole.collapsed(state, collapse);
+    }
+
+    fn reach(&self) -> Reach {
+        self.active.reach()
+    }
+}
+
+const SMALL: PictureOptions = PictureOptions {
+    cameras: CameraSet::Fibonacci(3),
+    resolution: 64,
+    sides: Sides::Both,
+    background: 90,
+    areas: Areas::Active,
+};
+
+fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+    let stop = Stop { ratio: Some(0.5), ..Stop::default() };
+    let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+    simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
+}
+
+/// The picture of a mesh by the plain rasteriser.
+fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
+    let seen = Visible::new(mesh, lens, sides);
+    let value = |&face: &u32| {
+        if face == NO_FACE {
+            return background;
+        }
+        let corners = mesh.corners(crate::data::FaceId(face));
+        let normal = normal(corners);
+        // Which side is seen follows from the sides' rule: only the lit one is not black here.
+        let front = luminance(normal, lens.camera.forward, Side::Front);
+        front.max(luminance(normal, lens.camera.forward, Side::Back))
+    };
+    seen.faces.iter().map(value).collect()
+}
+
+fn small_vase() -> TriMesh {
+    vase(&VaseOptions { segments: 12, profile_segments: 18, ..VaseOptions::DEFAULT })
+}
+
+#[test]
+fn active_areas_price_as_whole_pictures_do() {
+    let mesh = small_vase();
+    for sides in [Sides::Front, Sides::Both] {
+        let options = PictureOptions { sides, ..SMALL };
+        let mut cost = Checked::new(&mesh, Squares, options);
+        halve(&mesh, &mut cost, &mut Optimal::default());
+        assert!(*lock(&cost.n_checked) > 100);
+        let mut cost = Checked::new(&mesh, Structure::default(), options);
+        halve(&mesh, &mut cost, &mut Endpoint);
+        assert!(*lock(&cost.n_checked) > 100);
+    }
+}
+
+#[test]
+fn pictures_stay_those_of_the_mesh() {
+    let mesh = small_vase();
+    for sides in [Sides::Front, Sides::Both] {
+        let options = PictureOptions { sides, ..SMALL };
+        let mut cost = ImageDriven::new(&mesh, Squares, options);
+        let lenses = cost.lenses.clone();
+        let result = halve(&mesh, &mut cost, &mut Optimal::default());
+        for (camera, lens) in lenses.iter().enumerate() {
+            let picture = cost.picture(camera);
+            assert!(picture.original == draw(&mesh, lens, sides, 90), "original, {camera}");
+            assert!(picture.now == draw(&result, lens, sides, 90), "result, {camera}");
+        }
+    }
+}
+
+#[test]
+fn a_smaller_margin_gives_other_prices() {
+    let mesh = small_vase();
+    let state_price = |margin| {
+        let mut cost = ImageDriven::new(&mesh, Structure { margin }, SMALL);
+        halve(&mesh, &mut cost, &mut Endpoint)
+    };
+    assert_eq!(state_price(5), state_price(64));
+    assert_ne!(state_price(5), state_price(0));
+}
+
+#[test]
+fn a_mesh_in_no_picture_has_prices_of_zero() {
+    let mut point = small_vase();
+    point.positions.fill(DVec3::ONE);
+    let mut cost = ImageDriven::new(&point, Squares, SMALL);
+    assert!(cost.lenses.is_empty());
+    let stop = Stop { ratio: Some(0.5), cost: Some(0.0), ..Stop::default() };
+    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let found = simplify(&point, &mut cost, &mut Endpoint, options, Control::none()).unwrap();
+    assert_eq!(found.statistics.largest_cost, Some(0.0));
+}
