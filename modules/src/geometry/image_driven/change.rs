@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::data::{FaceId, VertexId};
-use crate::geometry::render::normal;
+use crate::geometry::render::{NO_FACE, normal};
 use crate::geometry::simplify::{Collapse, Collapsing, Proposal};
 
 /// A face before or after a collapse.
@@ -44,8 +44,9 @@ pub(super) struct Change {
     pub kept: u32,
     /// Where it goes.
     pub position: DVec3,
-    /// One bit for each face that goes, by the end of its number.
-    bits: u64,
+    /// The numbers of the faces that go, each at the first free place from that of its
+    /// [`Change::slot`] on; a power of two of places, mostly free.
+    slots: Vec<u32>,
 }
 
 impl Change {
@@ -99,14 +100,34 @@ impl Change {
         self.ring.extend(self.old.iter().flat_map(|old| old.vertices));
         self.ring.sort_unstable();
         self.ring.dedup();
-        self.bits = self.old.iter().fold(0, |bits, old| bits | 1 << (old.face % 64));
+        self.slots.resize((16 * self.old.len()).next_power_of_two(), NO_FACE);
+        for old in &self.old {
+            let mut slot = self.slot(old.face);
+            while self.slots[slot] != NO_FACE {
+                slot = (slot + 1) % self.slots.len();
+            }
+            self.slots[slot] = old.face;
+        }
         self
+    }
+
+    /// Where to look for a face first.
+    #[inline(always)]
+    fn slot(&self, face: u32) -> usize {
+        // Neighbors have numbers near each other or apart by much the same, which this spreads.
+        (face.wrapping_mul(0x9E37_79B1) >> 16) as usize & (self.slots.len() - 1)
     }
 
     /// Whether a face goes.
     #[inline(always)]
     pub fn removes(&self, face: u32) -> bool {
-        self.bits >> (face % 64) & 1 != 0
-            && self.old.binary_search_by_key(&face, |old| old.face).is_ok()
+        let mut slot = self.slot(face);
+        loop {
+            let there = self.slots[slot];
+            if there == NO_FACE || there == face {
+                return there == face && face != NO_FACE;
+            }
+            slot = (slot + 1) & (self.slots.len() - 1);
+        }
     }
 }

@@ -5,9 +5,7 @@ use super::layers::{Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
 use crate::geometry::control::{Cancelled, Control};
-use crate::geometry::render::{
-    Corner, Lens, NO_FACE, Rect, Sides, Triangle, face_triangles, luminance,
-};
+use crate::geometry::render::{Corner, Lens, Rect, Sides, Triangle, face_triangles, luminance};
 use crate::geometry::simplify::Collapsing;
 
 /// A camera of an image-driven cost.
@@ -22,37 +20,38 @@ pub(super) struct View {
     pub picture: Picture,
 }
 
-/// What is drawn of a change before it is compared with what is there. One fragment a pixel of the
-/// area.
+/// What is drawn of a change at a pixel, before it is compared with what is there.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drawn {
+    /// 0 where nothing is drawn.
+    inv_depth: f32,
+    face: u32,
+    value: u8,
+}
+
+/// What is drawn of a change, one fragment a pixel of its area.
 #[derive(Debug, Default)]
 pub(super) struct Canvas {
-    inv_depths: Vec<f32>,
-    faces: Vec<u32>,
-    values: Vec<u8>,
+    pixels: Vec<Drawn>,
 }
 
 impl Canvas {
-    fn clear(&mut self, n_pixels: usize, background: u8) {
-        self.inv_depths.clear();
-        self.inv_depths.resize(n_pixels, 0.0);
-        // What is not drawn is never read, but for the values of a whole picture.
-        self.faces.resize(n_pixels.max(self.faces.len()), NO_FACE);
-        self.values.clear();
-        self.values.resize(n_pixels, background);
+    fn clear(&mut self, n_pixels: usize) {
+        self.pixels.clear();
+        self.pixels.resize(n_pixels, Drawn::default());
     }
 
     /// Draws a face of a larger number than those before.
     #[inline(always)]
     fn draw(&mut self, area: &Rect, face: u32, triangle: &Triangle, value: u8) {
+        let width = area.width();
         triangle.rows(area, |row| {
-            let start = (row.y - area.y[0]) as usize * area.width();
-            let first = start + (row.x[0] - area.x[0]) as usize;
-            for k in 0..(row.x[1] - row.x[0]) as usize {
+            let first = (row.y - area.y[0]) as usize * width + (row.x[0] - area.x[0]) as usize;
+            let there = &mut self.pixels[first..first + (row.x[1] - row.x[0]) as usize];
+            for (k, there) in there.iter_mut().enumerate() {
                 let inv_depth = row.inv_depth(k);
-                if inv_depth > self.inv_depths[first + k] {
-                    self.inv_depths[first + k] = inv_depth;
-                    self.faces[first + k] = face;
-                    self.values[first + k] = value;
+                if inv_depth > there.inv_depth {
+                    *there = Drawn { inv_depth, face, value };
                 }
             }
         });
@@ -88,23 +87,15 @@ impl View {
         let Self { lens, sides, corners, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
-        face_triangles(
-            lens,
-            placed,
-            || face.points,
-            |triangle| {
-                if sides.show(triangle.side) {
-                    let value = luminance(face.normal, lens.camera.forward, triangle.side);
-                    triangle.rows(&whole, |row| {
-                        let first = row.y as usize * lens.size + row.x[0] as usize;
-                        for k in 0..(row.x[1] - row.x[0]) as usize {
-                            let fragment = Fragment::new(face.face, row.inv_depth(k), value);
-                            layers.insert(first + k, fragment);
-                        }
-                    });
+        face_triangles(lens, *sides, placed, face.points, |triangle| {
+            let value = luminance(face.normal, lens.camera.forward, triangle.side);
+            triangle.rows(&whole, |row| {
+                let first = row.y as usize * lens.size + row.x[0] as usize;
+                for k in 0..(row.x[1] - row.x[0]) as usize {
+                    layers.insert(first + k, Fragment::new(face.face, row.inv_depth(k), value));
                 }
-            },
-        );
+            });
+        });
     }
 
     /// Takes a face out of the layers.
@@ -112,20 +103,12 @@ impl View {
         let Self { lens, sides, corners, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
-        face_triangles(
-            lens,
-            placed,
-            || face.points,
-            |triangle| {
-                if sides.show(triangle.side) {
-                    triangle.rows(&whole, |row| {
-                        let first = row.y as usize * lens.size;
-                        (row.x[0]..row.x[1])
-                            .for_each(|x| layers.remove(first + x as usize, face.face));
-                    });
-                }
-            },
-        );
+        face_triangles(lens, *sides, placed, face.points, |triangle| {
+            triangle.rows(&whole, |row| {
+                let first = row.y as usize * lens.size;
+                (row.x[0]..row.x[1]).for_each(|x| layers.remove(first + x as usize, face.face));
+            });
+        });
     }
 
     /// Makes a change in the layers; the picture is brought up to date by the patch of
@@ -177,28 +160,20 @@ impl View {
         let mut is_clear = false;
         for new in &change.new {
             let placed = new.vertices.map(|v| self.corner_after(change, moved, v));
-            face_triangles(
-                &self.lens,
-                placed,
-                || new.points,
-                |triangle| {
-                    if self.sides.show(triangle.side) {
-                        if !is_clear {
-                            canvas.clear(area.width() * area.height(), self.background);
-                            is_clear = true;
-                        }
-                        let forward = self.lens.camera.forward;
-                        let value = luminance(new.normal, forward, triangle.side);
-                        canvas.draw(&area, new.face, triangle, value);
-                    }
-                },
-            );
+            face_triangles(&self.lens, self.sides, placed, new.points, |triangle| {
+                if !is_clear {
+                    canvas.clear(area.width() * area.height());
+                    is_clear = true;
+                }
+                let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
+                canvas.draw(&area, new.face, triangle, value);
+            });
         }
         if !is_clear {
             if !change.old.iter().any(|old| self.may_be_seen(old)) {
                 return false;
             }
-            canvas.clear(area.width() * area.height(), self.background);
+            canvas.clear(area.width() * area.height());
         }
         self.resolve(change, canvas, area, patch)
     }
@@ -209,16 +184,15 @@ impl View {
         patch.area = area;
         patch.changed = Rect::NONE;
         patch.values.resize(width * area.height(), 0);
-        let drawn = canvas.inv_depths.chunks_exact(width);
+        let drawn = canvas.pixels.chunks_exact(width);
         for ((row, drawn), y) in patch.values.chunks_exact_mut(width).zip(drawn).zip(area.y[0]..) {
             let start = y as usize * size + area.x[0] as usize;
             let there = &self.layers.first()[start..start + width];
             let (mut first, mut last) = (usize::MAX, 0);
-            for (x, (value, there)) in row.iter_mut().zip(there).enumerate() {
-                let inv_depth = drawn[x];
+            for (x, ((value, there), drawn)) in row.iter_mut().zip(there).zip(drawn).enumerate() {
                 let goes = change.removes(there.face);
                 *value = there.value;
-                if !goes && inv_depth < there.inv_depth {
+                if !goes && drawn.inv_depth < there.inv_depth {
                     continue;
                 }
                 let left = if goes {
@@ -227,9 +201,10 @@ impl View {
                     *there
                 };
                 *value = left.value;
-                let at = (y - area.y[0]) as usize * width + x;
-                if inv_depth > 0.0 && Fragment::new(canvas.faces[at], inv_depth, 0).hides(&left) {
-                    *value = canvas.values[at];
+                if drawn.inv_depth > 0.0
+                    && Fragment::new(drawn.face, drawn.inv_depth, 0).hides(&left)
+                {
+                    *value = drawn.value;
                 }
                 if *value != there.value {
                     first = first.min(x);
@@ -257,21 +232,13 @@ impl View {
     ) {
         let whole = Rect::whole(self.lens.size);
         let moved = self.lens.corner(change.position);
-        canvas.clear(self.lens.size * self.lens.size, self.background);
+        canvas.clear(self.lens.size * self.lens.size);
         let mut draw = |face: &Patched| {
             let placed = face.vertices.map(|v| self.corner_after(change, moved, v));
-            face_triangles(
-                &self.lens,
-                placed,
-                || face.points,
-                |triangle| {
-                    if self.sides.show(triangle.side) {
-                        let forward = self.lens.camera.forward;
-                        let value = luminance(face.normal, forward, triangle.side);
-                        canvas.draw(&whole, face.face, triangle, value);
-                    }
-                },
-            );
+            face_triangles(&self.lens, self.sides, placed, face.points, |triangle| {
+                let value = luminance(face.normal, self.lens.camera.forward, triangle.side);
+                canvas.draw(&whole, face.face, triangle, value);
+            });
         };
         for face in state.face_ids() {
             let FaceId(number) = face;
@@ -283,6 +250,8 @@ impl View {
         }
         patch.area = whole;
         patch.changed = whole;
-        patch.values.clone_from(&canvas.values);
+        let value = |d: &Drawn| if d.inv_depth > 0.0 { d.value } else { self.background };
+        patch.values.clear();
+        patch.values.extend(canvas.pixels.iter().map(value));
     }
 }

@@ -67,6 +67,24 @@ impl Rect {
     }
 }
 
+/// Which sides of a face are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// Only the front; back faces are culled.
+    #[default]
+    Front,
+    /// Both.
+    Both,
+}
+
+impl Sides {
+    /// Whether this side of a face is drawn.
+    #[inline]
+    pub fn show(self, side: Side) -> bool {
+        self == Self::Both || side == Side::Front
+    }
+}
+
 /// Which side of a triangle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -117,16 +135,10 @@ impl Row {
 }
 
 impl Triangle {
-    /// Of three corners that have a place; `None` if no center of a pixel can be in it.
+    /// Of three corners that have a place; `None` if no center of a pixel can be in it, or if it
+    /// shows a side that is not drawn.
     #[inline]
-    pub fn new([a, mut b, mut c]: [Corner; 3]) -> Option<Self> {
-        let [x, y] = [[a.x, b.x, c.x], [a.y, b.y, c.y]];
-        let least = |at: [i32; 3]| (at[0].min(at[1]).min(at[2]) + STEPS / 2 - 1) >> 8;
-        let most = |at: [i32; 3]| (at[0].max(at[1]).max(at[2]) + STEPS / 2) >> 8;
-        let bounds = Rect { x: [least(x), most(x)], y: [least(y), most(y)] };
-        if bounds.is_empty() {
-            return None;
-        }
+    pub fn new([a, mut b, mut c]: [Corner; 3], sides: Sides) -> Option<Self> {
         let across = |from: Corner, to: Corner, at: [i32; 2]| {
             let along = [i64::from(to.x - from.x), i64::from(to.y - from.y)];
             let there = [i64::from(at[0] - from.x), i64::from(at[1] - from.y)];
@@ -135,12 +147,19 @@ impl Triangle {
         // Rows count downward, so what is counter-clockwise for the eye is negative here.
         let mut area = -across(a, b, [c.x, c.y]);
         let side = if area > 0 { Side::Front } else { Side::Back };
+        if area == 0 || !sides.show(side) {
+            return None;
+        }
         if area > 0 {
             (b, c) = (c, b);
         } else {
             area = -area;
         }
-        if area == 0 {
+        let [x, y] = [[a.x, b.x, c.x], [a.y, b.y, c.y]];
+        let least = |at: [i32; 3]| (at[0].min(at[1]).min(at[2]) + STEPS / 2 - 1) >> 8;
+        let most = |at: [i32; 3]| (at[0].max(at[1]).max(at[2]) + STEPS / 2) >> 8;
+        let bounds = Rect { x: [least(x), most(x)], y: [least(y), most(y)] };
+        if bounds.is_empty() {
             return None;
         }
         let first = [bounds.x[0], bounds.y[0]].map(|pixel| pixel * STEPS + STEPS / 2);

@@ -30,16 +30,16 @@ fn a_triangle_of_few_pixels_by_hand() {
     // pixels (0, 0) to (3, 3). Looking at the picture, the triangle lies to the lower left of it,
     // so the long side is a right one and its centers do not belong to it.
     let [a, b, c] = [corner(0, 0), corner(0, 4 * STEPS), corner(4 * STEPS, 4 * STEPS)];
-    let lower = Triangle::new([a, b, c]).unwrap();
+    let lower = Triangle::new([a, b, c], Sides::Both).unwrap();
     assert_eq!(lower.side, Side::Front);
     let found: Vec<_> = pixels(&lower, &Rect::whole(8)).iter().map(|p| (p.0, p.1)).collect();
     assert_eq!(found, [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]);
-    let upper = Triangle::new([a, c, corner(4 * STEPS, 0)]).unwrap();
+    let upper = Triangle::new([a, c, corner(4 * STEPS, 0)], Sides::Both).unwrap();
     let found: Vec<_> = pixels(&upper, &Rect::whole(8)).iter().map(|p| (p.0, p.1)).collect();
     let expected = [(0, 0), (1, 0), (2, 0), (3, 0), (1, 1), (2, 1), (3, 1), (2, 2), (3, 2), (3, 3)];
     assert_eq!(found, expected);
-    assert_eq!(Triangle::new([a, c, b]).unwrap().side, Side::Back);
-    assert!(Triangle::new([a, c, corner(2 * STEPS, 2 * STEPS)]).is_none(), "no area");
+    assert_eq!(Triangle::new([a, c, b], Sides::Both).unwrap().side, Side::Back);
+    assert!(Triangle::new([a, c, corner(2 * STEPS, 2 * STEPS)], Sides::Both).is_none(), "no area");
 }
 
 #[test]
@@ -151,7 +151,7 @@ proptest! {
         let mut drawn = [0; 256];
         for (k, &from) in rim.iter().enumerate() {
             let to = rim[(k + 1) % rim.len()];
-            if let Some(triangle) = Triangle::new([center, from, to]) {
+            if let Some(triangle) = Triangle::new([center, from, to], Sides::Both) {
                 prop_assume!(triangle.side == Side::Front);
                 pixels(&triangle, &whole).iter().for_each(|p| drawn[(p.1 * 16 + p.0) as usize] += 1);
             }
@@ -185,7 +185,7 @@ proptest! {
         window in (0..30i32, 0..30i32, 1..13i32, 1..40i32),
     ) {
         let corners = points.map(|(x, y, inv_depth)| Corner { x, y, inv_depth });
-        let Some(triangle) = Triangle::new(corners) else { return Ok(()) };
+        let Some(triangle) = Triangle::new(corners, Sides::Both) else { return Ok(()) };
         let (x, y, width, height) = window;
         let clip = Rect { x: [x, x + width], y: [y, y + height] };
         let is_in = |p: &&(i32, i32, f32)| {

@@ -3,26 +3,8 @@
 use glam::DVec3;
 
 use super::project::{Corner, Lens};
-use super::raster::{Rect, Row, Side, Triangle};
+use super::raster::{Rect, Row, Sides, Triangle};
 use crate::data::{FaceId, TriMesh};
-
-/// Which sides of a face are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Sides {
-    /// Only the front; back faces are culled.
-    #[default]
-    Front,
-    /// Both.
-    Both,
-}
-
-impl Sides {
-    /// Whether this side of a face is drawn.
-    #[inline]
-    pub fn show(self, side: Side) -> bool {
-        self == Self::Both || side == Side::Front
-    }
-}
 
 /// Where no face is.
 pub const NO_FACE: u32 = u32::MAX;
@@ -49,11 +31,9 @@ impl Visible {
         let whole = Rect::whole(lens.size);
         for (number, face) in (0u32..).zip(&mesh.faces) {
             let placed = face.map(|v| corners[v.idx()]);
-            let points = || mesh.corners(FaceId(number));
-            face_triangles(lens, placed, points, |triangle| {
-                if sides.show(triangle.side) {
-                    triangle.rows(&whole, |row| seen.draw(number, &row));
-                }
+            let points = mesh.corners(FaceId(number));
+            face_triangles(lens, sides, placed, points, |triangle| {
+                triangle.rows(&whole, |row| seen.draw(number, &row));
             });
         }
         seen
@@ -81,22 +61,23 @@ impl Visible {
     }
 }
 
-/// Calls `each` with the triangles that a face is on the grid: one, but for a face that must be
+/// Calls `each` with the triangles that a face is on the grid, if it shows a side that is drawn: one, but for a face that must be
 /// clipped. `points` gives its corners in space.
 #[inline(always)]
 pub fn face_triangles(
     lens: &Lens,
+    sides: Sides,
     placed: [Corner; 3],
-    points: impl Fn() -> [DVec3; 3],
+    points: [DVec3; 3],
     mut each: impl FnMut(&Triangle),
 ) {
     if placed.iter().all(|corner| corner.is_placed()) {
-        if let Some(triangle) = Triangle::new(placed) {
+        if let Some(triangle) = Triangle::new(placed, sides) {
             each(&triangle);
         }
     } else {
-        lens.clip(points(), |corners| {
-            if let Some(triangle) = Triangle::new(corners) {
+        lens.clip(points, |corners| {
+            if let Some(triangle) = Triangle::new(corners, sides) {
                 each(&triangle);
             }
         });
