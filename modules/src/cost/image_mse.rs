@@ -39,6 +39,7 @@ impl Difference for Squares {
 
     fn keep(&self, _: &Picture) {}
 
+    #[inline(always)]
     fn change(&self, picture: &Picture, (): &(), patch: &Patch, (): &mut ()) -> i64 {
         let rows = patch.changed.y[0]..patch.changed.y[1];
         rows.map(|y| {

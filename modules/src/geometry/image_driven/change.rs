@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::data::{FaceId, VertexId};
-use crate::geometry::render::{NO_FACE, normal};
+use crate::geometry::render::{LANES, NO_FACE, normal};
 use crate::geometry::simplify::{Collapse, Collapsing, Proposal};
 
 /// A face before or after a collapse.
@@ -44,7 +44,9 @@ pub(super) struct Change {
     pub kept: u32,
     /// Where it goes.
     pub position: DVec3,
-    /// The numbers of the faces that go, each at the first free place from that of its
+    /// The numbers of the faces that go.
+    numbers: Vec<u32>,
+    /// The same, each at the first free place from that of its
     /// [`Change::slot`] on; a power of two of places, mostly free.
     slots: Vec<u32>,
 }
@@ -101,6 +103,7 @@ impl Change {
         self.ring.sort_unstable();
         self.ring.dedup();
         self.slots.resize((16 * self.old.len()).next_power_of_two(), NO_FACE);
+        self.numbers.extend(self.old.iter().map(|old| old.face));
         for old in &self.old {
             let mut slot = self.slot(old.face);
             while self.slots[slot] != NO_FACE {
@@ -129,5 +132,22 @@ impl Change {
             }
             slot = (slot + 1) & (self.slots.len() - 1);
         }
+    }
+
+    /// Whether faces go, several at once.
+    #[inline(always)]
+    pub fn removes_lanes(&self, faces: [u32; LANES]) -> [bool; LANES] {
+        // Comparing with all is faster for few, as it takes no branch.
+        const FEW: usize = 24;
+        if self.numbers.len() > FEW {
+            return faces.map(|face| self.removes(face));
+        }
+        let mut found = [0u32; LANES];
+        for &number in &self.numbers {
+            for lane in 0..LANES {
+                found[lane] |= u32::from(faces[lane] == number);
+            }
+        }
+        found.map(|found| found != 0)
     }
 }

@@ -3,12 +3,13 @@
 //! A picture keeps what lies behind it, so that taking a face away shows the next one without
 //! drawing the mesh again (L. Carpenter, "The A-buffer, an antialiased hidden surface method",
 //! SIGGRAPH 1984, without its coverage masks). A pixel holds one fragment for each layer of the
-//! surface, however many faces the mesh has.
+//! surface, however many faces the mesh has. The nearest ones lie apart, in one list a quantity:
+//! they are what a price reads.
 
 use crate::geometry::render::NO_FACE;
 
 /// No further fragment.
-const END: u32 = u32::MAX;
+pub(super) const END: u32 = u32::MAX;
 
 /// A face at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,47 +41,76 @@ impl Fragment {
 /// The fragments of a picture.
 #[derive(Clone, Debug)]
 pub(super) struct Layers {
-    /// The nearest fragment of each pixel.
-    first: Vec<Fragment>,
+    /// Of the nearest fragment of each pixel: one over its depth.
+    pub inv_depths: Vec<f32>,
+    /// Its face.
+    pub faces: Vec<u32>,
+    /// The place of the next one in `behind`, or [`END`].
+    pub nexts: Vec<u32>,
+    /// Its luminance.
+    pub values: Vec<u8>,
     /// The ones behind, and unused places.
     behind: Vec<Fragment>,
     /// The first unused place; they are linked as fragments are.
     unused: u32,
-    background: Fragment,
+    background: u8,
 }
 
 impl Layers {
     /// Nothing but the background.
     pub fn new(n_pixels: usize, background: u8) -> Self {
-        let background = Fragment::new(NO_FACE, 0.0, background);
-        Self { first: vec![background; n_pixels], behind: Vec::new(), unused: END, background }
+        Self {
+            inv_depths: vec![0.0; n_pixels],
+            faces: vec![NO_FACE; n_pixels],
+            nexts: vec![END; n_pixels],
+            values: vec![background; n_pixels],
+            behind: Vec::new(),
+            unused: END,
+            background,
+        }
     }
 
-    /// The nearest fragments, by pixel.
+    /// The nearest fragment of a pixel.
     #[inline]
-    pub fn first(&self) -> &[Fragment] {
-        &self.first
+    pub fn first(&self, pixel: usize) -> Fragment {
+        Fragment {
+            inv_depth: self.inv_depths[pixel],
+            face: self.faces[pixel],
+            next: self.nexts[pixel],
+            value: self.values[pixel],
+        }
+    }
+
+    fn set_first(&mut self, pixel: usize, first: Fragment) {
+        self.inv_depths[pixel] = first.inv_depth;
+        self.faces[pixel] = first.face;
+        self.nexts[pixel] = first.next;
+        self.values[pixel] = first.value;
+    }
+
+    fn nothing(&self) -> Fragment {
+        Fragment::new(NO_FACE, 0.0, self.background)
     }
 
     /// The nearest fragment of a pixel that `is_left`, or the background.
     #[inline]
     pub fn first_left(&self, pixel: usize, is_left: impl Fn(u32) -> bool) -> Fragment {
-        let mut fragment = &self.first[pixel];
+        let mut fragment = self.first(pixel);
         while !is_left(fragment.face) {
             match self.behind.get(fragment.next as usize) {
-                Some(next) => fragment = next,
-                None => return self.background,
+                Some(next) => fragment = *next,
+                None => return self.nothing(),
             }
         }
-        *fragment
+        fragment
     }
 
     /// Puts a fragment in.
     pub fn insert(&mut self, pixel: usize, fragment: Fragment) {
-        let first = self.first[pixel];
+        let first = self.first(pixel);
         if fragment.hides(&first) {
             let next = if first.face == NO_FACE { END } else { self.put_behind(first) };
-            self.first[pixel] = Fragment { next, ..fragment };
+            self.set_first(pixel, Fragment { next, ..fragment });
             return;
         }
         let mut before = END;
@@ -94,21 +124,21 @@ impl Layers {
         let place = self.put_behind(Fragment { next, ..fragment });
         match self.behind.get_mut(before as usize) {
             Some(before) => before.next = place,
-            None => self.first[pixel].next = place,
+            None => self.nexts[pixel] = place,
         }
     }
 
     /// Takes the fragment of a face out.
     pub fn remove(&mut self, pixel: usize, face: u32) {
-        let first = &mut self.first[pixel];
+        let first = self.first(pixel);
         let mut place = first.next;
         if first.face == face {
-            match self.behind.get(place as usize) {
+            match self.behind.get(place as usize).copied() {
                 Some(next) => {
-                    *first = *next;
+                    self.set_first(pixel, next);
                     self.give_back(place);
                 }
-                None => *first = self.background,
+                None => self.set_first(pixel, self.nothing()),
             }
             return;
         }
@@ -117,7 +147,7 @@ impl Layers {
             if fragment.face == face {
                 match self.behind.get_mut(before as usize) {
                     Some(before) => before.next = fragment.next,
-                    None => self.first[pixel].next = fragment.next,
+                    None => self.nexts[pixel] = fragment.next,
                 }
                 self.give_back(place);
                 return;
@@ -174,14 +204,14 @@ mod tests {
                 }
             }
             for (pixel, fragments) in expected.iter_mut().enumerate() {
-                fragments.sort_by(|a, b| if a.hides(b) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater });
+                fragments.sort_by(|a, b| b.inv_depth.total_cmp(&a.inv_depth).then(a.face.cmp(&b.face)));
                 let is_left = |face: u32| !hidden.contains(&face);
                 let first = fragments.iter().find(|f| is_left(f.face));
                 let found = layers.first_left(pixel, is_left);
-                prop_assert_eq!((found.face, found.value), first.map_or((NO_FACE, 77), |f| (f.face, f.value)));
+                let expected = first.map_or((NO_FACE, 77), |f| (f.face, f.value));
+                prop_assert_eq!((found.face, found.value), expected);
             }
-            let n: usize = expected.iter().map(Vec::len).sum();
-            prop_assert!(layers.behind.len() <= 36, "{} for {}", layers.behind.len(), n);
+            prop_assert!(layers.behind.len() <= 36, "given back places are used again");
         }
     }
 }

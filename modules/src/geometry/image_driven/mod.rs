@@ -13,6 +13,7 @@
 //! those around its edge; edges are priced again after a collapse when their own faces have
 //! changed, not when some other part of the surface comes before or behind them in a picture.
 
+mod canvas;
 mod change;
 mod layers;
 mod picture;
@@ -23,12 +24,14 @@ mod view;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use canvas::Canvas;
 use change::Change;
 pub use picture::{Difference, Patch, Picture};
 pub use structure::Structure;
-use view::{Canvas, View};
+use view::View;
 
 use crate::cost::Cost;
 use crate::data::TriMesh;
@@ -101,6 +104,41 @@ struct Scratch<D: Difference> {
     difference: D::Scratch,
 }
 
+/// Pricing changes in one camera, with the vector instructions that the machine has.
+struct Growths<'a, D: Difference> {
+    difference: &'a D,
+    view: &'a View,
+    kept: &'a D::Kept,
+    state: &'a Collapsing,
+    changes: &'a [Change],
+    areas: Areas,
+    scratch: &'a mut Scratch<D>,
+}
+
+impl<D: Difference> WithSimd for Growths<'_, D> {
+    type Output = Vec<i64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<i64> {
+        let Self { difference, view, kept, state, changes, areas, scratch } = self;
+        let Scratch { canvas, patch, difference: buffers } = scratch;
+        let mut growths = Vec::with_capacity(changes.len());
+        for change in changes {
+            let differs = match areas {
+                Areas::Active => view.redraw(change, canvas, patch),
+                Areas::Whole => {
+                    view.redraw_whole(state, change, canvas, patch);
+                    true
+                }
+            };
+            let growth =
+                if differs { difference.change(&view.picture, kept, patch, buffers) } else { 0 };
+            growths.push(growth);
+        }
+        growths
+    }
+}
+
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -167,21 +205,15 @@ impl<D: Difference> ImageDriven<D> {
         let mut watched = lock(&self.cameras[camera]);
         self.catch_up(&mut watched, &mut scratch);
         let Watched { view, kept, .. } = &*watched;
-        let Scratch { canvas, patch, difference } = &mut scratch;
-        let growth = |change: &Change| {
-            let differs = match self.options.areas {
-                Areas::Active => view.redraw(change, canvas, patch),
-                Areas::Whole => {
-                    view.redraw_whole(state, change, canvas, patch);
-                    true
-                }
-            };
-            if !differs {
-                return 0;
-            }
-            self.difference.change(&view.picture, kept, patch, difference)
-        };
-        let growths = changes.iter().map(growth).collect();
+        let growths = Arch::new().dispatch(Growths {
+            difference: &self.difference,
+            view,
+            kept,
+            state,
+            changes,
+            areas: self.options.areas,
+            scratch: &mut scratch,
+        });
         lock(&self.scratch).push(scratch);
         growths
     }

@@ -21,13 +21,15 @@ pub struct Patch {
     /// The part of it that does change: the smallest rectangle around all pixels whose value
     /// becomes another. Never empty.
     pub changed: Rect,
-    /// New values of all pixels of `area`, row by row.
+    /// New values of all pixels of `area`, row by row, with [`Patch::stride`] from row to row.
     pub values: Vec<u8>,
+    /// Values from one row to the next, at least the width of the area.
+    pub stride: usize,
 }
 
 impl Default for Patch {
     fn default() -> Self {
-        Self { area: Rect::NONE, changed: Rect::NONE, values: Vec::new() }
+        Self { area: Rect::NONE, changed: Rect::NONE, values: Vec::new(), stride: 0 }
     }
 }
 
@@ -35,7 +37,7 @@ impl Patch {
     /// The new values of row `y` of the picture in columns `x`, which lie in the area.
     #[inline]
     pub fn row(&self, y: i32, x: [i32; 2]) -> &[u8] {
-        let start = (y - self.area.y[0]) as usize * self.area.width();
+        let start = (y - self.area.y[0]) as usize * self.stride;
         let [from, to] = x.map(|x| start + (x - self.area.x[0]) as usize);
         &self.values[from..to]
     }

@@ -1,11 +1,12 @@
 //! One camera: its picture, all faces behind it, and how a collapse changes it.
 
+use super::canvas::{Block, Canvas};
 use super::change::{Change, Patched};
-use super::layers::{Fragment, Layers};
+use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
 use crate::geometry::control::{Cancelled, Control};
-use crate::geometry::render::{Corner, Lens, Rect, Sides, Triangle, face_triangles, luminance};
+use crate::geometry::render::{Corner, LANES, Lens, Rect, Sides, face_triangles, luminance};
 use crate::geometry::simplify::Collapsing;
 
 /// A camera of an image-driven cost.
@@ -16,46 +17,11 @@ pub(super) struct View {
     background: u8,
     /// Where each vertex is in the picture.
     corners: Vec<Corner>,
+    /// Pixels from one row of the layers to the next: rows are filled up with background, so that
+    /// every block of lanes that begins in a row can be read.
+    stride: usize,
     layers: Layers,
     pub picture: Picture,
-}
-
-/// What is drawn of a change at a pixel, before it is compared with what is there.
-#[derive(Clone, Copy, Debug, Default)]
-struct Drawn {
-    /// 0 where nothing is drawn.
-    inv_depth: f32,
-    face: u32,
-    value: u8,
-}
-
-/// What is drawn of a change, one fragment a pixel of its area.
-#[derive(Debug, Default)]
-pub(super) struct Canvas {
-    pixels: Vec<Drawn>,
-}
-
-impl Canvas {
-    fn clear(&mut self, n_pixels: usize) {
-        self.pixels.clear();
-        self.pixels.resize(n_pixels, Drawn::default());
-    }
-
-    /// Draws a face of a larger number than those before.
-    #[inline(always)]
-    fn draw(&mut self, area: &Rect, face: u32, triangle: &Triangle, value: u8) {
-        let width = area.width();
-        triangle.rows(area, |row| {
-            let first = (row.y - area.y[0]) as usize * width + (row.x[0] - area.x[0]) as usize;
-            let there = &mut self.pixels[first..first + (row.x[1] - row.x[0]) as usize];
-            for (k, there) in there.iter_mut().enumerate() {
-                let inv_depth = row.inv_depth(k);
-                if inv_depth > there.inv_depth {
-                    *there = Drawn { inv_depth, face, value };
-                }
-            }
-        });
-    }
 }
 
 impl View {
@@ -69,28 +35,29 @@ impl View {
     ) -> Result<Self, Cancelled> {
         let n_vertices = 0..state.n_vertices() as u32;
         let corners = n_vertices.map(|v| lens.corner(state.position(VertexId(v)))).collect();
-        let n_pixels = lens.size * lens.size;
-        let layers = Layers::new(n_pixels, background);
+        let stride = lens.size + LANES;
+        let layers = Layers::new(stride * lens.size, background);
         let picture = Picture { size: lens.size, original: Vec::new(), now: Vec::new() };
-        let mut view = Self { lens, sides, background, corners, layers, picture };
+        let mut view = Self { lens, sides, background, corners, stride, layers, picture };
         for face in state.face_ids() {
             control.item(face.idx(), state.n_faces())?;
             Patched::of(state, face).iter().for_each(|face| view.insert(face));
         }
-        view.picture.now = view.layers.first().iter().map(|first| first.value).collect();
+        let rows = view.layers.values.chunks_exact(stride);
+        view.picture.now = rows.flat_map(|row| &row[..lens.size]).copied().collect();
         view.picture.original.clone_from(&view.picture.now);
         Ok(view)
     }
 
     /// Puts a face into the layers.
     fn insert(&mut self, face: &Patched) {
-        let Self { lens, sides, corners, layers, .. } = self;
+        let Self { lens, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
         face_triangles(lens, *sides, placed, face.points, |triangle| {
             let value = luminance(face.normal, lens.camera.forward, triangle.side);
             triangle.rows(&whole, |row| {
-                let first = row.y as usize * lens.size + row.x[0] as usize;
+                let first = row.y as usize * *stride + row.x[0] as usize;
                 for k in 0..(row.x[1] - row.x[0]) as usize {
                     layers.insert(first + k, Fragment::new(face.face, row.inv_depth(k), value));
                 }
@@ -100,12 +67,12 @@ impl View {
 
     /// Takes a face out of the layers.
     fn remove(&mut self, face: &Patched) {
-        let Self { lens, sides, corners, layers, .. } = self;
+        let Self { lens, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
         face_triangles(lens, *sides, placed, face.points, |triangle| {
             triangle.rows(&whole, |row| {
-                let first = row.y as usize * lens.size;
+                let first = row.y as usize * *stride;
                 (row.x[0]..row.x[1]).for_each(|x| layers.remove(first + x as usize, face.face));
             });
         });
@@ -151,6 +118,7 @@ impl View {
 
     /// Finds what the picture would be after a change, where it would differ; `false` where it
     /// would not.
+    #[inline(always)]
     pub fn redraw(&self, change: &Change, canvas: &mut Canvas, patch: &mut Patch) -> bool {
         let moved = self.lens.corner(change.position);
         let area = self.area(change, moved);
@@ -162,63 +130,92 @@ impl View {
             let placed = new.vertices.map(|v| self.corner_after(change, moved, v));
             face_triangles(&self.lens, self.sides, placed, new.points, |triangle| {
                 if !is_clear {
-                    canvas.clear(area.width() * area.height());
+                    canvas.clear(&area);
                     is_clear = true;
                 }
                 let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
-                canvas.draw(&area, new.face, triangle, value);
+                canvas.draw(new.face, triangle, value);
             });
         }
         if !is_clear {
             if !change.old.iter().any(|old| self.may_be_seen(old)) {
                 return false;
             }
-            canvas.clear(area.width() * area.height());
+            canvas.clear(&area);
         }
         self.resolve(change, canvas, area, patch)
     }
 
-    /// Compares what was drawn with what stays, pixel by pixel.
+    /// Compares what was drawn with what stays.
+    #[inline(always)]
     fn resolve(&self, change: &Change, canvas: &Canvas, area: Rect, patch: &mut Patch) -> bool {
-        let (width, size) = (area.width(), self.lens.size);
+        let n_across = canvas.n_across;
         patch.area = area;
         patch.changed = Rect::NONE;
-        patch.values.resize(width * area.height(), 0);
-        let drawn = canvas.pixels.chunks_exact(width);
-        for ((row, drawn), y) in patch.values.chunks_exact_mut(width).zip(drawn).zip(area.y[0]..) {
-            let start = y as usize * size + area.x[0] as usize;
-            let there = &self.layers.first()[start..start + width];
-            let (mut first, mut last) = (usize::MAX, 0);
-            for (x, ((value, there), drawn)) in row.iter_mut().zip(there).zip(drawn).enumerate() {
-                let goes = change.removes(there.face);
-                *value = there.value;
-                if !goes && drawn.inv_depth < there.inv_depth {
-                    continue;
-                }
-                let left = if goes {
-                    self.layers.first_left(start + x, |face| !change.removes(face))
-                } else {
-                    *there
-                };
-                *value = left.value;
-                if drawn.inv_depth > 0.0
-                    && Fragment::new(drawn.face, drawn.inv_depth, 0).hides(&left)
-                {
-                    *value = drawn.value;
-                }
-                if *value != there.value {
-                    first = first.min(x);
-                    last = x + 1;
-                }
+        patch.stride = n_across * LANES;
+        patch.values.resize(patch.stride * area.height(), 0);
+        // Pixels of the last block in a row that lie in the area.
+        let n_last = area.width() - (n_across - 1) * LANES;
+        let (blocks, _) = patch.values.as_chunks_mut::<LANES>();
+        for (at, (to, drawn)) in blocks.iter_mut().zip(&canvas.blocks).enumerate() {
+            let (across, down) = (at % n_across, (at / n_across) as i32);
+            let y = area.y[0] + down;
+            let x = area.x[0] + (across * LANES) as i32;
+            let pixel = y as usize * self.stride + x as usize;
+            let (new, now) = self.resolve_block(change, drawn, pixel);
+            *to = new;
+            let mut differ = u64::from_le_bytes(new) ^ u64::from_le_bytes(now);
+            if across + 1 == n_across {
+                differ &= u64::MAX >> (8 * (LANES - n_last));
             }
-            if first < last {
-                let x = [first, last].map(|x| area.x[0] + x as i32);
+            if differ != 0 {
+                let first = x + differ.trailing_zeros() as i32 / 8;
+                let end = x + 8 - differ.leading_zeros() as i32 / 8;
                 let changed = &mut patch.changed;
-                changed.x = [changed.x[0].min(x[0]), changed.x[1].max(x[1])];
+                changed.x = [changed.x[0].min(first), changed.x[1].max(end)];
                 changed.y = [changed.y[0].min(y), y + 1];
             }
         }
         !patch.changed.is_empty()
+    }
+
+    /// The new and the present values of the pixels from `pixel` on.
+    #[inline(always)]
+    fn resolve_block(
+        &self,
+        change: &Change,
+        drawn: &Block,
+        pixel: usize,
+    ) -> ([u8; LANES], [u8; LANES]) {
+        let layers = &self.layers;
+        let faces = lanes(&layers.faces, pixel);
+        let inv_depths = lanes(&layers.inv_depths, pixel);
+        let nexts = lanes(&layers.nexts, pixel);
+        let now: [u8; LANES] = lanes(&layers.values, pixel);
+        let goes = change.removes_lanes(faces);
+        let mut new = now;
+        let mut open = [0u8; LANES];
+        for lane in 0..LANES {
+            let inv_depth = drawn.inv_depths[lane];
+            let is_drawn = inv_depth > 0.0;
+            let over = if is_drawn { drawn.values[lane] as u8 } else { self.background };
+            let is_nearer = inv_depth > inv_depths[lane];
+            new[lane] = if goes[lane] | is_nearer { over } else { now[lane] };
+            // What lies behind a face that goes, and which of two equally near faces is seen, is
+            // not known yet.
+            let is_even = is_drawn & (inv_depth == inv_depths[lane]) & !goes[lane];
+            open[lane] = u8::from((goes[lane] & (nexts[lane] != END)) | is_even);
+        }
+        let mut open = u64::from_le_bytes(open);
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize / 8;
+            open &= open - 1;
+            let left = layers.first_left(pixel + lane, |face| !change.removes(face));
+            let over = Fragment::new(drawn.faces[lane], drawn.inv_depths[lane], 0);
+            let is_seen = over.inv_depth > 0.0 && over.hides(&left);
+            new[lane] = if is_seen { drawn.values[lane] as u8 } else { left.value };
+        }
+        (new, now)
     }
 
     /// Draws the whole picture as it would be after a change, from nothing; all of it counts as
@@ -232,12 +229,12 @@ impl View {
     ) {
         let whole = Rect::whole(self.lens.size);
         let moved = self.lens.corner(change.position);
-        canvas.clear(self.lens.size * self.lens.size);
+        canvas.clear(&whole);
         let mut draw = |face: &Patched| {
             let placed = face.vertices.map(|v| self.corner_after(change, moved, v));
             face_triangles(&self.lens, self.sides, placed, face.points, |triangle| {
                 let value = luminance(face.normal, self.lens.camera.forward, triangle.side);
-                canvas.draw(&whole, face.face, triangle, value);
+                canvas.draw(face.face, triangle, value);
             });
         };
         for face in state.face_ids() {
@@ -250,8 +247,20 @@ impl View {
         }
         patch.area = whole;
         patch.changed = whole;
-        let value = |d: &Drawn| if d.inv_depth > 0.0 { d.value } else { self.background };
+        patch.stride = canvas.n_across * LANES;
         patch.values.clear();
-        patch.values.extend(canvas.pixels.iter().map(value));
+        for block in &canvas.blocks {
+            patch.values.extend((0..LANES).map(|lane| {
+                let is_drawn = block.inv_depths[lane] > 0.0;
+                if is_drawn { block.values[lane] as u8 } else { self.background }
+            }));
+        }
     }
+}
+
+/// The lanes from a place on.
+#[inline(always)]
+fn lanes<T: Copy>(list: &[T], from: usize) -> [T; LANES] {
+    let part = &list[from..from + LANES];
+    std::array::from_fn(|lane| part[lane])
 }

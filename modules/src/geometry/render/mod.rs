@@ -17,5 +17,5 @@ mod visible;
 pub use camera::{Camera, CameraSet};
 pub use luminance::{NTSC, luminance, normal, to_byte};
 pub use project::{Corner, Lens, MAX_SIZE};
-pub use raster::{Rect, Row, Side, Sides, Triangle};
+pub use raster::{LANES, Rect, Row, Side, Sides, Triangle};
 pub use visible::{NO_FACE, Visible, face_triangles};

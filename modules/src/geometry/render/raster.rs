@@ -111,6 +111,43 @@ pub struct Triangle {
     slopes: [f32; 2],
 }
 
+/// Pixels that are worked on together, in lanes of vector instructions.
+pub const LANES: usize = 8;
+
+/// A triangle of a few pixels, for rows of [`LANES`] pixels at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Small {
+    /// `(step in x, step in y)` of the edge functions.
+    steps: [[i32; 2]; 3],
+    /// Their values at the first pixel of the bounds.
+    start: [i32; 3],
+    first: [i32; 2],
+    inv_depth: f32,
+    slopes: [f32; 2],
+}
+
+impl Small {
+    /// Which of the pixels from (x, y) on are covered, and one over the depth of each: the values
+    /// of [`Row::inv_depth`], to the last bit. Columns from a block before the bounds to a block
+    /// behind them are allowed, and rows within the bounds.
+    #[inline(always)]
+    pub fn lanes(&self, x: i32, y: i32) -> ([bool; LANES], [f32; LANES]) {
+        let (dx, dy) = (x - self.first[0], y - self.first[1]);
+        let [e0, e1, e2] =
+            [0, 1, 2].map(|k| self.start[k] + dx * self.steps[k][0] + dy * self.steps[k][1]);
+        let mut is_inside = [false; LANES];
+        let mut inv_depths = [0.0; LANES];
+        for lane in 0..LANES {
+            let at = |k: usize, start: i32| start + lane as i32 * self.steps[k][0];
+            let (e0, e1, e2) = (at(0, e0), at(1, e1), at(2, e2));
+            is_inside[lane] = (e0 | e1 | e2) >= 0;
+            inv_depths[lane] =
+                self.inv_depth + (e1 as f32 * self.slopes[0] + e2 as f32 * self.slopes[1]);
+        }
+        (is_inside, inv_depths)
+    }
+}
+
 /// The pixels of a triangle in one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
@@ -176,6 +213,22 @@ impl Triangle {
         let per_area = (area as f32).recip();
         let slopes = [b, c].map(|corner| (corner.inv_depth - a.inv_depth) * per_area);
         Some(Self { side, bounds, steps, start, inv_depth: a.inv_depth, slopes })
+    }
+
+    /// The triangle in small numbers, if it is small enough for them.
+    #[inline(always)]
+    pub fn small(&self) -> Option<Small> {
+        // A step is at most 2⁸ times an edge of 57 × 2⁸, and rows and columns up to 64 away are
+        // asked for: products stay below 2³⁰.
+        const MOST: usize = 56;
+        let fits = self.bounds.width() <= MOST && self.bounds.height() <= MOST;
+        fits.then(|| Small {
+            steps: self.steps.map(|step| step.map(|d| d as i32)),
+            start: self.start.map(|value| value as i32),
+            first: [self.bounds.x[0], self.bounds.y[0]],
+            inv_depth: self.inv_depth,
+            slopes: self.slopes,
+        })
     }
 
     /// Calls `each` with every row in `clip` of which a pixel is covered.
