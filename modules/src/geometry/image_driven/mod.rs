@@ -104,37 +104,55 @@ struct Scratch<D: Difference> {
     difference: D::Scratch,
 }
 
-/// Pricing changes in one camera, with the vector instructions that the machine has.
-struct Growths<'a, D: Difference> {
-    difference: &'a D,
-    view: &'a View,
-    kept: &'a D::Kept,
-    state: &'a Collapsing,
-    changes: &'a [Change],
-    areas: Areas,
+/// The work of one camera, with the vector instructions that the machine has. (A closure would be
+/// compiled for the least machine.)
+struct Asked<'a, D: Difference> {
+    cost: &'a ImageDriven<D>,
+    watched: &'a mut Watched<D>,
     scratch: &'a mut Scratch<D>,
+    /// The mesh, if whole pictures are to be drawn.
+    state: Option<&'a Collapsing>,
+    changes: &'a [Change],
 }
 
-impl<D: Difference> WithSimd for Growths<'_, D> {
+impl<D: Difference> WithSimd for Asked<'_, D> {
     type Output = Vec<i64>;
 
+    /// Shows the camera the collapses that it has not seen; then by how much each change makes its
+    /// picture differ more.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<i64> {
-        let Self { difference, view, kept, state, changes, areas, scratch } = self;
+        let Self { cost, watched, scratch, state, changes } = self;
+        let Watched { view, kept, n_seen } = watched;
         let Scratch { canvas, patch, difference: buffers } = scratch;
+        let (difference, pending) = (&cost.difference, &cost.pending[*n_seen..]);
         let mut growths = Vec::with_capacity(changes.len());
-        for change in changes {
-            let differs = match areas {
-                Areas::Active => view.redraw(change, canvas, patch),
-                Areas::Whole => {
+        // One loop over both, so that what it calls has one caller and is inlined.
+        for (at, change) in pending.iter().chain(changes).enumerate() {
+            let is_made = at < pending.len();
+            let differs = match state.filter(|_| !is_made) {
+                None => view.redraw(change, canvas, patch),
+                Some(state) => {
                     view.redraw_whole(state, change, canvas, patch);
                     true
                 }
             };
-            let growth =
-                if differs { difference.change(&view.picture, kept, patch, buffers) } else { 0 };
-            growths.push(growth);
+            if is_made {
+                if differs {
+                    difference.update(&view.picture, kept, patch, buffers);
+                    patch.apply(&mut view.picture);
+                }
+                view.make(change);
+            } else {
+                let picture = &view.picture;
+                growths.push(if differs {
+                    difference.change(picture, kept, patch, buffers)
+                } else {
+                    0
+                });
+            }
         }
+        *n_seen = cost.pending.len();
         growths
     }
 }
@@ -163,17 +181,6 @@ impl<D: Difference> ImageDriven<D> {
         }
     }
 
-    /// The picture of a camera as it is after all collapses.
-    pub fn picture(&self, camera: usize) -> Picture {
-        let mut watched = lock(&self.cameras[camera]);
-        self.catch_up(&mut watched, &mut self.take_scratch());
-        watched.view.picture.clone()
-    }
-
-    fn take_scratch(&self) -> Scratch<D> {
-        lock(&self.scratch).pop().unwrap_or_default()
-    }
-
     fn watch(
         &self,
         lens: Lens,
@@ -185,35 +192,13 @@ impl<D: Difference> ImageDriven<D> {
         Ok(Watched { view, kept, n_seen: 0 })
     }
 
-    /// Shows a camera the collapses that it has not seen.
-    fn catch_up(&self, watched: &mut Watched<D>, scratch: &mut Scratch<D>) {
-        let Watched { view, kept, n_seen } = watched;
-        for change in &self.pending[*n_seen..] {
-            if view.redraw(change, &mut scratch.canvas, &mut scratch.patch) {
-                let Scratch { patch, difference, .. } = scratch;
-                self.difference.update(&view.picture, kept, patch, difference);
-                patch.apply(&mut view.picture);
-            }
-            view.make(change);
-        }
-        *n_seen = self.pending.len();
-    }
-
     /// By how much each change makes the picture of a camera differ more.
-    fn growths(&self, camera: usize, state: &Collapsing, changes: &[Change]) -> Vec<i64> {
-        let mut scratch = self.take_scratch();
-        let mut watched = lock(&self.cameras[camera]);
-        self.catch_up(&mut watched, &mut scratch);
-        let Watched { view, kept, .. } = &*watched;
-        let growths = Arch::new().dispatch(Growths {
-            difference: &self.difference,
-            view,
-            kept,
-            state,
-            changes,
-            areas: self.options.areas,
-            scratch: &mut scratch,
-        });
+    fn ask(&self, camera: usize, state: &Collapsing, changes: &[Change]) -> Vec<i64> {
+        let state = (self.options.areas == Areas::Whole).then_some(state);
+        let mut scratch = lock(&self.scratch).pop().unwrap_or_default();
+        let watched = &mut *lock(&self.cameras[camera]);
+        let asked = Asked { cost: self, watched, scratch: &mut scratch, state, changes };
+        let growths = Arch::new().dispatch(asked);
         lock(&self.scratch).push(scratch);
         growths
     }
@@ -244,7 +229,7 @@ impl<D: Difference> Cost for ImageDriven<D> {
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
         let changes: Vec<Change> =
             batch.iter().map(|proposal| Change::proposed(state, proposal)).collect();
-        let of_camera = |camera| self.growths(camera, state, &changes);
+        let of_camera = |camera| self.ask(camera, state, &changes);
         let growths: Vec<Vec<i64>> =
             (0..self.cameras.len()).into_par_iter().map(of_camera).collect();
         let (n_cameras, size) = (self.cameras.len(), self.options.resolution);

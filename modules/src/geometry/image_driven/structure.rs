@@ -11,8 +11,6 @@
 //! of windows are rounded to 2⁻²⁴ and added as whole numbers. Against double precision the
 //! value of a window is off by up to about 10⁻⁴, where both pictures are flat.
 
-use pulp::Arch;
-
 use super::picture::{Difference, Patch, Picture};
 use crate::geometry::render::Rect;
 
@@ -110,25 +108,29 @@ fn products(y: &[u8], x: &[u8], to: &mut Means) {
     }
 }
 
+/// Adds a multiple of a row.
+#[inline(always)]
+fn add_weighted(weight: f32, from: &[f32], to: &mut [f32]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += weight * from;
+    }
+}
+
 /// Weighted means of 11 neighbors each: `to[i]` of `from[i..i + 11]`.
 #[inline(always)]
 fn along_row(from: &[f32], to: &mut [f32]) {
     to.fill(0.0);
     for (k, weight) in WEIGHTS.iter().enumerate() {
-        for (to, from) in to.iter_mut().zip(&from[k..]) {
-            *to += weight * from;
-        }
+        add_weighted(*weight, &from[k..], to);
     }
 }
 
-/// Weighted means of 11 rows.
+/// Weighted means of 11 rows of `n`, from `row` on.
 #[inline(always)]
-fn along_columns<'a>(rows: impl Fn(usize) -> &'a [f32], to: &mut [f32]) {
+fn along_columns(rows: &[f32], n: usize, row: usize, to: &mut [f32]) {
     to.fill(0.0);
-    for (k, weight) in WEIGHTS.iter().enumerate() {
-        for (to, from) in to.iter_mut().zip(rows(k)) {
-            *to += weight * from;
-        }
+    for (weight, y) in WEIGHTS.iter().zip(row..) {
+        add_weighted(*weight, &rows[y * n..], to);
     }
 }
 
@@ -182,39 +184,38 @@ impl Windows {
         }
     }
 
-    /// Calls `each` with every row of the windows in `[rows, columns]` as a patch makes them: the
-    /// place of its first window among all, and their similarities.
+    /// The similarities of the windows of a row in `columns` as a patch makes them, into the
+    /// buffers, which hold the patch's rows; the place of the first window among all.
     #[inline(always)]
     fn new_windows(
         &self,
         patch: &Patch,
-        [rows, columns]: [[usize; 2]; 2],
+        row: usize,
+        columns: [usize; 2],
         buffers: &mut Buffers,
-        mut each: impl FnMut(usize, &[i32]),
-    ) {
+    ) -> usize {
         let width = columns[1] - columns[0];
         let changed = patch.changed.y.map(|y| y as usize);
         let Buffers { along_rows, windows, similarity: found, .. } = buffers;
         size(windows, width);
         found.resize(width, 0);
-        for row in rows[0]..rows[1] {
-            for (map, to) in windows.iter_mut().enumerate() {
-                let means = |k: usize| {
-                    let y = row + k;
-                    if (changed[0]..changed[1]).contains(&y) {
-                        &along_rows[map][(y - changed[0]) * width..][..width]
-                    } else {
-                        &self.along_rows[map][y * self.n + columns[0]..][..width]
-                    }
+        for map in 0..3 {
+            let (kept, new, to) = (&self.along_rows[map], &along_rows[map], &mut windows[map]);
+            to.fill(0.0);
+            for (weight, y) in WEIGHTS.iter().zip(row..) {
+                let from = if changed[0] <= y && y < changed[1] {
+                    &new[(y - changed[0]) * width..][..width]
+                } else {
+                    &kept[y * self.n + columns[0]..][..width]
                 };
-                along_columns(means, to);
+                add_weighted(*weight, from, to);
             }
-            let place = row * self.n + columns[0];
-            let [mean, variance] =
-                [&self.original[0], &self.original[1]].map(|of| &of[place..place + width]);
-            similarity(windows, mean, variance, found);
-            each(place, found);
         }
+        let place = row * self.n + columns[0];
+        let mean = &self.original[0][place..place + width];
+        let variance = &self.original[1][place..place + width];
+        similarity(windows, mean, variance, found);
+        place
     }
 }
 
@@ -232,24 +233,23 @@ impl Difference for Structure {
             similarity: vec![UNIT as i32; n * n],
         };
         let mut pixels = Means::default();
-        Arch::new().dispatch(|| {
-            for (y, row) in picture.now.chunks_exact(picture.size).enumerate() {
-                products(row, row, &mut pixels);
-                for (pixels, along) in pixels.iter().zip(&mut kept.along_rows) {
-                    along_row(pixels, &mut along[y * n..(y + 1) * n]);
-                }
+        for (y, row) in picture.now.chunks_exact(picture.size).enumerate() {
+            products(row, row, &mut pixels);
+            for (pixels, along) in pixels.iter().zip(&mut kept.along_rows) {
+                along_row(pixels, &mut along[y * n..(y + 1) * n]);
             }
-            let [mean, variance] = &mut kept.original;
-            let rows = mean.chunks_exact_mut(n.max(1)).zip(variance.chunks_exact_mut(n.max(1)));
-            for (row, (mean, variance)) in rows.enumerate() {
-                along_columns(|k| &kept.along_rows[0][(row + k) * n..][..n], mean);
-                along_columns(|k| &kept.along_rows[1][(row + k) * n..][..n], variance);
-                mean.iter().zip(variance).for_each(|(mean, variance)| *variance -= mean * mean);
-            }
-        });
+        }
+        let [mean, variance] = &mut kept.original;
+        let rows = mean.chunks_exact_mut(n.max(1)).zip(variance.chunks_exact_mut(n.max(1)));
+        for (row, (mean, variance)) in rows.enumerate() {
+            along_columns(&kept.along_rows[0], n, row, mean);
+            along_columns(&kept.along_rows[1], n, row, variance);
+            mean.iter().zip(variance).for_each(|(mean, variance)| *variance -= mean * mean);
+        }
         kept
     }
 
+    #[inline(always)]
     fn change(
         &self,
         picture: &Picture,
@@ -258,30 +258,28 @@ impl Difference for Structure {
         buffers: &mut Buffers,
     ) -> i64 {
         let Some(reached) = reached(&patch.changed, self.margin, kept.n) else { return 0 };
-        Arch::new().dispatch(|| {
-            Windows::new_rows(picture, patch, reached[1], buffers);
-            let mut loss = 0;
-            kept.new_windows(patch, reached, buffers, |place, found| {
-                let pairs = found.iter().zip(&kept.similarity[place..]);
-                loss += pairs.map(|(new, now)| i64::from(now - new)).sum::<i64>();
-            });
-            loss
-        })
+        Windows::new_rows(picture, patch, reached[1], buffers);
+        let mut loss = 0;
+        let [rows, columns] = reached;
+        for row in rows[0]..rows[1] {
+            let place = kept.new_windows(patch, row, columns, buffers);
+            for (new, now) in buffers.similarity.iter().zip(&kept.similarity[place..]) {
+                loss += i64::from(now - new);
+            }
+        }
+        loss
     }
 
     fn update(&self, picture: &Picture, kept: &mut Windows, patch: &Patch, buffers: &mut Buffers) {
         let margin = Self::EXACT_MARGIN;
         let Some(reached) = reached(&patch.changed, margin, kept.n) else { return };
-        let [_, columns] = reached;
+        let [rows, columns] = reached;
         let (n, width) = (kept.n, columns[1] - columns[0]);
-        let mut similarity = std::mem::take(&mut kept.similarity);
-        Arch::new().dispatch(|| {
-            Windows::new_rows(picture, patch, columns, buffers);
-            kept.new_windows(patch, reached, buffers, |place, found| {
-                similarity[place..place + width].copy_from_slice(found);
-            });
-        });
-        kept.similarity = similarity;
+        Windows::new_rows(picture, patch, columns, buffers);
+        for row in rows[0]..rows[1] {
+            let place = kept.new_windows(patch, row, columns, buffers);
+            kept.similarity[place..place + width].copy_from_slice(&buffers.similarity);
+        }
         for (along, new) in kept.along_rows.iter_mut().zip(&buffers.along_rows) {
             for (row, new) in (patch.changed.y[0] as usize..).zip(new.chunks_exact(width)) {
                 along[row * n + columns[0]..][..width].copy_from_slice(new);

@@ -6,7 +6,9 @@ use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
 use crate::geometry::control::{Cancelled, Control};
-use crate::geometry::render::{Corner, LANES, Lens, Rect, Sides, face_triangles, luminance};
+use crate::geometry::render::{
+    Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, luminance,
+};
 use crate::geometry::simplify::Collapsing;
 
 /// A camera of an image-driven cost.
@@ -128,14 +130,18 @@ impl View {
         let mut is_clear = false;
         for new in &change.new {
             let placed = new.vertices.map(|v| self.corner_after(change, moved, v));
-            face_triangles(&self.lens, self.sides, placed, new.points, |triangle| {
-                if !is_clear {
+            if !placed.iter().all(|corner| corner.is_placed()) {
+                if !std::mem::replace(&mut is_clear, true) {
                     canvas.clear(&area);
-                    is_clear = true;
+                }
+                self.draw_clipped(new, canvas);
+            } else if let Some(triangle) = Triangle::new(placed, self.sides) {
+                if !std::mem::replace(&mut is_clear, true) {
+                    canvas.clear(&area);
                 }
                 let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
-                canvas.draw(new.face, triangle, value);
-            });
+                canvas.draw(new.face, &triangle, value);
+            }
         }
         if !is_clear {
             if !change.old.iter().any(|old| self.may_be_seen(old)) {
@@ -144,6 +150,14 @@ impl View {
             canvas.clear(&area);
         }
         self.resolve(change, canvas, area, patch)
+    }
+
+    /// Draws a face of which a corner has no place.
+    fn draw_clipped(&self, new: &Patched, canvas: &mut Canvas) {
+        face_triangles(&self.lens, self.sides, [Corner::default(); 3], new.points, |triangle| {
+            let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
+            canvas.draw(new.face, triangle, value);
+        });
     }
 
     /// Compares what was drawn with what stays.
