@@ -3,6 +3,7 @@
 pub mod bvh;
 mod bvh_build;
 pub mod control;
+pub mod curvature;
 pub mod generate;
 pub mod hausdorff;
 mod hausdorff_max;
@@ -12,3 +13,4 @@ pub mod normals;
 pub mod point_triangle;
 pub mod sample;
 pub mod simplify;
+pub mod subdivide;
