@@ -2,6 +2,9 @@
 
 pub mod bvh;
 mod bvh_build;
+pub mod color_map;
+pub mod color_scale;
+pub mod contact_sheet;
 pub mod control;
 pub mod curvature;
 pub mod generate;
@@ -14,3 +17,4 @@ pub mod point_triangle;
 pub mod sample;
 pub mod simplify;
 pub mod subdivide;
+pub mod text;

@@ -191,33 +191,34 @@ fn fit(points: impl Iterator<Item = (DVec2, f64)> + Clone, degree: usize) -> Opt
 fn least_squares(columns: &mut [Vec<f64>]) -> Option<[f64; MAX_TERMS]> {
     let n = columns.len() - 1;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let mut upper = [[0.0; MAX_TERMS + 1]; MAX_TERMS];
+    // Column k of the triangular factor, and last what the right side has of each column.
+    let mut factor: Vec<[f64; MAX_TERMS]> = Vec::with_capacity(n + 1);
     for k in 0..=n {
         let (done, rest) = columns.split_at_mut(k);
         let column = &mut rest[0];
         let before = dot(column, column).sqrt();
+        let mut parts = [0.0; MAX_TERMS];
         for _ in 0..2 {
-            for (j, other) in done.iter().enumerate() {
+            for (other, sum) in done.iter().zip(&mut parts) {
                 let part = dot(other, column);
-                upper[j][k] += part;
+                *sum += part;
                 column.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);
             }
         }
-        if k == n {
-            break;
+        if k < n {
+            let length = dot(column, column).sqrt();
+            if length.is_nan() || length <= RANK_TOLERANCE * before {
+                return None;
+            }
+            parts[k] = length;
+            column.iter_mut().for_each(|x| *x /= length);
         }
-        let length = dot(column, column).sqrt();
-        // Written so that what is not a number fails.
-        if !(length > RANK_TOLERANCE * before) {
-            return None;
-        }
-        upper[k][k] = length;
-        column.iter_mut().for_each(|x| *x /= length);
+        factor.push(parts);
     }
     let mut solution = [0.0; MAX_TERMS];
     for k in (0..n).rev() {
-        let known: f64 = (k + 1..n).map(|j| upper[k][j] * solution[j]).sum();
-        solution[k] = (upper[k][n] - known) / upper[k][k];
+        let known: f64 = (k + 1..n).map(|j| factor[j][k] * solution[j]).sum();
+        solution[k] = (factor[n][k] - known) / factor[k][k];
     }
     Some(solution)
 }

@@ -28,30 +28,30 @@ fn sphere(radius: f64) -> TriMesh {
 
 #[test]
 fn a_sphere_bends_by_the_inverse_of_its_radius() {
-    for found in both(&sphere(2.0)) {
-        let mut off: Vec<f64> = found.iter().map(|c| (c.mean / 0.5 - 1.0).abs()).collect();
-        off.sort_by(f64::total_cmp);
-        assert!(off[off.len() / 2] < 0.01, "{}", off[off.len() / 2]);
-    }
-    // A cavity is concave.
+    // The triangles are far from even, and their worst ones far from what a fit can bear.
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
     let mut cavity = sphere(2.0);
     cavity.faces.iter_mut().for_each(|face| face.swap(1, 2));
-    for found in both(&cavity) {
-        assert!((found[7].mean + 0.5).abs() < 0.05 && (found[7].gaussian - 0.25).abs() < 0.05);
+    for (mesh, mean) in [(sphere(2.0), 0.5), (cavity, -0.5)] {
+        for found in both(&mesh) {
+            let off = median(found.iter().map(|c| (c.mean / mean - 1.0).abs()).collect());
+            assert!(off < 0.01, "{off}");
+            let off = median(found.iter().map(|c| (c.gaussian / 0.25 - 1.0).abs()).collect());
+            assert!(off < 0.02, "{off}");
+        }
     }
 }
 
 #[test]
-fn angle_defects_sum_up_to_the_euler_characteristic() {
+fn angle_defects_of_a_cube_are_right_angles() {
     // A cube has three right angles at each of its vertices, whose defect is π/2. The mixed areas
     // of all vertices add up to its area.
     let found = discrete(&cube(DVec3::ZERO), Control::none()).unwrap();
     let inverse_sum: f64 = found.iter().map(|c| std::f64::consts::FRAC_PI_2 / c.gaussian).sum();
     assert!((inverse_sum - 6.0).abs() < 1e-12, "{inverse_sum}");
-    // On a torus they cancel, but for the sizes of the areas.
-    let found = discrete(&torus(1.0, 0.3, 60), Control::none()).unwrap();
-    let sum: f64 = found.iter().map(|c| c.gaussian).sum();
-    assert!(sum.abs() > 1.0, "the areas differ: {sum}");
 }
 
 #[test]
@@ -123,9 +123,12 @@ fn what_has_no_curvature_says_so() {
     assert_eq!(both(&mesh_of(&points, &faces))[1].len(), 3001);
 }
 
-/// A reference mesh with, for each vertex, whether it is far from borders, and the analytic mean,
-/// Gaussian, larger and smaller curvature.
-fn reference(name: &str) -> Option<(TriMesh, Vec<(bool, [f64; 4])>)> {
+/// Whether a vertex is far from borders, and the analytic mean, Gaussian, larger and smaller
+/// curvature.
+type Expected = (bool, [f64; 4]);
+
+/// A reference mesh with what is known of its vertices.
+fn reference(name: &str) -> Option<(TriMesh, Vec<Expected>)> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
     let models = std::env::var_os("MVE_MODELS").map_or_else(beside, PathBuf::from);
     let read = |file: String| {
@@ -151,7 +154,7 @@ fn reference(name: &str) -> Option<(TriMesh, Vec<(bool, [f64; 4])>)> {
 
 /// The largest errors of the four values over the inner vertices, relative to the largest absolute
 /// principal curvature of the surface, or its square.
-fn errors(found: &[Curvature], expected: &[(bool, [f64; 4])]) -> [f64; 4] {
+fn errors(found: &[Curvature], expected: &[Expected]) -> [f64; 4] {
     let largest = expected.iter().flat_map(|(_, e)| [e[2].abs(), e[3].abs()]).fold(0.0, f64::max);
     let mut errors = [0.0f64; 4];
     for (found, (_, expected)) in found.iter().zip(expected).filter(|(_, (inner, _))| *inner) {
@@ -165,13 +168,24 @@ fn errors(found: &[Curvature], expected: &[(bool, [f64; 4])]) -> [f64; 4] {
     errors
 }
 
+/// The largest errors at any inner vertex, where the meshes have an edge of 0.08 (sphere, over its
+/// radius), 0.2 (torus, over that of its tube), 0.1 and 0.04.
 #[test]
 fn references_agree_to_one_percent() {
     for name in ["sphere", "torus", "cylinder", "saddle"] {
         let Some((mesh, expected)) = reference(name) else { return };
         for (method, found) in both(&mesh).iter().enumerate() {
             let errors = errors(found, &expected);
-            eprintln!("{name} {method} {errors:.2?}");
+            let allowed = match (method, name) {
+                // On its alternating grid the angle defect itself is off.
+                (0, "saddle") => [0.01, 0.05, 0.05, 0.05],
+                // Two rings are wide against the tube for a cubic.
+                (2, "torus") => [0.03, 0.03, 0.05, 0.03],
+                _ => [0.01; 4],
+            };
+            let is_near = errors.iter().zip(allowed).all(|(error, allowed)| *error < allowed);
+            eprintln!("{name} {method} {errors:.5?}");
+            assert!(is_near, "{name} {method}: {errors:.5?}");
         }
     }
 }
