@@ -109,7 +109,8 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
             Kind::InputFile { extensions: ["png"], .. } => {
                 let path = folder.join("in.png");
                 let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
-                save_atomic(&path, |out| write_png(&image, out)).expect("the folder can be written");
+                save_atomic(&path, |out| write_png(&image, out))
+                    .expect("the folder can be written");
                 trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
             }
             Kind::InputFile { .. } => {

@@ -200,6 +200,8 @@ fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     }
     let largest = low.abs().max(high.abs());
     let is_plain = (1e-4..1e6).contains(&largest);
+    // A little more, so that rounding takes no power of ten for the one below.
+    let power = (1.0000001 * step).log10().floor();
     let decimals = if is_plain { (-power).max(0.0) } else { largest.log10().floor() - power };
     let n_ticks = (last - first) as usize;
     let tick = |k: usize| {

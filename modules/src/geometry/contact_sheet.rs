@@ -121,8 +121,7 @@ mod tests {
 
     #[test]
     fn gray_becomes_color_beside_color_and_small_ones_are_centered() {
-        let images =
-            vec![filled([4, 4], PixelKind::Gray, 9), filled([10, 6], PixelKind::Rgb, 77)];
+        let images = vec![filled([4, 4], PixelKind::Gray, 9), filled([10, 6], PixelKind::Rgb, 77)];
         let options = SheetOptions { columns: None, has_captions: true };
         let sheet = contact_sheet(&Images(images), options).unwrap();
         assert_eq!(sheet.kind, PixelKind::Rgb);
@@ -137,7 +136,8 @@ mod tests {
         assert_eq!(contact_sheet(&Images(Vec::new()), none), Err(SheetError::Empty));
         let flat = Images(vec![filled([0, 3], PixelKind::Gray, 0)]);
         assert_eq!(contact_sheet(&flat, none), Err(SheetError::Empty));
-        let strips = [filled([30_000, 1], PixelKind::Gray, 0), filled([1, 30_000], PixelKind::Gray, 0)];
+        let strips =
+            [filled([30_000, 1], PixelKind::Gray, 0), filled([1, 30_000], PixelKind::Gray, 0)];
         let message = contact_sheet(&Images(strips.to_vec()), none).unwrap_err().to_string();
         assert!(message.contains("2 images of up to 30000 × 30000"), "{message}");
     }

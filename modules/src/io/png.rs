@@ -33,8 +33,7 @@ pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
         PixelKind::Gray => ExtendedColorType::L8,
         PixelKind::Rgb => ExtendedColorType::Rgb8,
     };
-    let encoder =
-        PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
+    let encoder = PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
     encoder.write_image(&image.bytes, width, height, kind).map_err(|error| match error {
         ImageError::IoError(error) => error,
         other => io::Error::other(other.to_string()),

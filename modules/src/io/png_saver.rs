@@ -42,20 +42,21 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (images, path) = (io.get(IMAGES_IN)?, io.param(PATH)?);
     let columns = io.param(COLUMNS)?.map(|columns| columns as usize);
     let options = SheetOptions { columns, has_captions: io.param(CAPTIONS)? };
-    let image = match (io.param(IMAGE)?, images.0.as_slice()) {
-        (Some(place), images) => {
-            let message = || format!("there is no image {place}; there are {}", images.len());
-            Cow::Borrowed(images.get(place as usize).ok_or_else(|| ModuleError::Param {
-                name: "image".into(),
-                message: message(),
-            })?)
-        }
-        (None, [one]) => Cow::Borrowed(one),
-        (None, _) => {
-            let sheet = contact_sheet(&images, options);
-            Cow::Owned(sheet.map_err(|e| ModuleError::input(&IMAGES_IN, e.to_string()))?)
-        }
-    };
+    let image =
+        match (io.param(IMAGE)?, images.0.as_slice()) {
+            (Some(place), images) => {
+                let message = || format!("there is no image {place}; there are {}", images.len());
+                Cow::Borrowed(images.get(place as usize).ok_or_else(|| ModuleError::Param {
+                    name: "image".into(),
+                    message: message(),
+                })?)
+            }
+            (None, [one]) => Cow::Borrowed(one),
+            (None, _) => {
+                let sheet = contact_sheet(&images, options);
+                Cow::Owned(sheet.map_err(|e| ModuleError::input(&IMAGES_IN, e.to_string()))?)
+            }
+        };
     io.check()?;
     save_atomic(&path, |out| write_png(&image, out))
         .map_err(|error| ModuleError::Numeric(error.to_string()))

@@ -13,11 +13,14 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{CHUNK, Curvature, eigen, normalized, tangents};
+use super::{Curvature, eigen, normalized, tangents};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::normals::{NormalWeight, vertex_normals};
 use crate::mesh::adjacency::Adjacency;
+
+/// Vertices that are worked on in one piece: some 20 ms where the rings are widest.
+const CHUNK: usize = 1 << 7;
 
 /// Most points of a fit. Ten rings of vertices with six neighbors have 330.
 const MAX_POINTS: usize = 400;
@@ -63,9 +66,6 @@ pub fn quadric_fit(
             for (place, found) in found.iter_mut().enumerate() {
                 let vertex = VertexId((chunk * CHUNK + place) as u32);
                 let normal = normals[vertex.idx()];
-                if place % 64 == 0 {
-                    control.part(0.2, 1.0).at(0.0)?;
-                }
                 if normal != DVec3::ZERO {
                     *found = at_vertex(&mesh, &adjacency, vertex, normal, options, around)
                         .unwrap_or(Curvature::UNDEFINED)

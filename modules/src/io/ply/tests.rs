@@ -56,7 +56,8 @@ fn text_by_hand() {
 fn binary_by_hand() {
     let field = field(Domain::Face, &[2.0, 3.0]);
     let mesh = triangle(Domain::Face);
-    for (precision, real, size) in [(Precision::Float, "float", 4), (Precision::Double, "double", 8)]
+    for (precision, real, size) in
+        [(Precision::Float, "float", 4), (Precision::Double, "double", 8)]
     {
         let bytes = written(&mesh, Some(&field), Encoding::Binary, precision).unwrap();
         let end = b"end_header\n";
@@ -89,6 +90,6 @@ fn what_cannot_be_written_is_named() {
     mesh.positions[1].y = 1e50;
     assert!(refused(&mesh, None).contains("vertex 1 has the coordinate 1e50, too large"));
     assert!(written(&mesh, None, Encoding::Binary, Precision::Double).is_ok());
-    mesh.positions[2].y = f64::NAN;
-    assert!(refused(&mesh, None).contains("vertex 2 has the coordinate NaN"));
+    mesh.positions[1].y = f64::NAN;
+    assert!(refused(&mesh, None).contains("vertex 1 has the coordinate NaN"));
 }

@@ -243,10 +243,9 @@ impl Rows<'_> {
     }
 
     fn end(&mut self, control: Control, row: usize, n_rows: usize) -> io::Result<()> {
-        if self.options.encoding == Encoding::Ascii {
-            if let Some(last) = self.buffer.last_mut() {
-                *last = b'\n';
-            }
+        let is_text = self.options.encoding == Encoding::Ascii;
+        if let Some(last) = self.buffer.last_mut().filter(|_| is_text) {
+            *last = b'\n';
         }
         if self.buffer.len() >= CHUNK {
             control.at(row as f64 / n_rows as f64).map_err(io::Error::other)?;
