@@ -144,8 +144,8 @@ mod tests {
     fn a_field_of_another_mesh_is_refused_with_both_counts() {
         let message = trial(Domain::Vertex, &[0.0; 7]).run().unwrap_err().to_string();
         assert!(message.contains("7 values") && message.contains("4 vertices"), "{message}");
-        let message =
-            trial(Domain::Vertex, &[0.0; 4]).set("low", 3.0).run().unwrap_err().to_string();
+        let message = trial(Domain::Vertex, &[0.0; 4]).set("low", 3.0).set("high", 0.0).run();
+        let message = message.unwrap_err().to_string();
         assert!(message.contains("from 3 to 0"), "{message}");
     }
 }

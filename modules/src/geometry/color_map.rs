@@ -54,27 +54,29 @@ pub struct EmptyRange {
 /// The values of the first and the last color.
 ///
 /// Limits from the data are the lowest and the highest finite number, or its quantiles `clip` and
-/// 1 - `clip`, interpolated between neighbors. Without a finite number they are 0 and 1. Values
-/// that are all the same give a range of length 0, which is drawn in the middle color.
+/// 1 - `clip`, interpolated between neighbors. Without a finite number they are 0 and 1. A limit
+/// from the data that lies beyond the one that was given is moved there. So a range may have length
+/// 0; then its value has the first color, or the middle one of symmetric limits.
 ///
 /// # Errors
-/// [`EmptyRange`] when a limit that was given is not below the other.
+/// [`EmptyRange`] when both limits were given and the low one is not below the high one.
 pub fn range_of(values: &[f64], options: &ColorMapOptions) -> Result<[f64; 2], EmptyRange> {
-    let (low, high) = match (options.low, options.high) {
-        (Some(low), Some(high)) => (low, high),
-        _ => {
-            let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-            let mut low = quantile(&mut finite, options.clip).unwrap_or(0.0);
-            let mut high = quantile(&mut finite, 1.0 - options.clip).unwrap_or(1.0);
-            if options.is_symmetric {
-                high = low.abs().max(high.abs());
-                low = -high;
-            }
-            (options.low.unwrap_or(low), options.high.unwrap_or(high))
-        }
-    };
-    let is_from_data = options.low.is_none() && options.high.is_none();
-    if low < high || is_from_data { Ok([low, high]) } else { Err(EmptyRange { low, high }) }
+    if let (Some(low), Some(high)) = (options.low, options.high) {
+        return if low < high { Ok([low, high]) } else { Err(EmptyRange { low, high }) };
+    }
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let mut low = quantile(&mut finite, options.clip).unwrap_or(0.0);
+    let mut high = quantile(&mut finite, 1.0 - options.clip).unwrap_or(1.0);
+    if options.is_symmetric {
+        high = low.abs().max(high.abs());
+        // Not the sign alone, which would make a -0.
+        low = 0.0 - high;
+    }
+    Ok(match (options.low, options.high) {
+        (Some(given), _) => [given, high.max(given)],
+        (_, Some(given)) => [low.min(given), given],
+        _ => [low, high],
+    })
 }
 
 /// The value below which a part of all lie, 0 to 1; reorders the values.
@@ -121,7 +123,8 @@ fn color_of(
         Some(Ordering::Less) => (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low),
         _ if value < low => 0.0,
         _ if value > high => 1.0,
-        _ => 0.5,
+        _ if options.is_symmetric => 0.5,
+        _ => 0.0,
     };
     table.color(if options.is_reversed { 1.0 - t } else { t })
 }

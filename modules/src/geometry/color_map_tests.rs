@@ -31,7 +31,9 @@ fn ranges_come_from_the_data_or_the_user() {
     assert_eq!(range_of(&values, &clipped), Ok([2.0, 5.0]));
     let clipped = ColorMapOptions { clip: 0.125, ..PLAIN };
     assert_eq!(range_of(&values, &clipped), Ok([0.5, 6.0]));
-    let wrong = ColorMapOptions { low: Some(9.0), ..PLAIN };
+    let beyond = ColorMapOptions { low: Some(9.0), ..PLAIN };
+    assert_eq!(range_of(&values, &beyond), Ok([9.0, 9.0]));
+    let wrong = ColorMapOptions { low: Some(9.0), high: Some(7.0), ..PLAIN };
     assert_eq!(range_of(&values, &wrong), Err(EmptyRange { low: 9.0, high: 7.0 }));
     assert_eq!(range_of(&[f64::NAN], &PLAIN), Ok([0.0, 1.0]));
     assert_eq!(range_of(&[2.0, 2.0], &PLAIN), Ok([2.0, 2.0]));
@@ -47,7 +49,11 @@ fn values_outside_and_no_numbers_are_told_apart() {
     assert_eq!(map(20.0, [0.0, 10.0], &PLAIN), table.color(1.0));
     assert_eq!(map(f64::NEG_INFINITY, [0.0, 10.0], &PLAIN), table.color(0.0));
     assert_eq!(map(f64::NAN, [0.0, 10.0], &PLAIN), GRAY);
-    assert_eq!(map(2.0, [2.0, 2.0], &PLAIN), table.color(0.5));
+    // Where all values are the same, as in an error of 0, they are the lowest there is.
+    assert_eq!(map(2.0, [2.0, 2.0], &PLAIN), table.color(0.0));
+    assert_eq!(map(3.0, [2.0, 2.0], &PLAIN), table.color(1.0));
+    let symmetric = ColorMapOptions { is_symmetric: true, ..PLAIN };
+    assert_eq!(map(0.0, [0.0, 0.0], &symmetric), table.color(0.5));
     assert_eq!(map(f64::MAX, [f64::MIN, f64::MAX], &PLAIN), table.color(1.0));
     let gray = ColorMapOptions { outside: Outside::Gray, ..PLAIN };
     assert_eq!(map(20.0, [0.0, 10.0], &gray), GRAY);
