@@ -11,6 +11,8 @@ use mve_modules::data::{
     TriMesh, VertexId,
 };
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
+use mve_modules::io::png::write_png;
+use mve_modules::io::save_atomic;
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 use mve_modules::registry;
 use serde_json::{Value as Json, json};
@@ -102,6 +104,13 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
             Kind::OutputFile { extensions, .. } => {
                 let extension = extensions.first().copied().unwrap_or("out");
                 let path = folder.join(format!("{}.{extension}", module.id));
+                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
+            }
+            Kind::InputFile { extensions: ["png"], .. } => {
+                let path = folder.join("in.png");
+                let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
+                save_atomic(&path, |out| write_png(&image, out))
+                    .expect("the folder can be written");
                 trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
             }
             Kind::InputFile { .. } => {

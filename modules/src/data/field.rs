@@ -3,7 +3,7 @@
 use mve_core::{Data, DataType};
 use serde::{Deserialize, Serialize};
 
-use super::Domain;
+use super::{Domain, TriMesh};
 
 /// One number an element of some mesh, apart from the mesh so that one mesh can have many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,27 @@ pub struct Field {
     pub domain: Domain,
     /// One value an element, in the mesh's order.
     pub values: Vec<f64>,
+}
+
+impl Field {
+    /// Tests whether there is one value for each element of the mesh; the message names both
+    /// counts.
+    pub fn check_fits(&self, mesh: &TriMesh) -> Result<(), String> {
+        let (found, expected) = (self.values.len(), mesh.n_elements(self.domain));
+        let elements = match self.domain {
+            Domain::Vertex => "vertices",
+            Domain::Corner => "corners",
+            Domain::Face => "faces",
+        };
+        if found == expected {
+            return Ok(());
+        }
+        Err(format!(
+            "the field \"{}\" has {found} values, but the mesh has {expected} {elements}; it \
+             belongs to another mesh",
+            self.name
+        ))
+    }
 }
 
 impl Data for Field {

@@ -70,7 +70,8 @@ impl Layer {
     pub const NORMAL: &str = "normal";
     /// Texture coordinates, `Vec2`, corner domain, origin at the lower left.
     pub const TEXCOORD: &str = "texcoord";
-    /// Colors, `Vec3` in 0 to 1, vertex domain.
+    /// Display colors (as in an sRGB file), `Vec3` in 0 to 1; files have them over vertices,
+    /// `ColorMap` over any domain.
     pub const COLOR: &str = "color";
     /// Name of the material, `Label`, face domain.
     pub const MATERIAL: &str = "material";

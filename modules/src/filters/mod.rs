@@ -1,3 +1,3 @@
 //! Modules that change meshes.
 
-mve_core::modules! { "filters": normal_computer, simplificator }
+mve_core::modules! { "filters": color_map, contact_sheet, normal_computer, simplificator, subdivide }

@@ -2,7 +2,11 @@
 
 pub mod bvh;
 mod bvh_build;
+pub mod color_map;
+pub mod color_scale;
+pub mod contact_sheet;
 pub mod control;
+pub mod curvature;
 pub mod generate;
 pub mod hausdorff;
 mod hausdorff_max;
@@ -14,3 +18,5 @@ pub mod point_triangle;
 pub mod render;
 pub mod sample;
 pub mod simplify;
+pub mod subdivide;
+pub mod text;

@@ -1,7 +1,6 @@
 //! OBJ files with their material files on the disk.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use super::cursor::{Comments, Cursor};
 use super::{ObjError, Warning, materials, parse, write_mtl, write_obj};
 use crate::data::TriMesh;
 use crate::geometry::control::Control;
+use crate::io::plain_file::read_plain;
 use crate::io::{FileError, save_atomic};
 
 /// Bytes of the largest material file that is read; real ones have a few thousand.
@@ -102,19 +102,4 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
 
 fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).to_path_buf()
-}
-
-/// Reads an ordinary file. Devices and pipes are refused, since they may have no end.
-fn read_plain(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
-    let about = fs::metadata(path)?;
-    if about.is_dir() {
-        return Err(io::Error::from(io::ErrorKind::IsADirectory));
-    }
-    if !about.is_file() {
-        return Err(io::Error::other("it is a device or a pipe"));
-    }
-    if about.len() > max_bytes {
-        return Err(io::Error::other(format!("it is larger than {} MB", max_bytes >> 20)));
-    }
-    fs::read(path)
 }

@@ -1,0 +1,63 @@
+//! Loads a picture from a PNG file.
+
+use crate::io::FileError;
+use crate::io::plain_file::read_plain;
+use crate::io::png::read_png;
+use crate::prelude::*;
+
+/// Bytes of the largest file that is read.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
+const PATH: Param<PathBuf> = Param::input_file("path", "The file.", &["png"]);
+const IMAGES_OUT: Out<Images> = Out::new(
+    "images",
+    "One picture, 8-bit gray or color as in the file; deeper ones are rounded, and transparency is \
+     left out.",
+);
+
+pub static MODULE: Module = Module {
+    id: "PngLoader",
+    summary: "Loads a picture from a PNG file.",
+    inputs: &[],
+    outputs: &[IMAGES_OUT.spec()],
+    params: &[PATH.spec()],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let path = io.param(PATH)?;
+    let bytes = read_plain(&path, MAX_FILE_BYTES)
+        .map_err(|source| ModuleError::Numeric(FileError::read(&path, source).to_string()))?;
+    io.check()?;
+    // The name of the file is no part of what decides the result, so it must not enter it.
+    let image = read_png(&bytes, "image").map_err(|message| ModuleError::io(&path, message))?;
+    io.put(IMAGES_OUT, Images(vec![image]));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use mve_core::testing::Trial;
+
+    use crate::data::{Image, PixelKind};
+    use crate::io::png::write_png;
+    use crate::prelude::*;
+
+    #[test]
+    fn loads_a_picture_and_names_what_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let image = Image::filled("image", [7, 3], PixelKind::Rgb, 200);
+        let mut bytes = Vec::new();
+        write_png(&image, &mut bytes).unwrap();
+        let load = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            Trial::of(&super::MODULE).set("path", path.to_str().unwrap()).run()
+        };
+        let outputs = load(&bytes).unwrap();
+        assert_eq!(outputs["images"].get::<Images>().unwrap().0, [image]);
+        let message = load(b"v 0 0 0\n").unwrap_err().to_string();
+        assert!(message.contains("a.png: it is not a PNG file"), "{message}");
+        assert!(load(&bytes[..bytes.len() / 2]).is_err());
+    }
+}
