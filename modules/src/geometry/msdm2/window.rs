@@ -40,10 +40,14 @@ pub(in crate::geometry) struct Sums {
 }
 
 impl Sums {
-    /// Of the center alone. The Gaussian is half as wide as the window.
-    pub fn new(center: &Sample, level: usize, window_radius: f64) -> Self {
+    /// Of the center alone.
+    pub fn new(center: &Sample, level: usize, kernel: Kernel) -> Self {
+        let exponent = match kernel {
+            Kernel::Uniform => 0.0,
+            Kernel::Gaussian { width } => -0.5 / (width * width),
+        };
         Self {
-            exponent: -2.0 / (window_radius * window_radius),
+            exponent,
             own_center: center.own[level],
             carried_center: center.carried[level],
             own: [1.0, 0.0, 0.0],
@@ -87,40 +91,84 @@ impl Sums {
         );
     }
 
-    /// The local value. The covariance has the weights of the reference over the sum of the
-    /// others, as in the published program.
-    pub fn local(&self) -> f64 {
+    /// What the samples amount to. The covariance has the weights of the reference over the sum of
+    /// the others, as in the published program.
+    pub fn moments(&self) -> Moments {
         let [w, wx, wxx] = self.own;
         let [v, vy, vyy] = self.carried;
         let [vx, vxy] = self.mixed;
         let (x, y) = (wx / w, vy / v);
-        let own_deviation = (wxx / w - x * x).max(0.0).sqrt();
-        let carried_deviation = (vyy / v - y * y).max(0.0).sqrt();
-        let covariance = (vxy - x * vy - y * vx + x * y * v) / w;
-        let product = own_deviation * carried_deviation;
-        let (own, carried) = (x + self.own_center, y + self.carried_center);
-        let luminance = (own - carried).abs() / (own.max(carried) + 1.0);
-        let contrast = (own_deviation - carried_deviation).abs()
-            / (own_deviation.max(carried_deviation) + 1.0);
-        let structure = (product - covariance).abs() / (product + 1.0);
-        (luminance + contrast + 0.5 * structure) / 2.5
+        Moments {
+            means: [x + self.own_center, y + self.carried_center],
+            deviations: [wxx / w - x * x, vyy / v - y * y].map(|square| square.max(0.0).sqrt()),
+            covariance: (vxy - x * vy - y * vx + x * y * v) / w,
+        }
     }
 }
 
-/// The local value at every vertex; not a number where no face has the vertex.
-pub(super) fn local_values(
-    surface: &Surface,
-    levels: &Levels,
-    curvature: &[[f64; MAX_LEVELS]],
-    carried: &[Carried],
+/// How samples weigh by their distance from the center.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::geometry) enum Kernel {
+    /// All alike.
+    Uniform,
+    /// exp(−d² / (2 width²))
+    Gaussian { width: f64 },
+}
+
+/// The statistics of a window: of its own mesh, and of what is carried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::geometry) struct Moments {
+    pub means: [f64; 2],
+    pub deviations: [f64; 2],
+    pub covariance: f64,
+}
+
+impl Moments {
+    /// The local value of MSDM2 at one level.
+    pub fn local_msdm2(&self) -> f64 {
+        let part = |[a, b]: [f64; 2]| (a - b).abs() / (a.max(b) + 1.0);
+        let product = self.deviations[0] * self.deviations[1];
+        let structure = (product - self.covariance).abs() / (product + 1.0);
+        (part(self.means) + part(self.deviations) + 0.5 * structure) / 2.5
+    }
+}
+
+/// The windows of all levels.
+pub(in crate::geometry) struct Windows<'a> {
+    pub surface: &'a Surface,
+    pub levels: &'a Levels,
+    /// The curvature of the surface, a vertex each.
+    pub curvature: &'a [[f64; MAX_LEVELS]],
+    /// What the reference has there.
+    pub carried: &'a [Carried],
+    /// The weights within a window of this radius.
+    pub kernel: fn(f64) -> Kernel,
+}
+
+/// The local value at every vertex, the mean of those of its levels; not a number where no face
+/// has the vertex.
+pub(in crate::geometry) fn local_values(
+    windows: &Windows,
+    value: fn(&Moments) -> f64,
     control: Control,
 ) -> Result<Vec<f64>, Cancelled> {
+    let Windows { surface, levels, .. } = windows;
     let n = surface.n_vertices();
     let mut samples = Vec::with_capacity(n);
-    for (vertex, (&own, carried)) in curvature.iter().zip(carried).enumerate() {
+    for (vertex, (&own, carried)) in windows.curvature.iter().zip(windows.carried).enumerate() {
         control.item(vertex, usize::MAX)?;
         samples.push(Sample::new(surface.mesh.positions[vertex], own, carried));
     }
+    let local_value = |vertex: u32, walk: &mut Walk| {
+        let mut sum = 0.0;
+        walk.start(vertex);
+        for (at, level) in levels.iter().enumerate() {
+            walk.grow(surface, level.window_radius, &control)?;
+            let kernel = (windows.kernel)(level.window_radius);
+            sum += value(&window_sums(walk, &samples, at, kernel).moments());
+        }
+        Ok(sum / levels.list.len() as f64)
+    };
     let steps = control.steps(n.div_ceil(CHUNK));
     let mut found = vec![f64::NAN; n];
     found.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
@@ -129,7 +177,7 @@ pub(super) fn local_values(
             for (at, out) in out.iter_mut().enumerate() {
                 let vertex = (chunk * CHUNK + at) as u32;
                 if !surface.spokes_of(vertex).is_empty() {
-                    *out = local_value(surface, levels, &samples, vertex, walk, &control)?;
+                    *out = local_value(vertex, walk)?;
                 }
             }
             steps.step()
@@ -138,28 +186,10 @@ pub(super) fn local_values(
     Ok(found)
 }
 
-/// The mean of the levels.
-fn local_value(
-    surface: &Surface,
-    levels: &Levels,
-    samples: &[Sample],
-    vertex: u32,
-    walk: &mut Walk,
-    control: &Control,
-) -> Result<f64, Cancelled> {
-    let mut sum = 0.0;
-    walk.start(vertex);
-    for (at, level) in levels.iter().enumerate() {
-        walk.grow(surface, level.window_radius, control)?;
-        sum += window_sums(walk, samples, at, level.window_radius).local();
-    }
-    Ok(sum / levels.list.len() as f64)
-}
-
 /// The sums over the window that a walk has reached.
-fn window_sums(walk: &Walk, samples: &[Sample], level: usize, radius: f64) -> Sums {
+fn window_sums(walk: &Walk, samples: &[Sample], level: usize, kernel: Kernel) -> Sums {
     let center = &samples[walk.reached()[0] as usize];
-    let mut sums = Sums::new(center, level, radius);
+    let mut sums = Sums::new(center, level, kernel);
     for &vertex in &walk.reached()[1..] {
         let sample = &samples[vertex as usize];
         let distances_sq = [
