@@ -5,10 +5,11 @@
 //! anything by the order in which it is asked.
 
 mve_core::registered! {
-    static ENTRIES: Entry<MakeCost> = COST in edge_length, quadric;
+    static ENTRIES: Entry<MakeCost> = COST in edge_length, msdm2, quadric;
 }
 
 pub use edge_length::EdgeLength;
+pub use msdm2::Msdm2;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use quadric::Quadric;
 

@@ -17,7 +17,6 @@
 //! side alone is flat C and S are 1.
 
 use super::control::{Cancelled, Control};
-use super::hausdorff::Side;
 use super::msdm2::curvature::curvatures;
 use super::msdm2::surface::Surface;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};

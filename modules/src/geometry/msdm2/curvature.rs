@@ -31,7 +31,7 @@ impl Bend {
     /// `(angle / length) e eᵀ` of an edge.
     pub fn new(angle_rad: f64, along: DVec3) -> Self {
         let length = along.length();
-        if length == 0.0 || angle_rad == 0.0 {
+        if length == 0.0 || !length.is_finite() || angle_rad == 0.0 {
             return Self::default();
         }
         let DVec3 { x, y, z } = along;

@@ -22,6 +22,9 @@
 //! has; turns over a right angle do not fold back; and an edge of three or more faces bends, too.
 
 mod carry;
+pub mod collapse;
+#[cfg(test)]
+mod collapse_tests;
 pub(super) mod curvature;
 pub(super) mod surface;
 #[cfg(test)]
