@@ -1,4 +1,5 @@
-//! MSDM2 in both directions: the bunny against a coarser one where it is at hand, tori otherwise.
+//! MSDM2 of real models, where they are at hand, and of tori against their halves by quadrics,
+//! both directions; and halving by the cost of that name.
 //!
 //! Run with `RAYON_NUM_THREADS=1` for the work of one thread.
 
@@ -7,13 +8,14 @@ use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use mve_modules::cost::Quadric;
+use mve_modules::cost::{Msdm2, Quadric};
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::geometry::control::Control;
+use mve_modules::geometry::msdm2::collapse::Counting;
 use mve_modules::geometry::msdm2::{Msdm2Options, msdm2};
 use mve_modules::geometry::simplify::{SimplifyOptions, Stop, simplify};
 use mve_modules::mesh::fixtures::torus;
-use mve_modules::placement::Optimal;
+use mve_modules::placement::{Midpoint, Optimal};
 
 /// Positions and faces of an OBJ file of triangles.
 fn model(name: &str) -> Option<TriMesh> {
@@ -48,6 +50,19 @@ fn benches(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(n_vertices as u64));
         group.bench_function(BenchmarkId::from_parameter(name), |b| {
             b.iter(|| msdm2(black_box(mesh), &half, &Msdm2Options::DEFAULT, Control::none()));
+        });
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("msdm2_cost");
+    group.sample_size(10);
+    for (name, mesh) in originals.iter().filter(|(name, _)| ["1k", "cow.obj"].contains(name)) {
+        group.bench_function(BenchmarkId::from_parameter(name), |b| {
+            b.iter(|| {
+                let stop = Stop { faces: Some(mesh.faces.len() * 30 / 58), ..Stop::default() };
+                let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+                let mut cost = Msdm2::new(mesh, 3, Counting::Merged);
+                simplify(mesh, &mut cost, &mut Midpoint, options, Control::none()).is_ok()
+            });
         });
     }
     group.finish();

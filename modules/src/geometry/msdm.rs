@@ -6,25 +6,23 @@
 //! that of the other mesh by mean (L), deviation (C) and covariance (S); the local value is
 //! (0.4 L³ + 0.4 C³ + 0.2 S³)^(1/3), the value the cubic mean over the vertices.
 //!
-//! Departures and choices. Curvature is that of `msdm2`, half the sum of the principal
-//! magnitudes; the radius in which it is measured (0.002) and the default radius of windows (0.005 of the
-//! longest side of the box of the original) are chosen here. A window holds the center, the vertices
-//! met by the walk of `msdm2` and the points where the sphere cuts edges, all of one weight. Vertices
-//! correspond by index where both meshes have the same faces; otherwise to the nearest point of the
-//! other mesh, with its curvature there, which the paper does not do. The value of one direction
-//! has its windows on one mesh; the symmetric one is the mean of both. Means and deviations
-//! below [`FLAT`] count as zero: what is flat on both sides does not differ, and where one
-//! side alone is flat C and S are 1.
+//! Departures and choices. Curvature is that of `msdm2`, half the sum of the principal magnitudes;
+//! the radius in which it is measured (0.002) and the default radius of windows (0.005 of the longest
+//! side of the box of the original) are chosen here. A window holds the center, the vertices met
+//! by the walk of `msdm2` and the points where the sphere cuts edges, all of one weight. Vertices
+//! correspond by index where both meshes have the same faces; otherwise to the nearest point of
+//! the other mesh, with its curvature there, which the paper does not do. The value of one direction
+//! has its windows on one mesh; the symmetric one is the mean of both. Means and deviations below
+//! 1e-6 (`FLAT`) count as zero: what is flat on both sides does not differ, and where one side
+//! alone is flat C and S are 1.
 
 use super::control::{Cancelled, Control};
 use super::msdm2::curvature::curvatures;
-use super::msdm2::surface::Surface;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};
 use super::msdm2::{
-    Carried, Level, Levels, MAX_LEVELS, Msdm2, Msdm2Error, OneSided, Pair, Variant, carry,
-    one_sided_of,
+    Carried, Level, Levels, Msdm2, Msdm2Error, OneSided, Pair, Seen, Variant, carry, one_sided_of,
 };
-use crate::data::{FaceId, TriMesh};
+use crate::data::TriMesh;
 
 /// Dimensionless curvature below this is rounding. A crease of an angle of 1 has about 80.
 const FLAT: f64 = 1e-6;
@@ -83,9 +81,8 @@ pub fn msdm(
     let (of_a, of_b) = (of_a?, of_b?);
     let is_by_index = original.faces == simplified.faces && a.mesh.faces == b.mesh.faces;
     let one_sided = |from: Seen, to: Seen, part: Control| {
-        let mut found = one_sided(&levels, is_by_index, from, to, part)?;
-        found.size /= pair.scale;
-        Ok::<_, Cancelled>(found)
+        let found = one_sided(&levels, is_by_index, from, to, part)?;
+        Ok::<_, Cancelled>(OneSided { size: found.size / pair.scale, ..found })
     };
     let (a_seen, b_seen) = ((a, of_a.as_slice()), (b, of_b.as_slice()));
     let (from_original, from_simplified) = rayon::join(
@@ -101,9 +98,6 @@ pub fn msdm(
     Ok(Msdm { both, is_by_index })
 }
 
-/// A mesh with its curvature.
-type Seen<'a> = (&'a Surface, &'a [[f64; MAX_LEVELS]]);
-
 fn one_sided(
     levels: &Levels,
     is_by_index: bool,
@@ -113,9 +107,10 @@ fn one_sided(
 ) -> Result<OneSided, Cancelled> {
     let carried = if is_by_index {
         let point = |v: usize| reference.mesh.positions.get(v).copied();
-        let by_index = of_reference.iter().enumerate().filter_map(|(v, &curvature)| {
-            Some(Carried { point: point(v)?, curvature, face: FaceId(u32::MAX) })
-        });
+        let by_index = of_reference
+            .iter()
+            .enumerate()
+            .filter_map(|(v, &curvature)| Some(Carried { point: point(v)?, curvature }));
         by_index.collect()
     } else {
         carry(reference, surface, of_reference, Variant::Published, control.part(0.0, 0.3))?

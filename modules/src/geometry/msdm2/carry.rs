@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 use super::surface::Surface;
 use super::{MAX_LEVELS, Variant};
-use crate::data::FaceId;
 use crate::geometry::bvh::Walker;
 use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::morton::morton_order;
@@ -20,14 +19,11 @@ pub(in crate::geometry) struct Carried {
     pub point: DVec3,
     /// The curvature of the reference, a level each.
     pub curvature: [f64; MAX_LEVELS],
-    /// A face of the reference that holds the nearest point.
-    pub face: FaceId,
 }
 
 impl Carried {
     /// Of a vertex that is nowhere.
-    pub const NONE: Self =
-        Self { point: DVec3::NAN, curvature: [f64::NAN; MAX_LEVELS], face: FaceId(u32::MAX) };
+    pub const NONE: Self = Self { point: DVec3::NAN, curvature: [f64::NAN; MAX_LEVELS] };
 }
 
 /// Carries the curvature of the reference to the vertices of the degraded mesh.
@@ -83,7 +79,7 @@ pub(in crate::geometry) fn carry_to(
             *sum += weight * term;
         }
     }
-    Carried { point, curvature: mixed, face: hit.face }
+    Carried { point, curvature: mixed }
 }
 
 /// The areas between the point and each side, over their sum: for a point of the triangle its

@@ -1,16 +1,15 @@
 //! What a collapse does to MSDM2: the prices of the cost of that name.
 //!
 //! The reference is the input of the simplification, the degraded mesh is the one in the making.
-//! The price is the change of Σ n local³ over the merged vertex and its neighbors, where n is how
-//! many vertices of the input have merged into a vertex: so the sum runs, as it were, over the vertices
-//! of the input, each seen from the vertex that stands for it, as the other direction of MSDM2
-//! does. Counting every vertex once, which is the one-sided MSDM2, gives away regions that are
-//! spoilt already: a vertex that is gone takes its error with it.
+//! The price is the change of Σ n local³ over the merged vertex, its neighbors and theirs, where n
+//! is how many vertices of the input have merged into a vertex: so the sum runs, as it were, over
+//! the vertices of the input, each seen from the vertex that stands for it, as the other direction
+//! of MSDM2 does. Counting every vertex once is the one-sided MSDM2 itself; there a vertex that is
+//! gone takes its error with it.
 //!
-//! What is approximated: spheres and windows end at the neighbors of their center (exact where
-//! edges are longer than 2 % of the mesh); the values of vertices farther off, whose windows touch
-//! an edge that changed, count as unchanged; so does a neighbor of more than [`MOST_FACES`] faces,
-//! and a collapse to a vertex of more comes last.
+//! What is approximated: spheres and windows end at the neighbors of their center, so a price is
+//! that of the metric where edges are longer than 2 % of the mesh; vertices of more than
+//! 64 faces (`MOST_FACES`) count as unchanged, and a collapse into one comes last.
 
 use std::f64::consts::PI;
 
@@ -35,7 +34,7 @@ const CHUNK: usize = 4;
 /// nothing, and nothing else.
 const TIE: f64 = 1e-9;
 
-/// How vertices of the mesh in the making count.
+/// How often each vertex of the mesh in the making counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Counting {
     /// Each as often as vertices have merged into it.
@@ -65,7 +64,7 @@ struct Known {
     n: f64,
 }
 
-/// The merged vertex and its neighbors after a collapse.
+/// The merged vertex, its neighbors and theirs after a collapse.
 #[derive(Debug, Default)]
 struct Star {
     members: Vec<Member>,
@@ -193,6 +192,38 @@ impl CollapsePrices {
     /// Finds the star after a merge, with new curvatures and local values; `false` where it is
     /// too large.
     fn look(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
+        if !self.find_members(state, merge, star) {
+            return false;
+        }
+        for at in 0..star.members.len() {
+            let spokes = self.find_spokes(state, merge, star.members[at].vertex, &mut star.spokes);
+            if at == 0 && spokes.0 == spokes.1 {
+                return false;
+            }
+            star.members[at].spokes = spokes;
+            if spokes.0 < spokes.1 {
+                star.members[at].sample.own = self.curvature_of(&star.spokes[spokes.0..spokes.1]);
+            }
+        }
+        // Farther vertices bend as before, but see the change in their windows.
+        for at in 0..star.spokes.len() {
+            let vertex = star.spokes[at].other;
+            if !star.members.iter().any(|member| member.vertex == vertex) {
+                let Known { sample, local, .. } = *self.known(state, vertex);
+                let spokes = self.find_spokes(state, merge, vertex, &mut star.spokes);
+                star.members.push(Member { vertex, spokes, sample, local });
+            }
+        }
+        for at in 0..star.members.len() {
+            if star.members[at].spokes.0 < star.members[at].spokes.1 {
+                star.members[at].local = self.local_of(state, star, at);
+            }
+        }
+        true
+    }
+
+    /// Lists the merged vertex and its neighbors; `false` where they are too many.
+    fn find_members(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
         let carried = self.carry(merge.position);
         let Merge { kept, gone, position } = merge;
         let known = self.known(state, kept);
@@ -212,21 +243,6 @@ impl CollapsePrices {
             }
             if n_faces > 2 * MOST_FACES {
                 return false;
-            }
-        }
-        for at in 0..star.members.len() {
-            let spokes = self.find_spokes(state, merge, star.members[at].vertex, &mut star.spokes);
-            if at == 0 && spokes.0 == spokes.1 {
-                return false;
-            }
-            star.members[at].spokes = spokes;
-            if spokes.0 < spokes.1 {
-                star.members[at].sample.own = self.curvature_of(&star.spokes[spokes.0..spokes.1]);
-            }
-        }
-        for at in 0..star.members.len() {
-            if star.members[at].spokes.0 < star.members[at].spokes.1 {
-                star.members[at].local = self.local_of(state, star, at);
             }
         }
         true
@@ -294,6 +310,7 @@ impl CollapsePrices {
     /// The curvature at the center of these spokes.
     fn curvature_of(&self, spokes: &[Spoke]) -> [f64; MAX_LEVELS] {
         let mut sums = [Bend::default(); MAX_LEVELS];
+        let shortest = spokes.iter().fold(f64::INFINITY, |least, spoke| least.min(spoke.length));
         for spoke in spokes.iter().filter(|spoke| spoke.n_faces == 2 && spoke.length > 0.0) {
             let [first, second] = spoke.normals;
             let (left, right) = if spoke.is_first_left { (first, second) } else { (second, first) };
@@ -303,9 +320,15 @@ impl CollapsePrices {
             }
         }
         let mut found = [0.0; MAX_LEVELS];
+        let mut first: Option<(f64, f64)> = None;
         for ((found, sum), level) in found.iter_mut().zip(&sums).zip(self.levels.iter()) {
-            let area = PI * level.curvature_radius * level.curvature_radius;
-            *found = self.levels.size * sum.two_largest() / (2.0 * area);
+            let radius = level.curvature_radius;
+            *found = match first {
+                // As long as the sphere cuts every spoke the tensor grows as the radius does.
+                Some((value, at)) if radius <= shortest => value * at / radius,
+                _ => self.levels.size * sum.two_largest() / (2.0 * PI * radius * radius),
+            };
+            first = Some((*found, radius));
         }
         found
     }

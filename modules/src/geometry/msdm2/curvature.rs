@@ -216,9 +216,16 @@ fn curvature(
     let share = surface.disc_shares.get(vertex as usize).copied().unwrap_or(1.0);
     let mut whole = Bend::default();
     let mut n_whole = 0;
+    let mut last: Option<(f64, f64)> = None;
     walk.start(vertex);
     for (found, level) in found.iter_mut().zip(levels.iter()) {
         walk.grow(surface, level.curvature_radius, control)?;
+        let radius = level.curvature_radius;
+        if let (Some((value, at)), true) = (last, walk.whole().is_empty()) {
+            // As long as the sphere cuts every edge the tensor grows as the radius does.
+            *found = value * at / radius;
+            continue;
+        }
         for &edge in &walk.whole()[n_whole..] {
             whole.add(&surface.bends[edge as usize], 1.0);
         }
@@ -227,8 +234,8 @@ fn curvature(
         for cut in walk.cuts() {
             sum.add(&surface.bends[cut.edge as usize], cut.part);
         }
-        let area = PI * level.curvature_radius * level.curvature_radius * share;
-        *found = levels.size * sum.two_largest() / (2.0 * area);
+        *found = levels.size * sum.two_largest() / (2.0 * PI * radius * radius * share);
+        last = Some((*found, radius));
     }
     Ok(found)
 }

@@ -196,19 +196,36 @@ pub fn msdm2(
 ) -> Result<Msdm2, Msdm2Error> {
     let pair = Pair::new(original, simplified, options.variant, control.part(0.0, 0.2))?;
     let (a, b) = (&pair.original, &pair.simplified);
-    let side_of = |surface: &Surface| match options.variant {
-        Variant::Published => surface.longest_side,
-        Variant::Mended => rod_length(&a.mesh),
+    let levels_of = |surface: &Surface| match options.variant {
+        Variant::Published => Levels::new(surface.longest_side, options.n_levels),
+        Variant::Mended => Levels::new(rod_length(&a.mesh), options.n_levels),
     };
-    let one_sided = |reference: &Surface, degraded: &Surface, part: Control| {
-        let levels = Levels::new(side_of(degraded), options.n_levels);
-        let mut found = one_sided(reference, degraded, &levels, options.variant, part)?;
-        found.size /= pair.scale;
-        Ok::<_, Cancelled>(found)
+    let (of_original, of_simplified) = (levels_of(a), levels_of(b));
+    let both_curvatures = |levels: &Levels, part: Control| {
+        let (a, b) = rayon::join(
+            || curvature::curvatures(a, levels, part.part(0.0, 0.5)),
+            || curvature::curvatures(b, levels, part.part(0.5, 1.0)),
+        );
+        Ok::<_, Cancelled>((a?, b?))
     };
+    let [first, second] = [control.part(0.2, 0.4), control.part(0.4, 0.5)];
+    let by_original = both_curvatures(&of_original, first)?;
+    // Boxes of the same size are the rule: then both directions see the same curvatures.
+    let by_simplified = match of_original == of_simplified {
+        true => None,
+        false => Some(both_curvatures(&of_simplified, second)?),
+    };
+    let by_simplified = by_simplified.as_ref().unwrap_or(&by_original);
+    let rules = (options.variant, pair.scale);
     let (from_original, from_simplified) = rayon::join(
-        || one_sided(b, a, control.part(0.2, 0.6)),
-        || one_sided(a, b, control.part(0.6, 1.0)),
+        || {
+            let sides = [(b, by_original.1.as_slice()), (a, by_original.0.as_slice())];
+            one_sided(sides, &of_original, rules, control.part(0.5, 0.75))
+        },
+        || {
+            let sides = [(a, by_simplified.0.as_slice()), (b, by_simplified.1.as_slice())];
+            one_sided(sides, &of_simplified, rules, control.part(0.75, 1.0))
+        },
     );
     Ok(Msdm2 {
         from_original: from_original?,
@@ -218,29 +235,26 @@ pub fn msdm2(
     })
 }
 
-/// The value over the vertices of `degraded`.
+/// A mesh with its curvature at each vertex.
+pub(super) type Seen<'a> = (&'a Surface, &'a [[f64; MAX_LEVELS]]);
+
+/// The value over the vertices of the second mesh, with the first as the reference.
 fn one_sided(
-    reference: &Surface,
-    degraded: &Surface,
+    [(reference, of_reference), (degraded, of_degraded)]: [Seen; 2],
     levels: &Levels,
-    variant: Variant,
+    (variant, scale): (Variant, f64),
     control: Control,
 ) -> Result<OneSided, Cancelled> {
-    let (of_reference, of_degraded) = rayon::join(
-        || curvature::curvatures(reference, levels, control.part(0.0, 0.2)),
-        || curvature::curvatures(degraded, levels, control.part(0.2, 0.4)),
-    );
-    let (of_reference, of_degraded) = (of_reference?, of_degraded?);
-    let carried = carry(reference, degraded, &of_reference, variant, control.part(0.4, 0.6))?;
+    let carried = carry(reference, degraded, of_reference, variant, control.part(0.0, 0.4))?;
     let windows = Windows {
         surface: degraded,
         levels,
-        curvature: &of_degraded,
+        curvature: of_degraded,
         carried: &carried,
         kernel: half_as_wide,
     };
-    let local = local_values(&windows, Moments::local_msdm2, control.part(0.6, 1.0))?;
-    one_sided_of("msdm2", local, levels.size, control)
+    let local = local_values(&windows, Moments::local_msdm2, control.part(0.4, 1.0))?;
+    one_sided_of("msdm2", local, levels.size / scale, control)
 }
 
 /// The Gaussian of a window.
