@@ -7,11 +7,13 @@
 mod pictures;
 
 mve_core::registered! {
-    static ENTRIES: Entry<MakeCost> = COST in edge_length, image_mse, image_ssim, quadric;
+    static ENTRIES: Entry<MakeCost> =
+        COST in edge_length, image_mse, image_ssim, msdm2, quadric;
 }
 
 pub use edge_length::EdgeLength;
 pub use image_mse::Squares;
+pub use msdm2::Msdm2;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use quadric::Quadric;
 

@@ -13,6 +13,8 @@ mod hausdorff_max;
 pub mod image_driven;
 pub mod mesh_info;
 mod morton;
+pub mod msdm;
+pub mod msdm2;
 pub mod normals;
 pub mod point_triangle;
 pub mod render;

@@ -1,5 +1,6 @@
 //! Real models for tests: read where they are, reported on one line where they are not.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -9,10 +10,36 @@ use crate::data::{TriMesh, VertexId};
 /// The model of this file name from the folder `MVE_MODELS` or `../shared/models` beside the
 /// workspace; `None`, after a line saying so, when it is not there.
 pub fn model(name: &str) -> Option<TriMesh> {
+    Some(read(&text_in(&models(), name)?))
+}
+
+/// The text of a file of reference values, from the folder `refs` beside that of the models; a
+/// name that ends in `.gz` is unpacked. `None`, after a line saying so, when it is not there.
+pub fn reference(name: &str) -> Option<String> {
+    text_in(&models().join("../refs"), name)
+}
+
+/// A mesh among the reference values.
+pub fn reference_mesh(name: &str) -> Option<TriMesh> {
+    Some(read(&reference(name)?))
+}
+
+fn models() -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from);
-    match std::fs::read_to_string(folder.join(name)) {
-        Ok(text) => Some(read(&text)),
+    std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from)
+}
+
+fn text_in(folder: &Path, name: &str) -> Option<String> {
+    let unpacked = |bytes: Vec<u8>| {
+        let mut text = String::new();
+        if name.ends_with(".gz") {
+            flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
+            return Ok(text);
+        }
+        String::from_utf8(bytes).map_err(std::io::Error::other)
+    };
+    match std::fs::read(folder.join(name)).and_then(unpacked) {
+        Ok(text) => Some(text),
         Err(error) => {
             eprintln!("skipped: {} in {}: {error}", name, folder.display());
             None

@@ -1,0 +1,71 @@
+//! How much worse the collapse makes the mesh look: the change of MSDM2, without unit, which may
+//! be negative.
+//!
+//! G. Lavoué, "A multiscale metric for 3D mesh visual quality assessment", CGF 30(5), 2011, as a
+//! cost. See [`crate::geometry::msdm2::collapse`] for what is measured and what is approximated.
+//! Prices change up to four edges from a collapse, but are renewed only at the merged vertex and its
+//! neighbors: farther off they change by little, and asking again there would take several times
+//! as long.
+
+use mve_core::Entry;
+
+use super::{Cost, MakeCost};
+use crate::geometry::control::Control;
+use crate::geometry::msdm2::collapse::{CollapsePrices, Counting};
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
+use crate::prelude::*;
+
+impl Enumeration for Counting {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Merged", "A vertex counts as often as vertices of the input have merged into it."),
+        ("Once", "Every vertex counts once, as in the value over the simplified mesh."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Merged, Self::Once];
+}
+
+const LEVELS: Param<i64> =
+    Param::integer("levels", "How many sizes of windows, from the smallest.", 3).between((1, 3));
+const COUNTING: Param<Counting> =
+    Param::one_of("counting", "How the vertices of the mesh in the making count.", "Merged");
+
+pub static COST: Entry<MakeCost> = Entry {
+    id: "Msdm2",
+    summary: "How much worse the mesh looks: the change of MSDM2 (Lavoué 2011) around the collapse.",
+    params: &[LEVELS.spec(), COUNTING.spec()],
+    build: |mesh, settings| {
+        let (n_levels, counting) = (settings.get(&LEVELS)? as usize, settings.get(&COUNTING)?);
+        Ok(Box::new(Msdm2::new(mesh, n_levels, counting)))
+    },
+};
+
+/// See the file's header.
+#[derive(Debug)]
+pub struct Msdm2 {
+    prices: Option<CollapsePrices>,
+}
+
+impl Msdm2 {
+    /// Prices against the mesh that is about to be simplified; one without a surface has nothing to
+    /// price.
+    pub fn new(mesh: &TriMesh, n_levels: usize, counting: Counting) -> Self {
+        Self { prices: CollapsePrices::new(mesh, n_levels, counting, Control::none()).ok() }
+    }
+}
+
+impl Cost for Msdm2 {
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        if let Some(all) = &self.prices {
+            all.price(state, batch, prices);
+        }
+    }
+
+    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        if let Some(all) = &mut self.prices {
+            all.collapsed(state, collapse);
+        }
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::NEIGHBORS
+    }
+}

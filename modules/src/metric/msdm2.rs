@@ -1,0 +1,147 @@
+//! Perceptual distance of the two meshes, whatever their connectivity: MSDM2.
+//!
+//! See [`crate::geometry::msdm2`] for the source, the rules and the departures.
+
+use mve_core::Entry;
+
+use super::{Comparison, MakeMetric, Metric, MetricError};
+use crate::data::Measure;
+use crate::geometry::control::Control;
+use crate::geometry::msdm2::{MAX_LEVELS, Msdm2, Msdm2Error, Msdm2Options, Variant, msdm2};
+use crate::prelude::*;
+
+const DEFAULT: Msdm2Options = Msdm2Options::DEFAULT;
+
+impl Enumeration for Variant {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Published", "As the published program computes it, for values to compare with others'."),
+        ("Mended", "The same, but no rotation or order changes it, and borders bend as they do."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Published, Self::Mended];
+}
+
+const LEVELS: Param<i64> = Param::integer(
+    "levels",
+    "How many sizes of windows, from the smallest: radii of 1, 1.5 and 2 % of the mesh.",
+    DEFAULT.n_levels as i64,
+)
+.between((1, MAX_LEVELS as i64));
+const VARIANT: Param<Variant> = Param::one_of("variant", "Which rules to follow.", "Published");
+
+pub static METRIC: Entry<MakeMetric> = Entry {
+    id: "Msdm2",
+    summary: "How different the meshes look, 0 for equal to about 1, by the statistics of their \
+              curvature in small windows (Lavoué 2011).",
+    params: &[LEVELS.spec(), VARIANT.spec()],
+    build,
+};
+
+fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
+    let n_levels = settings.get(&LEVELS)? as usize;
+    let options = Msdm2Options { n_levels, variant: settings.get(&VARIANT)? };
+    Ok(Box::new(Msdm2Metric { options }))
+}
+
+/// The metric with its options.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Msdm2Metric {
+    /// How to measure.
+    pub options: Msdm2Options,
+}
+
+impl Metric for Msdm2Metric {
+    fn compare(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Comparison, MetricError> {
+        let found = msdm2(original, simplified, &self.options, control)?;
+        let value = |name, value, doc| Measure::new(name, value, "", doc);
+        let (of_original, of_simplified) = (&found.from_original, &found.from_simplified);
+        let scalars = vec![
+            value("msdm2", found.symmetric(), "Mean of both directions, 0 for equal meshes."),
+            value(
+                "original_msdm2",
+                of_original.value,
+                "Over the vertices of the original, seen against the simplified mesh.",
+            ),
+            value(
+                "simplified_msdm2",
+                of_simplified.value,
+                "Over the vertices of the simplified mesh, seen against the original.",
+            ),
+        ];
+        let warnings = warnings(&found, original, simplified);
+        Ok(Comparison {
+            scalars,
+            warnings,
+            original_fields: vec![found.from_original.local],
+            simplified_fields: vec![found.from_simplified.local],
+            ..Comparison::default()
+        })
+    }
+}
+
+impl From<Msdm2Error> for MetricError {
+    fn from(error: Msdm2Error) -> Self {
+        match error {
+            Msdm2Error::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Input(other.to_string()),
+        }
+    }
+}
+
+/// What of both meshes does not count.
+pub(super) fn warnings(found: &Msdm2, original: &TriMesh, simplified: &TriMesh) -> Vec<String> {
+    let sides = [
+        ("original", original, &found.from_original, found.n_left_out_original),
+        ("simplified", simplified, &found.from_simplified, found.n_left_out_simplified),
+    ];
+    let mut warnings = Vec::new();
+    for (side, mesh, one_sided, n_left_out) in sides {
+        if n_left_out > 0 {
+            warnings.push(format!(
+                "{n_left_out} faces of the {side} mesh are not finite or name a vertex twice and \
+                 were left out"
+            ));
+        }
+        let n_alone = mesh.positions.len() - one_sided.n_vertices;
+        if n_alone > 0 {
+            warnings.push(format!(
+                "{n_alone} vertices of the {side} mesh have no usable face and do not count"
+            ));
+        }
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::fixtures::{mesh_of, tetrahedron};
+
+    #[test]
+    fn a_mesh_is_not_different_from_itself_and_a_lonely_vertex_is_named() {
+        let mut mesh = tetrahedron();
+        let metric = Msdm2Metric::default();
+        let found = metric.compare(&mesh, &mesh, Control::none()).unwrap();
+        assert!(found.scalar("msdm2").unwrap() < 1e-15);
+        assert_eq!(found.warnings, [""; 0]);
+        mesh.positions.push(glam::DVec3::ONE);
+        let found = metric.compare(&tetrahedron(), &mesh, Control::none()).unwrap();
+        assert!(found.scalar("msdm2").unwrap() < 1e-15);
+        assert!(found.simplified_fields[0].values[4].is_nan());
+        assert!(found.warnings[0].contains("1 vertices of the simplified mesh"));
+    }
+
+    #[test]
+    fn what_cannot_be_measured_is_named() {
+        let place = mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]);
+        for (mesh, words) in [(TriMesh::default(), "has no faces"), (place, "has no extent")] {
+            let found = Msdm2Metric::default().compare(&tetrahedron(), &mesh, Control::none());
+            let text = found.unwrap_err().to_string();
+            assert!(text.contains("simplified mesh") && text.contains(words), "{text}");
+        }
+    }
+}
