@@ -13,3 +13,4 @@ pub mod point_triangle;
 pub mod render;
 pub mod sample;
 pub mod simplify;
+pub mod ssim;

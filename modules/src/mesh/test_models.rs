@@ -6,11 +6,17 @@ use glam::DVec3;
 
 use crate::data::{TriMesh, VertexId};
 
+/// The folder of models: `MVE_MODELS`, or `../shared/models` beside the workspace. References are
+/// in `../refs` of it.
+pub fn folder() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
+    std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from)
+}
+
 /// The model of this file name from the folder `MVE_MODELS` or `../shared/models` beside the
 /// workspace; `None`, after a line saying so, when it is not there.
 pub fn model(name: &str) -> Option<TriMesh> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from);
+    let folder = folder();
     match std::fs::read_to_string(folder.join(name)) {
         Ok(text) => Some(read(&text)),
         Err(error) => {

@@ -7,6 +7,8 @@
 use thiserror::Error;
 
 pub use hausdorff::HausdorffMetric;
+pub use image_rms::ImageRmsMetric;
+pub use image_ssim::ImageSsimMetric;
 
 use mve_core::{Choices, Entry, ModuleError, Settings};
 
@@ -14,7 +16,7 @@ use crate::data::{Field, Images, Measure, TriMesh};
 use crate::geometry::control::{Cancelled, Control};
 
 mve_core::registered! {
-    static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff;
+    static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff, image_rms, image_ssim;
 }
 
 /// All metrics, for the parameters of modules.

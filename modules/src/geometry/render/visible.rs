@@ -1,6 +1,9 @@
 //! What a camera sees: the nearest face at every pixel.
 
+use std::ops::Range;
+
 use glam::DVec3;
+use pulp::Arch;
 
 use super::project::{Corner, Lens};
 use super::raster::{Rect, Row, Side, Triangle};
@@ -44,19 +47,48 @@ impl Visible {
     /// Looks at a mesh. Faces of which a corner is not a number are not seen. O(pixels + faces +
     /// covered pixels).
     pub fn new(mesh: &TriMesh, lens: &Lens, sides: Sides) -> Self {
-        let corners: Vec<Corner> = mesh.positions.iter().map(|&point| lens.corner(point)).collect();
+        let corners = corners(mesh, lens);
         let mut seen = Self::nothing(lens.size);
+        seen.add(mesh, 0..mesh.faces.len(), &corners, lens, sides);
+        seen
+    }
+
+    /// Draws more faces of a mesh, of numbers after those that were drawn; `placed` are the corners
+    /// of its vertices.
+    pub fn add(
+        &mut self,
+        mesh: &TriMesh,
+        faces: Range<usize>,
+        placed: &[Corner],
+        lens: &Lens,
+        sides: Sides,
+    ) {
+        Arch::new().dispatch(|| self.add_inline(mesh, faces, placed, lens, sides));
+    }
+
+    #[inline(always)]
+    fn add_inline(
+        &mut self,
+        mesh: &TriMesh,
+        faces: Range<usize>,
+        placed: &[Corner],
+        lens: &Lens,
+        sides: Sides,
+    ) {
         let whole = Rect::whole(lens.size);
-        for (number, face) in (0u32..).zip(&mesh.faces) {
-            let placed = face.map(|v| corners[v.idx()]);
+        for (number, face) in faces.clone().zip(&mesh.faces[faces]) {
+            let number = number as u32;
+            let corners = face.map(|v| placed[v.idx()]);
+            if sides == Sides::Front && turns(corners) >= 0 && is_placed(corners) {
+                continue;
+            }
             let points = || mesh.corners(FaceId(number));
-            face_triangles(lens, placed, points, |triangle| {
+            face_triangles(lens, corners, points, |triangle| {
                 if sides.show(triangle.side) {
-                    triangle.rows(&whole, |row| seen.draw(number, &row));
+                    triangle.rows(&whole, |row| self.draw(number, &row));
                 }
             });
         }
-        seen
     }
 
     /// Sees nothing.
@@ -71,14 +103,45 @@ impl Visible {
         let at = row.y as usize * self.size;
         let range = at + row.x[0] as usize..at + row.x[1] as usize;
         let nearest = self.inv_depths[range.clone()].iter_mut().zip(&mut self.faces[range]);
-        for (k, (nearest, seen)) in nearest.enumerate() {
-            let inv_depth = row.inv_depth(k);
-            if inv_depth > *nearest {
-                *nearest = inv_depth;
-                *seen = face;
-            }
+        for (k, (nearest, seen)) in (0i32..).zip(nearest) {
+            let inv_depth = row.inv_depth_at(k);
+            let is_nearer = inv_depth > *nearest;
+            // Written whether or not it changes, which lets rows be drawn as vectors.
+            *nearest = if is_nearer { inv_depth } else { *nearest };
+            *seen = if is_nearer { face } else { *seen };
         }
     }
+}
+
+/// The corners of all vertices.
+pub fn corners(mesh: &TriMesh, lens: &Lens) -> Vec<Corner> {
+    mesh.positions.iter().map(|&point| lens.corner(point)).collect()
+}
+
+/// Whether all corners have a place on the grid.
+#[inline(always)]
+fn is_placed(corners: [Corner; 3]) -> bool {
+    corners.iter().all(|corner| corner.is_placed())
+}
+
+/// Twice the area on the grid, negative where the front is seen: rows count downward.
+#[inline(always)]
+fn turns([a, b, c]: [Corner; 3]) -> i64 {
+    let [bx, by, cx, cy] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(i64::from);
+    bx * cy - by * cx
+}
+
+/// Which side of a face is seen, of a face that is seen; `placed` are its corners, `points` where
+/// they are in space.
+#[inline]
+pub fn side_seen(lens: &Lens, placed: [Corner; 3], points: [DVec3; 3]) -> Side {
+    let is_front = if is_placed(placed) {
+        turns(placed) < 0
+    } else {
+        let [a, b, c] = points;
+        (b - a).cross(c - a).dot(lens.camera.eye - a) > 0.0
+    };
+    if is_front { Side::Front } else { Side::Back }
 }
 
 /// Calls `each` with the triangles that a face is on the grid: one, but for a face that must be
@@ -90,7 +153,7 @@ pub fn face_triangles(
     points: impl Fn() -> [DVec3; 3],
     mut each: impl FnMut(&Triangle),
 ) {
-    if placed.iter().all(|corner| corner.is_placed()) {
+    if is_placed(placed) {
         if let Some(triangle) = Triangle::new(placed) {
             each(&triangle);
         }
