@@ -11,7 +11,7 @@
 //! squares and their product; variances are needed only in sum. Sums have a fixed order, so a value
 //! is the same on any machine, and of equal pictures it is exactly 1.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
 
 /// Pixels from the middle of the window to its edge.
@@ -79,7 +79,7 @@ pub fn ssim(a: &[u8], b: &[u8], [width, height]: [usize; 2]) -> Result<Ssim, Ssi
         return Err(SsimError::Empty);
     }
     let mut map = vec![0.0; n];
-    Arch::new().dispatch(|| fill([a, b], width, &mut map));
+    Arch::new().dispatch(Fill { pictures: [a, b], width, map: &mut map });
     let whole = map.chunks_exact(width).map(sum).sum::<f64>() / n as f64;
     let inside = [width, height].map(|side| side.saturating_sub(2 * RADIUS));
     let interior = (inside[0] > 0 && inside[1] > 0).then(|| {
@@ -105,6 +105,23 @@ fn sum(values: &[f64]) -> f64 {
         }
     }
     lanes.iter().sum()
+}
+
+/// [`fill`] with the vector instructions of the machine. A closure in its place would not be
+/// compiled for them.
+struct Fill<'a> {
+    pictures: [&'a [u8]; 2],
+    width: usize,
+    map: &'a mut [f64],
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        fill(self.pictures, self.width, self.map);
+    }
 }
 
 /// Fills the map, row by row; the last eleven rows, smoothed along themselves, are at hand in a

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Camera, CameraSet, Corner, Lens, Rect, Sides, Surface, Visible, corners};
+use super::project::STEPS;
+use super::{Camera, CameraSet, Corner, Lens, Sides, Surface, Visible, corners};
 use crate::data::{Image, Images, PixelKind, TriMesh, VertexId};
 use crate::geometry::control::{Cancelled, Control};
 
@@ -134,12 +135,14 @@ pub fn picture(
     surface.light(&seen, view, (name, options.kind, options.background), check)
 }
 
-/// About how long a face takes, in pixels.
-fn effort(placed: [Corner; 3], size: usize) -> usize {
-    let whole = Rect::whole(size);
-    let mut bounds = Rect::NONE;
-    placed.into_iter().for_each(|corner| bounds.include(corner));
-    let is_placed = placed.iter().all(|corner| corner.is_placed());
-    let area = if is_placed { bounds.within(&whole) } else { whole };
-    FACE + area.width() * area.height()
+/// About how long a face takes, in pixels: no less than the box around it.
+fn effort([a, b, c]: [Corner; 3], size: usize) -> usize {
+    if !(a.is_placed() && b.is_placed() && c.is_placed()) {
+        return FACE + size * size;
+    }
+    let side = |a: i32, b: i32, c: i32| {
+        let steps = a.max(b).max(c) - a.min(b).min(c);
+        size.min(steps as usize / STEPS as usize + 1)
+    };
+    FACE + side(a.x, b.x, c.x) * side(a.y, b.y, c.y)
 }

@@ -251,7 +251,7 @@ impl<'a> Surface<'a> {
 
     /// Adds the weights and colors to a facet.
     fn color(&self, facet: &mut Facet, eye: DVec3, points: [DVec3; 3]) {
-        let [a, b, c] = points.map(|point| point - eye);
+        let (a, b, c) = (points[0] - eye, points[1] - eye, points[2] - eye);
         facet.across = [b.cross(c), c.cross(a), a.cross(b)];
         let face = facet.face as usize;
         match &self.colors {
@@ -314,10 +314,11 @@ impl Facet {
     /// How much of each corner is where a ray meets the face, or next to it; they add up to 1.
     #[inline]
     fn weights(&self, ray: DVec3) -> [f64; 3] {
-        let [u, v, w] = self.across.map(|across| across.dot(ray));
+        let [u, v, w] = &self.across;
+        let (u, v, w) = (u.dot(ray), v.dot(ray), w.dot(ray));
         // A face that is seen from behind has all three negative.
         let sign = if u + v + w < 0.0 { -1.0 } else { 1.0 };
-        let [u, v, w] = [u, v, w].map(|weight| (sign * weight).max(0.0));
+        let (u, v, w) = ((sign * u).max(0.0), (sign * v).max(0.0), (sign * w).max(0.0));
         let sum = u + v + w;
         if sum > 0.0 && sum.is_finite() { [u / sum, v / sum, w / sum] } else { [1.0 / 3.0; 3] }
     }

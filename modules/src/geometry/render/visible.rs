@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::project::{Corner, Lens};
 use super::raster::{Rect, Row, Side, Triangle};
@@ -63,32 +63,7 @@ impl Visible {
         lens: &Lens,
         sides: Sides,
     ) {
-        Arch::new().dispatch(|| self.add_inline(mesh, faces, placed, lens, sides));
-    }
-
-    #[inline(always)]
-    fn add_inline(
-        &mut self,
-        mesh: &TriMesh,
-        faces: Range<usize>,
-        placed: &[Corner],
-        lens: &Lens,
-        sides: Sides,
-    ) {
-        let whole = Rect::whole(lens.size);
-        for (number, face) in faces.clone().zip(&mesh.faces[faces]) {
-            let number = number as u32;
-            let corners = face.map(|v| placed[v.idx()]);
-            if sides == Sides::Front && turns(corners) >= 0 && is_placed(corners) {
-                continue;
-            }
-            let points = || mesh.corners(FaceId(number));
-            face_triangles(lens, corners, points, |triangle| {
-                if sides.show(triangle.side) {
-                    triangle.rows(&whole, |row| self.draw(number, &row));
-                }
-            });
-        }
+        Arch::new().dispatch(Add { seen: self, mesh, faces, placed, lens, sides });
     }
 
     /// Sees nothing.
@@ -109,6 +84,40 @@ impl Visible {
             // Written whether or not it changes, which lets rows be drawn as vectors.
             *nearest = if is_nearer { inv_depth } else { *nearest };
             *seen = if is_nearer { face } else { *seen };
+        }
+    }
+}
+
+/// [`Visible::add`] with the vector instructions of the machine. A closure in its place would not
+/// be compiled for them.
+struct Add<'a> {
+    seen: &'a mut Visible,
+    mesh: &'a TriMesh,
+    faces: Range<usize>,
+    placed: &'a [Corner],
+    lens: &'a Lens,
+    sides: Sides,
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { seen, mesh, faces, placed, lens, sides } = self;
+        let whole = Rect::whole(lens.size);
+        for (number, face) in faces.clone().zip(&mesh.faces[faces]) {
+            let number = number as u32;
+            let corners = [placed[face[0].idx()], placed[face[1].idx()], placed[face[2].idx()]];
+            if sides == Sides::Front && turns(corners) >= 0 && is_placed(corners) {
+                continue;
+            }
+            let points = || mesh.corners(FaceId(number));
+            face_triangles(lens, corners, points, |triangle| {
+                if sides.show(triangle.side) {
+                    triangle.rows(&whole, |row| seen.draw(number, &row));
+                }
+            });
         }
     }
 }
