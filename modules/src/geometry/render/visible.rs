@@ -66,6 +66,16 @@ impl Visible {
         Arch::new().dispatch(Add { seen: self, mesh, faces, placed, lens, sides });
     }
 
+    /// Draws a face of which some corner has no place.
+    #[cold]
+    fn add_clipped(&mut self, mesh: &TriMesh, face: FaceId, lens: &Lens, sides: Sides) {
+        lens.clip(mesh.corners(face), |corners| {
+            if let Some(triangle) = Triangle::new(corners).filter(|t| sides.show(t.side)) {
+                triangle.rows(&Rect::whole(lens.size), |row| self.draw(face.0, &row));
+            }
+        });
+    }
+
     /// Sees nothing.
     pub fn nothing(size: usize) -> Self {
         let n = size * size;
@@ -109,15 +119,14 @@ impl WithSimd for Add<'_> {
         for (number, face) in faces.clone().zip(&mesh.faces[faces]) {
             let number = number as u32;
             let corners = [placed[face[0].idx()], placed[face[1].idx()], placed[face[2].idx()]];
-            if sides == Sides::Front && turns(corners) >= 0 && is_placed(corners) {
-                continue;
-            }
-            let points = || mesh.corners(FaceId(number));
-            face_triangles(lens, corners, points, |triangle| {
-                if sides.show(triangle.side) {
+            if !is_placed(corners) {
+                seen.add_clipped(mesh, FaceId(number), lens, sides);
+            } else if sides == Sides::Both || turns(corners) < 0 {
+                // Not by `face_triangles`: its closure would not be compiled for the vectors.
+                if let Some(triangle) = Triangle::new(corners) {
                     triangle.rows(&whole, |row| seen.draw(number, &row));
                 }
-            });
+            }
         }
     }
 }
