@@ -11,7 +11,7 @@ use crate::cancel::CancelToken;
 use crate::data::{Data, Value};
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
-use crate::setting::{Setting, Settings};
+use crate::setting::Settings;
 
 /// A unit of work: what it is called, what goes in and out, and what it does.
 ///
@@ -166,16 +166,12 @@ impl<'a> Io<'a> {
 
     /// The entry that a choice names, with its parameters.
     pub fn choice<B: Sync>(&self, param: ChoiceParam<B>) -> Result<Chosen<B>, ModuleError> {
-        let chosen = match self.settings.find(param.spec.name) {
-            Some(Setting::Choice { id, params }) => Some((id, params)),
-            _ => None,
-        };
-        chosen
-            .and_then(|(id, params)| {
-                let entry = param.choices.entries.iter().find(|listed| listed.item.id == *id)?;
-                Some(Chosen { entry: entry.item, params: params.clone() })
-            })
-            .ok_or_else(|| undeclared::<B>(param.spec.name))
+        self.settings.choice(&param)
+    }
+
+    /// All parameters, for what several modules read in the same way.
+    pub fn settings(&self) -> &Settings {
+        self.settings
     }
 
     /// Tells how far the work is, from 0 to 1, and gives up with [`ModuleError::Cancelled`] once

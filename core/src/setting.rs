@@ -7,7 +7,7 @@ use serde_json::{Map as JsonMap, Value as Json};
 use crate::data::Scalar;
 use crate::fingerprint::FingerprintBuilder;
 use crate::module::ModuleError;
-use crate::param::{ChoiceList, EntrySpec, Kind, Param, ParamSpec, ParamType};
+use crate::param::{ChoiceList, ChoiceParam, Chosen, EntrySpec, Kind, Param, ParamSpec, ParamType};
 use crate::problem::did_you_mean;
 
 /// The value of one parameter.
@@ -54,6 +54,22 @@ impl Settings {
     pub fn get<T: ParamType>(&self, param: &Param<T>) -> Result<T, ModuleError> {
         self.find(param.spec.name).and_then(T::from_setting).ok_or_else(|| ModuleError::Param {
             name: param.spec.name.to_owned(),
+            message: "is read but not declared in the list of parameters".to_owned(),
+        })
+    }
+
+    /// The entry that a declared choice names, with its parameters.
+    pub fn choice<B: Sync>(&self, param: &ChoiceParam<B>) -> Result<Chosen<B>, ModuleError> {
+        let name = param.spec.name;
+        let chosen = match self.find(name) {
+            Some(Setting::Choice { id, params }) => {
+                let entry = param.choices.entries.iter().find(|listed| listed.item.id == *id);
+                entry.map(|listed| Chosen { entry: listed.item, params: params.clone() })
+            }
+            _ => None,
+        };
+        chosen.ok_or_else(|| ModuleError::Param {
+            name: name.to_owned(),
             message: "is read but not declared in the list of parameters".to_owned(),
         })
     }

@@ -13,7 +13,7 @@ use mve_modules::cost::{Cost, Squares};
 use mve_modules::data::TriMesh;
 use mve_modules::geometry::control::{Cancelled, Control};
 use mve_modules::geometry::image_driven::{
-    Areas, Difference, ImageDriven, PictureOptions, Structure,
+    Areas, Difference, ImageDriven, ImageOptions, Structure,
 };
 use mve_modules::geometry::simplify::{
     Collapse, Collapsing, Proposal, Reach, SimplifyOptions, Stop, simplify,
@@ -77,9 +77,9 @@ impl<D: Difference> Cost for Counted<D> {
 
 fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, size: usize) {
     let run = |with_whole: bool| {
-        let options = PictureOptions { resolution: size, ..PictureOptions::DEFAULT };
+        let options = ImageOptions { resolution: size, ..ImageOptions::DEFAULT };
         let new =
-            |areas| ImageDriven::new(mesh, difference.clone(), PictureOptions { areas, ..options });
+            |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
         let mut cost = Counted {
             active: new(Areas::Active),
             whole: with_whole.then(|| new(Areas::Whole)),

@@ -14,6 +14,7 @@ pub mod mesh;
 pub mod metric;
 pub mod placement;
 mod prelude;
+pub mod view;
 
 use mve_core::{ModuleList, Registry};
 

@@ -1,4 +1,4 @@
-//! `mve new`: a map, a module or a cost to start from.
+//! `mve new`: a map, a module, a cost or a metric to start from.
 
 use std::path::{Path, PathBuf};
 
@@ -9,12 +9,13 @@ use crate::{out, scaffold};
 
 const MAP: &str = include_str!("templates/map.json");
 
-/// Start a map, a module or a cost
+/// Start a map, a module, a cost or a metric
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   mve new map first.json
   mve new module FillHoles --folder filters
-  mve new cost CurvatureWeighted")]
+  mve new cost CurvatureWeighted
+  mve new metric NormalDeviation")]
 pub struct Args {
     #[command(subcommand)]
     what: What,
@@ -44,6 +45,13 @@ enum What {
         /// Id in CamelCase, such as CurvatureWeighted
         name: String,
     },
+    /// Write a metric, with a test, and enter it in the list of metrics
+    ///
+    /// Works inside a checkout of mve: writes modules/src/metric/NAME.rs.
+    Metric {
+        /// Id in CamelCase, such as NormalDeviation
+        name: String,
+    },
 }
 
 /// Runs the command.
@@ -52,6 +60,7 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
         What::Map { file } => new_map(file),
         What::Module { name, folder } => scaffold::module(name, folder),
         What::Cost { name } => scaffold::cost(name),
+        What::Metric { name } => scaffold::metric(name),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Files for new modules and costs inside a checkout of mve: one file, and one name in a list.
+//! Files for new modules, costs and metrics inside a checkout of mve: one file, and one name in a list.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use crate::out;
 
 const MODULE: &str = include_str!("templates/module.rs.txt");
 const COST: &str = include_str!("templates/cost.rs.txt");
+const METRIC: &str = include_str!("templates/metric.rs.txt");
 
 /// Where a new file goes, and how its list begins.
 struct Target<'a> {
@@ -34,6 +35,12 @@ pub fn module(id: &str, folder: &str) -> Result<Exit, Stop> {
 pub fn cost(id: &str) -> Result<Exit, Stop> {
     let before = "COST in";
     write(&find_checkout()?, id, &Target { folder: "cost", before, template: COST })
+}
+
+/// Writes a metric.
+pub fn metric(id: &str) -> Result<Exit, Stop> {
+    let before = "METRIC in";
+    write(&find_checkout()?, id, &Target { folder: "metric", before, template: METRIC })
 }
 
 fn write(checkout: &Path, id: &str, target: &Target) -> Result<Exit, Stop> {

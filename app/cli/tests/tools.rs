@@ -98,6 +98,8 @@ fn checkout() -> Folder {
     }
     let list = "static COSTS: Entry<CostBuild> = COST in edge_length, quadric;";
     folder.write("modules/src/cost/mod.rs", &format!("registered! {{\n    {list}\n}}\n"));
+    let list = "static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff, image_rms;";
+    folder.write("modules/src/metric/mod.rs", &format!("registered! {{\n    {list}\n}}\n"));
     folder
 }
 
@@ -125,6 +127,14 @@ fn a_new_cost_is_a_file_and_a_name_in_the_list() {
     folder.mve(&["new", "cost", "Longest"]).succeeds();
     assert!(folder.read("modules/src/cost/longest.rs").contains("impl Cost for Longest"));
     assert!(folder.read("modules/src/cost/mod.rs").contains("in edge_length, longest, quadric;"));
+}
+
+#[test]
+fn a_new_metric_is_a_file_and_a_name_in_the_list() {
+    let folder = checkout();
+    folder.mve(&["new", "metric", "Areas"]).succeeds().says("metric/areas.rs\n");
+    assert!(folder.read("modules/src/metric/areas.rs").contains("impl Metric for Areas"));
+    assert!(folder.read("modules/src/metric/mod.rs").contains("in areas, hausdorff, image_rms;"));
 }
 
 #[test]

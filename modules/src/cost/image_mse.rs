@@ -9,7 +9,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, BACKGROUND, CAMERAS, N_CAMERAS, RESOLUTION, SIDES, picture_options};
+use super::pictures::{AREAS, VIEW, image_options};
 use crate::geometry::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
@@ -17,16 +17,13 @@ pub static COST: Entry<MakeCost> = Entry {
     summary: "What the collapse changes in pictures from all around: the growth of the squared \
               luminance difference (Lindstrom and Turk 2000).",
     params: &[
-        RESOLUTION.spec(),
-        CAMERAS.spec(),
-        N_CAMERAS.spec(),
-        SIDES.spec(),
-        BACKGROUND.spec(),
+        VIEW.cameras.spec(),
+        VIEW.resolution.spec(),
+        VIEW.sides.spec(),
+        VIEW.background.spec(),
         AREAS.spec(),
     ],
-    build: |mesh, settings| {
-        Ok(Box::new(ImageDriven::new(mesh, Squares, picture_options(settings)?)))
-    },
+    build: |mesh, settings| Ok(Box::new(ImageDriven::new(mesh, Squares, image_options(settings)?))),
 };
 
 /// See the file's header.

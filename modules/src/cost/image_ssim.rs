@@ -10,7 +10,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, BACKGROUND, CAMERAS, N_CAMERAS, RESOLUTION, SIDES, picture_options};
+use super::pictures::{AREAS, VIEW, image_options};
 use crate::geometry::image_driven::{ImageDriven, Structure};
 use crate::prelude::*;
 
@@ -29,16 +29,15 @@ pub static COST: Entry<MakeCost> = Entry {
     summary: "What the collapse changes in pictures from all around: the loss of structural \
               similarity (Wang et al. 2004).",
     params: &[
-        RESOLUTION.spec(),
-        CAMERAS.spec(),
-        N_CAMERAS.spec(),
-        SIDES.spec(),
-        BACKGROUND.spec(),
+        VIEW.cameras.spec(),
+        VIEW.resolution.spec(),
+        VIEW.sides.spec(),
+        VIEW.background.spec(),
         AREAS.spec(),
         MARGIN.spec(),
     ],
     build: |mesh, settings| {
         let difference = Structure { margin: settings.get(&MARGIN)? as i32 };
-        Ok(Box::new(ImageDriven::new(mesh, difference, picture_options(settings)?)))
+        Ok(Box::new(ImageDriven::new(mesh, difference, image_options(settings)?)))
     },
 };

@@ -1,34 +1,22 @@
 //! The parameters that image-driven costs share: which pictures are taken.
 
-use crate::geometry::image_driven::{Areas, PictureOptions};
-use crate::geometry::render::{CameraSet, Sides};
+use crate::geometry::image_driven::{Areas, ImageOptions};
 use crate::prelude::*;
+use crate::view::{ViewDefaults, ViewParams};
 
-const DEFAULT: PictureOptions = PictureOptions::DEFAULT;
+const IMAGE_DEFAULT: ImageOptions = ImageOptions::DEFAULT;
 
-/// Names of the camera sets; Fibonacci takes its number from [`N_CAMERAS`].
-#[derive(Clone, Copy, PartialEq)]
-pub enum Cameras {
-    Dodecahedron,
-    Rhombicuboctahedron,
-    Fibonacci,
-}
+/// From where pictures are taken, and how. Surfaces are shaded flat.
+pub const VIEW: ViewParams = ViewParams::new(ViewDefaults {
+    cameras: "Dodecahedron",
+    resolution: IMAGE_DEFAULT.resolution as i64,
+    shading: "Flat",
+    sides: "Front",
+    background: IMAGE_DEFAULT.background as i64,
+});
 
-impl Enumeration for Cameras {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Dodecahedron", "20 cameras, at the vertices of a dodecahedron."),
-        ("Rhombicuboctahedron", "24 cameras, at the vertices of a rhombicuboctahedron."),
-        ("Fibonacci", "As many as `n_cameras`, spread evenly."),
-    ];
-    const VALUES: &'static [Self] =
-        &[Self::Dodecahedron, Self::Rhombicuboctahedron, Self::Fibonacci];
-}
-
-impl Enumeration for Sides {
-    const NAMES: &'static [(&'static str, &'static str)] =
-        &[("Front", "Back faces are culled."), ("Both", "Both sides of a face are drawn.")];
-    const VALUES: &'static [Self] = &[Self::Front, Self::Both];
-}
+/// Pixels of all cameras together that a cost may keep; one takes about 40 bytes.
+const MOST_PIXELS: usize = 1 << 26;
 
 impl Enumeration for Areas {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -38,36 +26,27 @@ impl Enumeration for Areas {
     const VALUES: &'static [Self] = &[Self::Active, Self::Whole];
 }
 
-pub const CAMERAS: Param<Cameras> =
-    Param::one_of("cameras", "From where pictures are taken.", "Dodecahedron");
-pub const N_CAMERAS: Param<i64> =
-    Param::integer("n_cameras", "How many cameras, for the set Fibonacci.", 20)
-        .between((1, 1000))
-        .mostly((6, 100));
-pub const RESOLUTION: Param<i64> =
-    Param::integer("resolution", "Rows and columns of a picture.", DEFAULT.resolution as i64)
-        .between((16, 1024))
-        .mostly((64, 512))
-        .unit("pixels");
-pub const SIDES: Param<Sides> = Param::one_of("sides", "Which sides of a face are drawn.", "Front");
-pub const BACKGROUND: Param<i64> =
-    Param::integer("background", "Luminance where no face is.", DEFAULT.background as i64)
-        .between((0, 255));
 pub const AREAS: Param<Areas> =
     Param::one_of("areas", "How much of a picture a price looks at.", "Active");
 
 /// Reads these parameters.
-pub fn picture_options(settings: &Settings) -> Result<PictureOptions, ModuleError> {
-    let cameras = match settings.get(&CAMERAS)? {
-        Cameras::Dodecahedron => CameraSet::Dodecahedron,
-        Cameras::Rhombicuboctahedron => CameraSet::Rhombicuboctahedron,
-        Cameras::Fibonacci => CameraSet::Fibonacci(settings.get(&N_CAMERAS)? as usize),
-    };
-    Ok(PictureOptions {
+pub fn image_options(settings: &Settings) -> Result<ImageOptions, ModuleError> {
+    let cameras = VIEW.read_cameras(settings)?;
+    let resolution = settings.get(&VIEW.resolution)? as usize;
+    let n_pixels = cameras.len().saturating_mul(resolution * resolution);
+    if n_pixels > MOST_PIXELS {
+        let message = format!(
+            "{} cameras of {resolution} × {resolution} pixels are {n_pixels} pixels; an \
+             image-driven cost keeps at most {MOST_PIXELS}: lower it or take fewer cameras",
+            cameras.len()
+        );
+        return Err(ModuleError::Param { name: VIEW.resolution.spec().name.into(), message });
+    }
+    Ok(ImageOptions {
         cameras,
-        resolution: settings.get(&RESOLUTION)? as usize,
-        sides: settings.get(&SIDES)?,
-        background: settings.get(&BACKGROUND)? as u8,
+        resolution,
+        sides: settings.get(&VIEW.sides)?,
+        background: settings.get(&VIEW.background)? as u8,
         areas: settings.get(&AREAS)?,
     })
 }

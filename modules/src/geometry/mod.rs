@@ -20,5 +20,6 @@ pub mod point_triangle;
 pub mod render;
 pub mod sample;
 pub mod simplify;
+pub mod ssim;
 pub mod subdivide;
 pub mod text;

@@ -7,26 +7,28 @@ use glam::DVec3;
 
 use crate::data::{TriMesh, VertexId};
 
+/// The folder of models: `MVE_MODELS`, or `../shared/models` beside the workspace. References are
+/// in `../refs` of it.
+pub fn folder() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
+    std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from)
+}
+
 /// The model of this file name from the folder `MVE_MODELS` or `../shared/models` beside the
 /// workspace; `None`, after a line saying so, when it is not there.
 pub fn model(name: &str) -> Option<TriMesh> {
-    Some(read(&text_in(&models(), name)?))
+    Some(read(&text_in(&folder(), name)?))
 }
 
 /// The text of a file of reference values, from the folder `refs` beside that of the models; a
 /// name that ends in `.gz` is unpacked. `None`, after a line saying so, when it is not there.
 pub fn reference(name: &str) -> Option<String> {
-    text_in(&models().join("../refs"), name)
+    text_in(&folder().join("../refs"), name)
 }
 
 /// A mesh among the reference values.
 pub fn reference_mesh(name: &str) -> Option<TriMesh> {
     Some(read(&reference(name)?))
-}
-
-fn models() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from)
 }
 
 fn text_in(folder: &Path, name: &str) -> Option<String> {

@@ -7,6 +7,8 @@
 use thiserror::Error;
 
 pub use hausdorff::HausdorffMetric;
+pub use image_rms::ImageRmsMetric;
+pub use image_ssim::ImageSsimMetric;
 pub use msdm::MsdmMetric;
 pub use msdm2::Msdm2Metric;
 
@@ -16,7 +18,8 @@ use crate::data::{Field, Images, Measure, TriMesh};
 use crate::geometry::control::{Cancelled, Control};
 
 mve_core::registered! {
-    static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff, msdm, msdm2;
+    static ENTRIES: Entry<MakeMetric> =
+        METRIC in hausdorff, image_rms, image_ssim, msdm, msdm2;
 }
 
 /// All metrics, for the parameters of modules.

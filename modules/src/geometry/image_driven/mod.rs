@@ -51,7 +51,7 @@ pub enum Areas {
 
 /// What pictures are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PictureOptions {
+pub struct ImageOptions {
     /// From where.
     pub cameras: CameraSet,
     /// Pixels a side.
@@ -64,7 +64,7 @@ pub struct PictureOptions {
     pub areas: Areas,
 }
 
-impl PictureOptions {
+impl ImageOptions {
     /// The default.
     pub const DEFAULT: Self = Self {
         cameras: CameraSet::Dodecahedron,
@@ -78,7 +78,7 @@ impl PictureOptions {
 /// A cost that looks at pictures; `D` says how two pictures differ.
 pub struct ImageDriven<D: Difference> {
     difference: D,
-    options: PictureOptions,
+    options: ImageOptions,
     lenses: Vec<Lens>,
     cameras: Vec<Mutex<Watched<D>>>,
     /// The vertices of every face, as the cameras know them.
@@ -164,7 +164,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl<D: Difference> ImageDriven<D> {
     /// Looks at the mesh from around its box. A mesh without extent is in no picture; its prices
     /// are all 0.
-    pub fn new(mesh: &TriMesh, difference: D, options: PictureOptions) -> Self {
+    pub fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let lenses = mesh.bounds().map_or_else(Vec::new, |bounds| {
             let distance = (bounds.1 - bounds.0).length();
             let cameras = options.cameras.around(bounds);

@@ -15,9 +15,9 @@ struct Checked<D: Difference> {
 }
 
 impl<D: Difference> Checked<D> {
-    fn new(mesh: &TriMesh, difference: D, options: PictureOptions) -> Self {
+    fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let new =
-            |areas| ImageDriven::new(mesh, difference.clone(), PictureOptions { areas, ..options });
+            |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
         Self { active: new(Areas::Active), whole: new(Areas::Whole), n_checked: Mutex::new(0) }
     }
 }
@@ -49,7 +49,7 @@ impl<D: Difference> Cost for Checked<D> {
     }
 }
 
-const SMALL: PictureOptions = PictureOptions {
+const SMALL: ImageOptions = ImageOptions {
     cameras: CameraSet::Fibonacci(3),
     resolution: 64,
     sides: Sides::Both,
@@ -96,7 +96,7 @@ fn small_vase() -> TriMesh {
 fn active_areas_price_as_whole_pictures_do() {
     let mesh = small_vase();
     for sides in [Sides::Front, Sides::Both] {
-        let options = PictureOptions { sides, ..SMALL };
+        let options = ImageOptions { sides, ..SMALL };
         let mut cost = Checked::new(&mesh, Squares, options);
         halve(&mesh, &mut cost, &mut Optimal::default());
         assert!(*lock(&cost.n_checked) > 100);
@@ -110,7 +110,7 @@ fn active_areas_price_as_whole_pictures_do() {
 fn pictures_stay_those_of_the_mesh() {
     let mesh = small_vase();
     for sides in [Sides::Front, Sides::Both] {
-        let options = PictureOptions { sides, ..SMALL };
+        let options = ImageOptions { sides, ..SMALL };
         let mut cost = ImageDriven::new(&mesh, Squares, options);
         let lenses = cost.lenses.clone();
         let result = halve(&mesh, &mut cost, &mut Optimal::default());

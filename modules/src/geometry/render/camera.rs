@@ -50,6 +50,20 @@ pub enum CameraSet {
 }
 
 impl CameraSet {
+    /// How many cameras it has.
+    pub fn len(self) -> usize {
+        match self {
+            Self::Dodecahedron => 20,
+            Self::Rhombicuboctahedron => 24,
+            Self::Fibonacci(n) => n,
+        }
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
     /// Unit vectors from the center to the cameras, in an order that stays.
     pub fn directions(self) -> Vec<DVec3> {
         match self {

@@ -20,11 +20,18 @@ pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     if length > 0.0 && length.is_finite() { across / length } else { DVec3::ZERO }
 }
 
+/// The cosine between this unit normal, on this side of its surface, and the way back to the light,
+/// which shines along `forward`.
+#[inline]
+pub fn cosine(normal: DVec3, forward: DVec3, side: Side) -> f64 {
+    let along = normal.dot(forward);
+    if side == Side::Front { -along } else { along }
+}
+
 /// The luminance of a surface with this unit normal, seen from this side along `forward`.
 #[inline]
 pub fn luminance(normal: DVec3, forward: DVec3, side: Side) -> u8 {
-    let cosine = normal.dot(forward);
-    to_byte(if side == Side::Front { -cosine } else { cosine })
+    to_byte(cosine(normal, forward, side))
 }
 
 /// A value from 0 to 1 as a byte; others are clamped, and what is not a number is 0.

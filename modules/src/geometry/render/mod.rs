@@ -8,14 +8,18 @@
 
 mod camera;
 mod luminance;
+mod pictures;
 mod project;
 mod raster;
+mod shade;
 #[cfg(test)]
 mod tests;
 mod visible;
 
 pub use camera::{Camera, CameraSet};
-pub use luminance::{NTSC, luminance, normal, to_byte};
+pub use luminance::{NTSC, cosine, luminance, normal, to_byte};
+pub use pictures::{Frame, PictureOptions, picture, pictures};
 pub use project::{Corner, Lens, MAX_SIZE};
 pub use raster::{LANES, Rect, Row, Side, Sides, Triangle};
-pub use visible::{NO_FACE, Visible, face_triangles};
+pub use shade::{NormalSource, Paint, Shading, Surface};
+pub use visible::{NO_FACE, Visible, corners, face_triangles, side_seen};

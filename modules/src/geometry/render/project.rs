@@ -88,6 +88,15 @@ impl Lens {
         Corner { x: snap(x), y: snap(y), inv_depth: inv_depth as f32 }
     }
 
+    /// From the eye through the center of the pixel in column `x` of row `y`; its part along the
+    /// camera's `forward` is 1.
+    #[inline]
+    pub fn ray(&self, [x, y]: [usize; 2]) -> DVec3 {
+        let side = |at: usize| ((2 * at + 1) as f64 / self.size as f64 - 1.0) * TAN_HALF_ANGLE;
+        let Camera { right, up, forward, .. } = self.camera;
+        forward + (right * side(x) - up * side(y))
+    }
+
     /// Calls `each` with every triangle that is left of one of which some corner has no place: it is
     /// cut off at the near plane and at the sides of a frustum 16 times as wide as the picture.
     /// Orientation is kept. Rare, so not fast.

@@ -169,6 +169,17 @@ impl Row {
         let edge = |n: usize| (self.edges[n] + k as i64 * self.steps[n]) as f32;
         self.inv_depth + (edge(0) * self.slopes[0] + edge(1) * self.slopes[1])
     }
+
+    /// [`Row::inv_depth`] to the last bit, in a form that processors without 64-bit integers in
+    /// their vectors can compute for several pixels at once: an edge function is below 2^53, so
+    /// doubles hold it exactly, and it is rounded once, on the way to single precision.
+    #[inline(always)]
+    pub fn inv_depth_at(&self, k: i32) -> f32 {
+        let edge = |n: usize| {
+            (self.edges[n] as f64 + f64::from(k) * self.steps[n] as f64) as f32 * self.slopes[n]
+        };
+        self.inv_depth + (edge(0) + edge(1))
+    }
 }
 
 impl Triangle {

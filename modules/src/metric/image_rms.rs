@@ -1,0 +1,126 @@
+//! How pictures of the two meshes differ: the root mean square of their luminance.
+//!
+//! P. Lindstrom and G. Turk, "Image-driven simplification", ACM Transactions on Graphics 19(3),
+//! 2000, section 6: white surfaces, a light at the camera, 24 cameras at the vertices of a
+//! rhombicuboctahedron around the original, which are none of those that their simplification looks
+//! from, and 512² pixels.
+//!
+//! Faces are lit by their own normals (`Flat`), so that the value depends on the two surfaces alone
+//! and not on how normals are averaged, and both sides are drawn, so that open surfaces are not
+//! invisible for half of the cameras.
+
+use mve_core::Entry;
+
+use super::{Comparison, MakeMetric, Metric, MetricError};
+use crate::data::{Image, Images, Measure};
+use crate::geometry::control::Control;
+use crate::prelude::*;
+use crate::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
+
+/// Unit of luminance.
+const LUMINANCE: &str = "of 255";
+
+/// The view of both metrics on pictures.
+pub(super) const VIEW: ViewParams = ViewParams::new(ViewDefaults {
+    cameras: "Rhombicuboctahedron",
+    resolution: 512,
+    shading: "Flat",
+    sides: "Both",
+    background: 0,
+});
+
+pub static METRIC: Entry<MakeMetric> = Entry {
+    id: "ImageRms",
+    summary: "Root mean square difference of luminance in pictures from all around, 0 to 255.",
+    params: &VIEW.specs(),
+    build: |settings| Ok(Box::new(ImageRmsMetric { view: VIEW.read(settings)? })),
+};
+
+/// The metric with its view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageRmsMetric {
+    /// How pictures are taken.
+    pub view: View,
+}
+
+impl Metric for ImageRmsMetric {
+    /// `difference_images` holds |original − simplified| at each pixel as it is, not scaled, so
+    /// that the measures can be computed from it.
+    fn compare(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Comparison, MetricError> {
+        let (pair, warnings) = take_pair(&self.view, original, simplified, control)?;
+        let both = pair.original.0.iter().zip(&pair.simplified.0);
+        let differences: Vec<Image> = both.map(|(a, b)| difference(a, b)).collect();
+        let n_pixels = (self.view.size * self.view.size) as f64;
+        let errors: Vec<u64> = differences.iter().map(sum_of_squares).collect();
+        let rms = (errors.iter().sum::<u64>() as f64 / (n_pixels * errors.len() as f64)).sqrt();
+        let mut scalars = vec![
+            Measure::new("rms", rms, LUMINANCE, "Root mean square over all pixels and cameras."),
+            Measure::new(
+                "psnr",
+                20.0 * (255.0 / rms).log10(),
+                "dB",
+                "Peak signal to noise ratio, 20 log10(255 / rms); infinite for equal pictures.",
+            ),
+        ];
+        scalars.extend(errors.iter().enumerate().map(|(camera, &error)| Measure {
+            name: format!("rms_{camera}").into(),
+            value: (error as f64 / n_pixels).sqrt(),
+            unit: LUMINANCE.into(),
+            doc: format!("Root mean square over the pixels of camera {camera}.").into(),
+        }));
+        Ok(Comparison {
+            scalars,
+            original_images: pair.original,
+            simplified_images: pair.simplified,
+            difference_images: Images(differences),
+            warnings,
+            ..Comparison::default()
+        })
+    }
+}
+
+/// Pictures of both meshes, and warnings about what is not in them.
+pub(super) fn take_pair(
+    view: &View,
+    original: &TriMesh,
+    simplified: &TriMesh,
+    control: Control,
+) -> Result<(Pair, Vec<String>), MetricError> {
+    let pair = view.pair(original, simplified, control)?.ok_or_else(|| {
+        let message = "the original mesh has no finite extent, so no camera can look at it; a mesh \
+                       with a box of some size is expected";
+        MetricError::Input(message.to_owned())
+    })?;
+    let mut warnings = Vec::new();
+    for (name, mesh) in [("original", original), ("simplified", simplified)] {
+        match (mesh.faces.len(), n_unseen(mesh)) {
+            (0, _) => {
+                warnings.push(format!("the {name} mesh has no faces; its pictures are empty"))
+            }
+            (_, 0) => {}
+            (_, n) => warnings.push(format!(
+                "{n} faces of the {name} mesh have coordinates that are not finite and are in no \
+                 picture"
+            )),
+        }
+    }
+    Ok((pair, warnings))
+}
+
+fn difference(a: &Image, b: &Image) -> Image {
+    let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b)).collect();
+    Image { bytes, ..a.clone() }
+}
+
+fn sum_of_squares(image: &Image) -> u64 {
+    image.bytes.iter().map(|&byte| u64::from(byte) * u64::from(byte)).sum()
+}
+
+#[cfg(test)]
+#[path = "image_rms_tests.rs"]
+pub(super) mod tests;

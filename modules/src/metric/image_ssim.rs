@@ -1,0 +1,138 @@
+//! How similar pictures of the two meshes are: SSIM.
+//!
+//! See [`crate::geometry::ssim`] for the index, and `image_rms` for how pictures are taken and why.
+
+use mve_core::Entry;
+use rayon::prelude::*;
+
+use super::image_rms::{VIEW, take_pair};
+use super::{Comparison, MakeMetric, Metric, MetricError};
+use crate::data::{Image, Images, Measure};
+use crate::geometry::control::Control;
+use crate::geometry::render::to_byte;
+use crate::geometry::ssim::{Ssim, ssim};
+use crate::prelude::*;
+use crate::view::View;
+
+pub static METRIC: Entry<MakeMetric> = Entry {
+    id: "ImageSsim",
+    summary: "Structural similarity of pictures from all around: 1 where they are equal.",
+    params: &VIEW.specs(),
+    build: |settings| Ok(Box::new(ImageSsimMetric { view: VIEW.read(settings)? })),
+};
+
+/// The metric with its view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageSsimMetric {
+    /// How pictures are taken.
+    pub view: View,
+}
+
+/// What is kept of a camera: the map as a picture, and the means.
+struct Index {
+    map: Image,
+    interior: f64,
+    whole: f64,
+}
+
+impl Metric for ImageSsimMetric {
+    /// `difference_images` holds the index at each pixel: 255 where it is 1, 0 where it is 0 or
+    /// less.
+    fn compare(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Comparison, MetricError> {
+        let (view, before) = (&self.view, control.part(0.0, 0.5));
+        let (pair, warnings) = take_pair(view, original, simplified, before)?;
+        let steps = control.part(0.5, 1.0).steps(pair.original.0.len());
+        let both = pair.original.0.par_iter().zip(&pair.simplified.0);
+        let found: Result<Vec<Index>, MetricError> = both
+            .map(|(a, b)| {
+                let index = compare(a, b)?;
+                steps.step()?;
+                Ok(index)
+            })
+            .collect();
+        let found = found?;
+        Ok(Comparison {
+            scalars: scalars(&found),
+            original_images: pair.original,
+            simplified_images: pair.simplified,
+            difference_images: Images(found.into_iter().map(|index| index.map).collect()),
+            warnings,
+            ..Comparison::default()
+        })
+    }
+}
+
+fn compare(a: &Image, b: &Image) -> Result<Index, MetricError> {
+    let Ssim { map, whole, interior } = ssim(&a.bytes, &b.bytes, [a.width, a.height])
+        .map_err(|error| MetricError::Input(error.to_string()))?;
+    let bytes = map.into_iter().map(to_byte).collect();
+    // Pictures have at least 16 pixels a side, so there is an interior.
+    Ok(Index { map: Image { bytes, ..a.clone() }, interior: interior.unwrap_or(f64::NAN), whole })
+}
+
+fn scalars(found: &[Index]) -> Vec<Measure> {
+    let mean = |value: fn(&Index) -> f64| found.iter().map(value).sum::<f64>() / found.len() as f64;
+    let index = mean(|index| index.interior);
+    let mut scalars = vec![
+        Measure::new(
+            "ssim",
+            index,
+            "",
+            "Mean over the cameras, each over the pixels whose window lies inside; 1 is equal.",
+        ),
+        Measure::new("dissimilarity", 1.0 - index, "", "1 less ssim: 0 is equal."),
+        Measure::new(
+            "ssim_whole",
+            mean(|index| index.whole),
+            "",
+            "As ssim, over all pixels, the pictures mirrored at their borders.",
+        ),
+    ];
+    scalars.extend(found.iter().enumerate().map(|(camera, index)| Measure {
+        name: format!("ssim_{camera}").into(),
+        value: index.interior,
+        unit: "".into(),
+        doc: format!("The index of camera {camera}.").into(),
+    }));
+    scalars
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::fixtures::torus;
+    use crate::metric::image_rms::tests::{check_contract, small};
+
+    #[test]
+    fn equal_meshes_are_1_and_the_map_is_white() {
+        let metric = ImageSsimMetric { view: small() };
+        let mesh = torus(2.0, 0.5, 16);
+        let found = metric.compare(&mesh, &mesh, Control::none()).unwrap();
+        assert_eq!(found.scalar("ssim"), Some(1.0));
+        assert_eq!(found.scalar("dissimilarity"), Some(0.0));
+        assert_eq!(found.scalars.len(), 3 + 24);
+        let maps = &found.difference_images.0;
+        assert!(maps.iter().flat_map(|map| &map.bytes).all(|&byte| byte == 255));
+    }
+
+    #[test]
+    fn the_index_is_the_mean_of_the_cameras() {
+        let metric = ImageSsimMetric { view: small() };
+        let (fine, coarse) = (torus(2.0, 0.5, 32), torus(2.0, 0.5, 9));
+        let found = metric.compare(&fine, &coarse, Control::none()).unwrap();
+        let cameras = found.scalars.iter().skip(3).map(|measure| measure.value);
+        let mean = cameras.sum::<f64>() / 24.0;
+        assert!((found.scalar("ssim").unwrap() - mean).abs() < 1e-12);
+        assert!((0.2..0.95).contains(&mean), "{mean}");
+    }
+
+    #[test]
+    fn it_stands_any_mesh_and_any_number_of_threads() {
+        check_contract(&ImageSsimMetric { view: small() });
+    }
+}
