@@ -185,6 +185,7 @@ fn run_steps(
     let warned = Mutex::new(HashSet::new());
     let options = ProgramOptions {
         jobs: args.jobs.unwrap_or(threads),
+        threads,
         shard,
         sharing: if args.timing { Sharing::Timing } else { Sharing::Shared },
         memory: args.memory.unwrap_or_else(half_of_memory),
