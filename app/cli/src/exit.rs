@@ -56,9 +56,7 @@ impl From<StoreError> for Stop {
             StoreError::Io { path, source } => Self::file(path, source),
             StoreError::NotAStore(_)
             | StoreError::OtherProgram { .. }
-            | StoreError::TornPlan { .. } => {
-                Self { exit: Exit::Files, message: error.to_string() }
-            }
+            | StoreError::TornPlan { .. } => Self { exit: Exit::Files, message: error.to_string() },
         }
     }
 }
