@@ -223,7 +223,10 @@ impl Answer {
             estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
         };
         let p = self.p_ranks.unwrap_or(self.p_signs);
-        self.overall.is_some_and(is_off) && p < SHOWN
+        // Where the pairs of one group are not independent, their averages must show it as well.
+        let is_off_over_groups =
+            self.over_groups.is_none_or(|over| over.interval.is_none() || is_off(over));
+        self.overall.is_some_and(is_off) && is_off_over_groups && p < SHOWN
     }
 
     fn in_words(&self, results: &Results) -> Vec<String> {
@@ -256,7 +259,7 @@ impl Answer {
         if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
             let axis = results.group_axis().map_or("group", |axis| axis.paths[0].as_str());
             let interval = over.interval.map_or(String::new(), |(low, high)| {
-                format!(", 95 % confidence interval {}", span(low, high))
+                format!(", 95\u{a0}% confidence interval {}", span(low, high))
             });
             sentences.push(format!(
                 "With the pairs of each {axis} averaged first, since they are not independent: {} \
@@ -268,8 +271,10 @@ impl Answer {
         sentences.extend(self.same_in_words());
         if self.n_alone > 0 {
             let n = self.n_alone;
-            let steps = if n == 1 { "1 case has".to_owned() } else { format!("{n} cases have") };
-            sentences.push(format!("{steps} no partner or no value and do not count."));
+            sentences.push(match n {
+                1 => "1 case has no partner or no value and does not count.".to_owned(),
+                n => format!("{n} cases have no partner or no value and do not count."),
+            });
         }
         sentences
     }
@@ -282,15 +287,16 @@ impl Answer {
         };
         let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
         let interval = overall.interval.map_or(String::new(), |(low, high)| {
-            format!(", 95 % confidence interval {}", span(low, high))
+            format!(", 95\u{a0}% confidence interval {}", span(low, high))
         });
         let test = match self.p_ranks {
             Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
             None => "no pair differs".to_owned(),
         };
-        let start = match self.is_shown() {
-            true => "On average".to_owned(),
-            false => "The data do not show a difference: on average".to_owned(),
+        let start = match (overall.n, self.is_shown()) {
+            (1, _) => "One pair alone shows little:",
+            (_, true) => "On average",
+            (_, false) => "The data do not show a difference: on average",
         };
         let change = change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
@@ -301,8 +307,8 @@ impl Answer {
             _ => format!(" By this measure {b} is the better one."),
         };
         format!(
-            "{start} {a} gives {m} that is {change} than with {b} (geometric mean of \
-             {pairs}{interval}); it is {side} in {n_side} of {n}; {test}.{verdict}"
+            "{start} {a} gives {change} {m} than {b} (geometric mean of {pairs}{interval}); it is \
+             {side} in {n_side} of {n}; {test}.{verdict}"
         )
     }
 
@@ -320,7 +326,7 @@ impl Answer {
                 }
                 (n, 0) => format!("Both steps of the {n} pairs that tell have the same {column}."),
                 (n, off) => format!(
-                    "In {off} of {n} pairs {column} is not the same, by up to {} %.",
+                    "In {off} of {n} pairs {column} is not the same, by up to {}\u{a0}%.",
                     labels::rounded(100.0 * most, 2)
                 ),
             }
@@ -335,8 +341,8 @@ pub fn change(ratio: f64) -> String {
     match ratio {
         r if (r - 1.0).abs() < 5e-5 => "no different".to_owned(),
         r if r < 0.1 => format!("{} times lower", labels::rounded(1.0 / r, 2)),
-        r if r < 1.0 => format!("{} % lower", percent(1.0 - r)),
-        r if r <= 2.0 => format!("{} % higher", percent(r - 1.0)),
+        r if r < 1.0 => format!("{}\u{a0}% lower", percent(1.0 - r)),
+        r if r <= 2.0 => format!("{}\u{a0}% higher", percent(r - 1.0)),
         r => format!("{} times higher", labels::rounded(r, 2)),
     }
 }
@@ -346,10 +352,10 @@ pub fn span(low: f64, high: f64) -> String {
     let percent = |share: f64| labels::rounded(100.0 * share, 2);
     match (low, high) {
         (low, high) if high <= 1.0 && low >= 0.1 => {
-            format!("{} to {} % lower", percent(1.0 - high), percent(1.0 - low))
+            format!("{} to {}\u{a0}% lower", percent(1.0 - high), percent(1.0 - low))
         }
         (low, high) if low >= 1.0 && high <= 2.0 => {
-            format!("{} to {} % higher", percent(low - 1.0), percent(high - 1.0))
+            format!("{} to {}\u{a0}% higher", percent(low - 1.0), percent(high - 1.0))
         }
         _ => format!("{} to {}", change(low), change(high)),
     }

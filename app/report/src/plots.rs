@@ -14,9 +14,10 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use kuva::render::theme::Theme;
 use mve_core::{Better, brief};
+use serde_json::Value as Json;
 
 use crate::columns::MeasureColumn;
-use crate::results::{Case, Results};
+use crate::results::{Axis, Case, Results};
 use crate::stats::{Estimate, estimate, geometric_mean, pareto_front};
 
 /// Charts of one report, and points of one chart.
@@ -76,26 +77,35 @@ struct Point {
     name: String,
 }
 
+/// The points of one chart.
+struct ChartSet {
+    title: String,
+    points: Vec<Point>,
+    /// Whether a line may lead from one point of a series to the next.
+    is_line: bool,
+}
+
 /// Charts of all measures, and how many were left out.
 pub fn charts(
     results: &Results,
     measures: &[MeasureColumn],
     against: &[String],
 ) -> (Vec<MeasureCharts>, usize) {
-    let mut n_left = MOST_CHARTS;
-    let mut n_hidden = 0;
+    let measures: Vec<&MeasureColumn> = measures.iter().filter(|m| m.is_there).collect();
+    let quota = (MOST_CHARTS / (measures.len() * against.len()).max(1)).max(1);
+    let (mut n_drawn, mut n_hidden) = (0, 0);
     let mut all = Vec::new();
-    for measure in measures.iter().filter(|measure| measure.is_there) {
+    for measure in measures {
         let mut groups = Vec::new();
         for column in against.iter().filter(|column| **column != measure.column) {
             let mut sets = chart_sets(results, measure, column);
-            n_hidden += sets.len().saturating_sub(n_left);
-            sets.truncate(n_left);
-            n_left -= sets.len();
-            let draw = |(title, points): &(String, Vec<Point>)| {
-                draw(results, title, points, column, measure)
-            };
-            let charts: Vec<String> = sets.iter().filter_map(draw).collect();
+            n_hidden += sets.len().saturating_sub(quota);
+            sets.truncate(quota);
+            let mut charts = Vec::new();
+            for set in &sets {
+                n_drawn += 1;
+                charts.extend(draw(results, set, column, measure).map(|svg| fitted(&svg, n_drawn)));
+            }
             if !charts.is_empty() {
                 groups.push(ChartGroup { against: column.clone(), charts });
             }
@@ -107,40 +117,35 @@ pub fn charts(
     (all, n_hidden)
 }
 
-/// The points of each chart with its title: over all groups, then each group where the columns
-/// differ within it.
-fn chart_sets(
-    results: &Results,
-    measure: &MeasureColumn,
-    column: &str,
-) -> Vec<(String, Vec<Point>)> {
+/// A chart that scales with its place on the page, and whose names are its own there.
+fn fitted(svg: &str, number: usize) -> String {
+    let size = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
+    let scaled = format!("viewBox=\"0 0 {} {}\"", SIZE.0, SIZE.1);
+    svg.replacen(&size, &scaled, 1).replace("kuva-clip-", &format!("clip-{number}-"))
+}
+
+/// The points of each chart: means over all groups, then each group where the column differs
+/// within it.
+fn chart_sets(results: &Results, measure: &MeasureColumn, column: &str) -> Vec<ChartSet> {
+    let set = |title: &str, group: Option<usize>, is_line: bool| {
+        let is_meant = |case: &&Case| group.is_none_or(|group| results.group_of(case) == group);
+        let cases = results.cases.iter().filter(is_meant);
+        let points = cases.filter_map(|case| point(results, case, measure, column)).collect();
+        ChartSet { title: title.to_owned(), points, is_line }
+    };
+    let own = &results.axes[..results.axes.len() - usize::from(results.has_series)];
+    // Only numbers have an order that a line can follow.
+    let is_scale =
+        |axes: &[Axis]| axes.iter().all(|a| a.values.iter().flatten().all(Json::is_number));
     let names = results.group_axis().map_or(vec![String::new()], |axis| axis.labels.clone());
-    let mut sets = Vec::new();
-    for (group, name) in names.iter().enumerate() {
-        let cases = results.cases.iter().filter(|case| results.group_of(case) == group);
-        let points: Vec<Point> =
-            cases.filter_map(|case| point(results, case, measure, column)).collect();
-        sets.push((name.clone(), points));
-    }
-    if !results.has_series && sets.iter().all(|(_, points)| points.len() < 2) {
-        // Every group is one point: they make one line.
-        let points: Vec<Point> = sets.into_iter().flat_map(|(_, points)| points).collect();
-        return if differs(&points) { vec![(String::new(), points)] } else { Vec::new() };
-    }
-    let is_worth = |set: &(String, Vec<Point>)| differs(&set.1);
-    let n_groups = sets.len();
-    let mut kept: Vec<_> = sets.into_iter().filter(is_worth).collect();
+    let is_line = is_scale(own.get(1..).unwrap_or_default());
+    let groups = names.iter().enumerate().map(|(group, name)| set(name, Some(group), is_line));
+    let mut kept: Vec<ChartSet> = groups.filter(|set| differs(&set.points)).collect();
     if kept.is_empty() {
-        let all = results.cases.iter();
-        let points: Vec<Point> =
-            all.filter_map(|case| point(results, case, measure, column)).collect();
-        if differs(&points) {
-            kept.push(("all together".to_owned(), points));
-        }
-    } else if n_groups > 1
-        && let Some(overview) = overview(results, measure, column)
-    {
-        kept.insert(0, overview);
+        kept.extend(Some(set("", None, is_scale(own))).filter(|set| differs(&set.points)));
+    } else if names.len() > 1 {
+        let means = overview(results, measure, column);
+        kept.splice(..0, means.map(|(title, points)| ChartSet { title, points, is_line: false }));
     }
     kept
 }
@@ -191,12 +196,11 @@ fn differs(points: &[Point]) -> bool {
 
 fn draw(
     results: &Results,
-    title: &str,
-    points: &[Point],
+    set: &ChartSet,
     column: &str,
     measure: &MeasureColumn,
 ) -> Option<String> {
-    let points = &points[..points.len().min(MOST_POINTS)];
+    let points = &set.points[..set.points.len().min(MOST_POINTS)];
     let names = results.series_labels();
     let mut plots: Vec<Plot> = Vec::new();
     plots.extend(front(points, measure.better));
@@ -204,7 +208,7 @@ fn draw(
         let mut own: Vec<&Point> = points.iter().filter(|point| point.series == series).collect();
         own.sort_by(|a, b| a.x.mean.total_cmp(&b.x.mean));
         if !own.is_empty() {
-            plots.extend(series_plots(series, &own));
+            plots.extend(series_plots(series, &own, set.is_line));
         }
     }
     let axis = |value: fn(&Point) -> f64| {
@@ -217,7 +221,7 @@ fn draw(
     // The drawing is plain code over finite numbers; should it fail, the other charts stand.
     let drawn = catch_unwind(AssertUnwindSafe(|| {
         let mut layout = Layout::auto_from_plots(&plots)
-            .with_title(title)
+            .with_title(&set.title)
             .with_x_label(axis_title(column))
             .with_y_label(&measure.title)
             .with_theme(theme())
@@ -259,14 +263,14 @@ fn front(points: &[Point], better: Better) -> Option<Plot> {
 }
 
 /// The line and the markers of a series, with error bars where there are repeats.
-fn series_plots(series: usize, points: &[&Point]) -> Vec<Plot> {
+fn series_plots(series: usize, points: &[&Point], is_line: bool) -> Vec<Plot> {
     let color = format!("var(--s{})", series % N_COLORS);
     let data: Vec<(f64, f64)> = points.iter().map(|point| (point.x.mean, point.y.mean)).collect();
     let tip = |point: &&Point| {
         format!("{}: {}, {}", point.name, brief(point.x.mean), brief(point.y.mean))
     };
     let mut plots: Vec<Plot> = Vec::new();
-    if data.len() > 1 {
+    if is_line && data.len() > 1 {
         let line = LinePlot::new().with_data(data.clone()).with_color(&color);
         plots.push(line.with_stroke_width(1.2).into());
     }

@@ -181,6 +181,15 @@ pub(super) fn pictures(page: &Page) -> String {
     let rows = page.results.rows();
     let rows: Vec<_> =
         rows.iter().map(|(row, cases)| (page.results.row_label(row), cases)).collect();
+    let first = page.pictures.rows.iter().flat_map(|row| &row.cells).find(|(_, own)| own.len() > 1);
+    if let Some((_, own)) = first {
+        let nodes: Vec<_> = own.iter().map(|picture| escape(&picture.node)).collect();
+        let nodes = nodes.join(", ");
+        let _ = writeln!(
+            text,
+            "<p class=\"note\">From top to bottom: {nodes}. Click to enlarge, arrow keys to step.</p>"
+        );
+    }
     for row in &page.pictures.rows {
         let cases = rows.iter().find(|(label, _)| *label == row.label).map(|(_, cases)| *cases);
         let title = if row.label.is_empty() { String::new() } else { escape(&row.label) };
@@ -196,7 +205,7 @@ pub(super) fn pictures(page: &Page) -> String {
                 let value = case.estimate(&measure.column)?.mean;
                 Some(format!("{} {}", escape(&measure.title), labels::rounded(value, 3)))
             });
-            let values = values.collect::<Vec<_>>().join(", ");
+            let values = values.collect::<Vec<_>>().join("<br>");
             let name = labels.get(*series).map(|label| escape(label)).unwrap_or_default();
             text.push_str(&figure(page, own, &format!("{title} · {name}"), &name, &values));
         }
@@ -225,11 +234,8 @@ fn figure(page: &Page, pictures: &[Picture], alt: &str, name: &str, values: &str
         }
     }
     let nodes: Vec<_> = pictures.iter().map(|picture| escape(&picture.node)).collect();
-    let nodes = nodes.join(", ");
-    let head = if name.is_empty() { nodes.clone() } else { name.to_owned() };
-    let below = if name.is_empty() { values.to_owned() } else { format!("{values}<br>{nodes}") };
-    let below = below.trim_start_matches("<br>");
-    let _ = write!(text, "</div><figcaption>{head}<small>{below}</small></figcaption></figure>\n");
+    let head = if name.is_empty() { nodes.join(", ") } else { name.to_owned() };
+    let _ = writeln!(text, "</div><figcaption>{head}<small>{values}</small></figcaption></figure>");
     text
 }
 
