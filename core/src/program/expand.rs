@@ -53,12 +53,7 @@ impl Program {
         let report = report_of(spec, map, &values).map_err(|faults| {
             faults.into_iter().map(Problem::error).map(in_program).collect::<Vec<_>>()
         })?;
-        let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
-        if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
-            let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
-            return Err(vec![Problem::error(message).in_program(name)]);
-        }
-        let time_limit = spec.time_limit.map(Duration::from_secs_f64);
+        let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let mut program = Self {
             name: name.to_owned(),
             steps: Vec::with_capacity(assignments.len()),
@@ -126,6 +121,16 @@ impl Program {
         }
         Plan::new(&map, &self.registry, &self.plan_options(repeat))
     }
+}
+
+/// The time that the program gives a step.
+fn time_limit_of(spec: &ProgramSpec) -> Result<Option<Duration>, Problem> {
+    let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
+    if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
+        let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
+        return Err(Problem::error(message));
+    }
+    Ok(spec.time_limit.map(Duration::from_secs_f64))
 }
 
 /// What the program says of its report, checked against the map and what is varied.

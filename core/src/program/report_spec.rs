@@ -114,64 +114,64 @@ impl ReportSpec {
     /// What does not fit the map and what the program varies: `values` gives each varied parameter
     /// with all its values.
     pub(super) fn faults(&self, map: &Map, values: &IndexMap<String, Vec<&Json>>) -> Vec<String> {
-        let mut faults = Vec::new();
-        let mut column = |place: String, name: &str| {
+        let column = |(place, name): (String, &String)| {
             let node = name.strip_prefix("seconds.").unwrap_or(name).split('.').next();
             let is_known = name == "seconds"
                 || values.contains_key(name)
                 || (name.contains('.') && node.is_some_and(|node| map.nodes.contains_key(node)));
-            if !is_known {
-                let node = node.unwrap_or_default();
-                let hint = did_you_mean(node, map.nodes.keys().map(String::as_str));
-                faults.push(format!(
+            let hint = did_you_mean(node.unwrap_or_default(), map.nodes.keys().map(String::as_str));
+            (!is_known).then(|| {
+                format!(
                     "\"report.{place}\": \"{name}\" is not a column; write \"node.output\", \
                      \"seconds.node\" or \"seconds\"{hint}"
-                ));
-            }
+                )
+            })
         };
-        for (i, measure) in self.measures.iter().enumerate() {
-            column(format!("measures[{i}].column"), &measure.column);
-        }
-        for (i, name) in self.against.iter().enumerate() {
-            column(format!("against[{i}]"), name);
-        }
-        for (i, question) in self.questions.iter().enumerate() {
-            column(format!("questions[{i}].measure"), &question.measure);
-            for (j, name) in question.same.iter().enumerate() {
-                column(format!("questions[{i}].same[{j}]"), name);
-            }
-        }
-        let mut varied = |place: String, path: &str| {
-            let is_varied = values.contains_key(path);
-            if !is_varied {
-                let hint = did_you_mean(path, values.keys().map(String::as_str));
-                let message = format!("\"{path}\" is not varied by the program{hint}");
-                faults.push(format!("\"report.{place}\": {message}"));
-            }
-            is_varied
+        let varied = |(place, path): (String, &String)| {
+            let hint = did_you_mean(path, values.keys().map(String::as_str));
+            let message = format!("\"{path}\" is not varied by the program{hint}");
+            (!values.contains_key(path)).then(|| format!("\"report.{place}\": {message}"))
         };
-        for (place, path) in [("group", &self.group), ("series", &self.series)] {
-            if let Some(path) = path {
-                varied(place.to_owned(), path);
-            }
-        }
-        let mut missing = Vec::new();
+        let mut faults: Vec<String> = self.columns().into_iter().filter_map(column).collect();
+        faults.extend(self.paths().into_iter().filter_map(varied));
         for (i, question) in self.questions.iter().enumerate() {
             for (path, sides) in &question.compare {
-                let place = format!("questions[{i}].compare");
-                if !varied(place.clone(), path) {
-                    continue;
-                }
-                for side in sides {
-                    if !values[path].iter().any(|value| stands_for(side, value)) {
-                        let message = format!("{side} is not among the values of {path}");
-                        missing.push(format!("\"report.{place}\": {message}"));
-                    }
-                }
+                let Some(known) = values.get(path) else { continue };
+                let is_missing = |side: &&Json| !known.iter().any(|value| stands_for(side, value));
+                faults.extend(sides.iter().filter(is_missing).map(|side| {
+                    let message = format!("{side} is not among the values of {path}");
+                    format!("\"report.questions[{i}].compare\": {message}")
+                }));
             }
         }
-        faults.extend(missing);
         faults
+    }
+
+    /// Every column that is named, with its place.
+    fn columns(&self) -> Vec<(String, &String)> {
+        let measures = self.measures.iter().enumerate();
+        let mut named: Vec<_> =
+            measures.map(|(i, m)| (format!("measures[{i}].column"), &m.column)).collect();
+        let against = self.against.iter().enumerate();
+        named.extend(against.map(|(i, name)| (format!("against[{i}]"), name)));
+        for (i, question) in self.questions.iter().enumerate() {
+            named.push((format!("questions[{i}].measure"), &question.measure));
+            let same = question.same.iter().enumerate();
+            named.extend(same.map(|(j, name)| (format!("questions[{i}].same[{j}]"), name)));
+        }
+        named
+    }
+
+    /// Every varied parameter that is named, with its place.
+    fn paths(&self) -> Vec<(String, &String)> {
+        let axes = [("group", &self.group), ("series", &self.series)];
+        let axes =
+            axes.into_iter().filter_map(|(place, path)| Some((place.to_owned(), path.as_ref()?)));
+        let questions = self.questions.iter().enumerate();
+        let compared = questions.flat_map(|(i, question)| {
+            question.compare.keys().map(move |path| (format!("questions[{i}].compare"), path))
+        });
+        axes.chain(compared).collect()
     }
 }
 

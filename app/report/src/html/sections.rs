@@ -150,8 +150,8 @@ pub(super) fn charts(page: &Page) -> String {
     }
     let mut text = "<p class=\"note\">Toward the lower left is better, or the upper left where \
                     higher is better: the Pareto front joins what nothing else beats in both \
-                    directions. Rest on a point to read it. An axis over more than two decades is \
-                    logarithmic.</p>\n"
+                    directions; without it one point beats all others. Rest on a point to read it. \
+                    An axis over more than two decades is logarithmic.</p>\n"
         .to_owned();
     for measure in measures {
         let _ = write!(text, "<h3>{}</h3>\n{}", escape(&measure.title), legend(page));
@@ -340,9 +340,10 @@ fn matrix(
                     let color = if r < 0.0 { "224,120,40" } else { "60,130,220" };
                     let _ = write!(
                         text,
-                        "<td style=\"background:rgba({color},{:.2})\">{r:.2} \
+                        "<td style=\"background:rgba({color},{:.2})\">{} \
                          <small class=\"note\">{n}</small></td>",
-                        0.6 * r.abs()
+                        0.6 * r.abs(),
+                        format!("{r:.2}").replace('-', "−")
                     );
                 }
             }
