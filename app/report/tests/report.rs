@@ -42,11 +42,12 @@ impl Maker {
     fn step(&mut self, params: Json, repeat: u32, outputs: Option<Json>) -> String {
         let steps = self.plan["steps"].as_array_mut().unwrap();
         let id = format!("{:016x}", steps.len() + 1);
+        let seconds = 0.5 + steps.len() as f64;
         steps.push(json!({ "id": id, "repeat": repeat, "params": params }));
         let Some(outputs) = outputs else { return id };
         let node = |outputs: Json| {
             json!({ "module": "M", "status": "done", "key": "0".repeat(64),
-            "seconds": 0.5, "scalars": outputs })
+            "seconds": seconds, "scalars": outputs })
         };
         let mut record = json!({
             "id": id, "repeat": repeat, "params": params, "status": "done", "seconds": 1.5,
