@@ -3,7 +3,7 @@
 //! Source: Student, *The probable error of a mean*, Biometrika 6, 1908. The interval of a geometric
 //! mean is the one of the mean of the logarithms.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use super::distributions::t_quantile;
 
 /// The mean of a few values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub fn geometric_mean(values: &[f64]) -> Option<RatioEstimate> {
 /// The number of standard errors of the mean of `n` values on either side of a 95 % interval.
 fn quantile(n: usize) -> Option<f64> {
     let freedom = n.checked_sub(1).filter(|freedom| *freedom > 0)?;
-    StudentsT::new(0.0, 1.0, freedom as f64).ok().map(|t| t.inverse_cdf(0.975))
+    Some(t_quantile(0.95, freedom))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Callers leave out what is not a finite number.
 
 mod correlation;
+mod distributions;
 mod interval;
 mod paired;
 mod pareto;

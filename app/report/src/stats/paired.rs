@@ -6,9 +6,8 @@
 //! all signs; above [`MOST_EXACT`] differences the normal approximation with the variance of the
 //! ranks at hand takes its place.
 
-use statrs::distribution::{ContinuousCDF, Normal};
-
 use super::correlation::ranks;
+use super::distributions::normal_tails;
 
 /// Most differences whose rank sums are counted out.
 const MOST_EXACT: usize = 200;
@@ -38,8 +37,7 @@ pub fn wilcoxon(differences: &[f64]) -> Option<f64> {
     let from_middle = (positive - ranks.iter().sum::<f64>() / 2.0).abs();
     if kept.len() > MOST_EXACT {
         let deviation = (ranks.iter().map(|rank| rank * rank).sum::<f64>() / 4.0).sqrt();
-        let normal = Normal::new(0.0, 1.0).ok()?;
-        return Some((2.0 * normal.cdf(-from_middle / deviation)).min(1.0));
+        return Some(normal_tails(from_middle / deviation));
     }
     // Twice a mean rank is a whole number.
     let doubled: Vec<usize> = ranks.iter().map(|rank| (2.0 * rank).round() as usize).collect();
