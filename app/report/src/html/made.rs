@@ -25,7 +25,7 @@ pub(super) fn made(page: &Page) -> String {
     entry("map", &escape(&plan.map_file));
     entry("program", &escape(&plan.program));
     entry("mve", &escape(&plan.mve));
-    let machines = plan.runs.iter().map(|run| machine(run)).collect::<indexmap::IndexSet<_>>();
+    let machines = plan.runs.iter().map(machine).collect::<indexmap::IndexSet<_>>();
     entry("machine", &machines.iter().cloned().collect::<Vec<_>>().join("<br>"));
     let runs = plan.runs.iter().rev().take(MOST_RUNS).rev().map(ran);
     let mut runs: Vec<_> = runs.collect();
