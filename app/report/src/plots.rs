@@ -202,21 +202,21 @@ fn draw(
 ) -> Option<String> {
     let points = &set.points[..set.points.len().min(MOST_POINTS)];
     let names = results.series_labels();
-    let mut plots: Vec<Plot> = Vec::new();
-    plots.extend(front(points, measure.better));
-    for series in 0..names.len() {
-        let mut own: Vec<&Point> = points.iter().filter(|point| point.series == series).collect();
-        own.sort_by(|a, b| a.x.mean.total_cmp(&b.x.mean));
-        if !own.is_empty() {
-            plots.extend(series_plots(series, &own, set.is_line));
-        }
-    }
     let axis = |value: fn(&Point) -> f64| {
         let all = || points.iter().map(value);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         low > 0.0 && high / low > WIDE
     };
     let (log_x, log_y) = (axis(|point| point.x.mean), axis(|point| point.y.mean));
+    let mut plots: Vec<Plot> = Vec::new();
+    plots.extend(front(points, measure.better));
+    for series in 0..names.len() {
+        let mut own: Vec<&Point> = points.iter().filter(|point| point.series == series).collect();
+        own.sort_by(|a, b| a.x.mean.total_cmp(&b.x.mean));
+        if !own.is_empty() {
+            plots.extend(series_plots(series, &own, Look { is_line: set.is_line, is_log: log_y }));
+        }
+    }
     let format = TickFormat::Custom(std::sync::Arc::new(|value| crate::labels::rounded(value, 4)));
     // The drawing is plain code over finite numbers; should it fail, the other charts stand.
     let drawn = catch_unwind(AssertUnwindSafe(|| {
@@ -262,15 +262,24 @@ fn front(points: &[Point], better: Better) -> Option<Plot> {
     (front.len() > 1).then(|| plot.into())
 }
 
+/// How a series is drawn.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Whether a line joins its points.
+    is_line: bool,
+    /// Whether the upright axis is logarithmic.
+    is_log: bool,
+}
+
 /// The line and the markers of a series, with error bars where there are repeats.
-fn series_plots(series: usize, points: &[&Point], is_line: bool) -> Vec<Plot> {
+fn series_plots(series: usize, points: &[&Point], look: Look) -> Vec<Plot> {
     let color = format!("var(--s{})", series % N_COLORS);
     let data: Vec<(f64, f64)> = points.iter().map(|point| (point.x.mean, point.y.mean)).collect();
     let tip = |point: &&Point| {
         format!("{}: {}, {}", point.name, brief(point.x.mean), brief(point.y.mean))
     };
     let mut plots: Vec<Plot> = Vec::new();
-    if is_line && data.len() > 1 {
+    if look.is_line && data.len() > 1 {
         let line = LinePlot::new().with_data(data.clone()).with_color(&color);
         plots.push(line.with_stroke_width(1.2).into());
     }
@@ -281,7 +290,14 @@ fn series_plots(series: usize, points: &[&Point], is_line: bool) -> Vec<Plot> {
         .with_marker(MARKERS[series % MARKERS.len()].0)
         .with_tooltip_labels(points.iter().map(tip));
     if points.iter().any(|point| point.y.half_width.is_some_and(|half| half > 0.0)) {
-        dots = dots.with_y_err(points.iter().map(|point| point.y.half_width.unwrap_or(0.0)));
+        // A logarithmic axis has no place for an interval that reaches 0.
+        let below = |point: &&Point, half: f64| {
+            if look.is_log { half.min(0.99 * point.y.mean) } else { half }
+        };
+        dots = dots.with_y_err_asymmetric(points.iter().map(|point| {
+            let half = point.y.half_width.unwrap_or(0.0);
+            (below(point, half), half)
+        }));
     }
     plots.push(dots.into());
     plots
