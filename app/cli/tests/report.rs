@@ -69,7 +69,7 @@ fn slips_are_told_before_anything_runs() {
     answer.fails(3, "program \"costs\": \"report.measures[0]\": unknown field `beter`");
     folder.write("box.json", &MAP.replace("[\"Quadric\", \"EdgeLength\"]}}", "[\"Q\", \"R\"]}}"));
     let answer = folder.mve(&["check", "box.json"]);
-    answer.fails(3, "1 program").says("\"Q\" is not among the values of simplify.cost");
+    answer.fails(3, "box.json: 2 problems").says("\"Q\" is not among the values of simplify.cost");
 }
 
 #[test]
