@@ -102,6 +102,7 @@ fn summary(path: &Path) -> String {
         let store = Store::open(&folder.path().join(format!("program-{name}"))).unwrap();
         let options = ProgramOptions {
             jobs: 2,
+            threads: 2,
             shard: Shard { index: 0, count: 1 },
             sharing: Sharing::Shared,
             memory: 1 << 30,

@@ -84,6 +84,7 @@ fn steps(criterion: &mut Criterion) {
                     let store = Store::open(folder.path()).expect("a store");
                     let options = ProgramOptions {
                         jobs,
+                        threads: 1,
                         shard: Shard { index: 0, count: 1 },
                         sharing: Sharing::Shared,
                         memory: 1 << 30,

@@ -17,6 +17,7 @@ mod disk_cache;
 mod files;
 mod fingerprint;
 mod json;
+mod machine;
 mod map;
 mod module;
 mod panics;
@@ -40,6 +41,7 @@ pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
 pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
+pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, PortRef, ProgramSpec};
 pub use module::{Io, Module, ModuleError, Reporter};
 pub use panics::contain_panics;
@@ -51,8 +53,8 @@ pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
-    Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, brief,
-    run_program,
+    Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
+    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, run_program, stands_for,
 };
 pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
 pub use run::{

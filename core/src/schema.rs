@@ -85,6 +85,60 @@ fn programs() -> Json {
                     "description": "Seconds after which a step is stopped.",
                     "type": "number",
                     "exclusiveMinimum": 0
+                },
+                "report": report()
+            }
+        }
+    })
+}
+
+/// The schema of what a program says of its report.
+fn report() -> Json {
+    let column = json!({ "type": "string", "description": "node.output, seconds.node or seconds" });
+    let columns = json!({ "type": "array", "items": column });
+    let path = json!({ "type": "string", "description": "A parameter that the program varies." });
+    json!({
+        "description": "What the report shows, and the questions that it answers.",
+        "type": "object",
+        "additionalProperties": false,
+        "properties": {
+            "measures": {
+                "description": "The columns that measure, the most important first.",
+                "type": "array",
+                "items": {
+                    "type": "object",
+                    "required": ["column"],
+                    "additionalProperties": false,
+                    "properties": {
+                        "column": column,
+                        "better": { "enum": ["lower", "higher"], "default": "lower" },
+                        "title": { "type": "string" }
+                    }
+                }
+            },
+            "against": columns,
+            "group": path,
+            "series": path,
+            "questions": {
+                "type": "array",
+                "items": {
+                    "type": "object",
+                    "required": ["text", "measure", "compare"],
+                    "additionalProperties": false,
+                    "properties": {
+                        "text": { "type": "string" },
+                        "measure": column,
+                        "compare": {
+                            "description": "One varied parameter and its two values.",
+                            "type": "object",
+                            "minProperties": 1,
+                            "maxProperties": 1,
+                            "additionalProperties": {
+                                "type": "array", "minItems": 2, "maxItems": 2
+                            }
+                        },
+                        "same": columns
+                    }
                 }
             }
         }

@@ -25,6 +25,7 @@ use serde_json::Value as Json;
 use thiserror::Error;
 
 use crate::files::{fresh_file, is_below, refuse_links};
+use crate::program::PlanFile;
 use crate::run::{NodeRecord, NodeStatus};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.
@@ -124,6 +125,14 @@ pub enum StoreError {
         /// The program.
         other: String,
     },
+    /// The plan cannot be understood.
+    #[error("{}: not the plan of a program: {error}", path.display())]
+    TornPlan {
+        /// The file.
+        path: PathBuf,
+        /// What the reader said.
+        error: serde_json::Error,
+    },
     /// The folder holds other things.
     #[error("{}: the folder is not empty and not a store of mve; name an empty or new one",
         .0.display())]
@@ -187,6 +196,13 @@ impl Store {
             }
             _ => Ok(()),
         }
+    }
+
+    /// What it says it holds: `plan.json`, read and understood as a whole or not at all.
+    pub fn plan(&self) -> Result<PlanFile, StoreError> {
+        let path = self.folder.join(PLAN);
+        let text = fs::read(&path).map_err(StoreError::at(&path))?;
+        serde_json::from_slice(&text).map_err(|error| StoreError::TornPlan { path, error })
     }
 
     /// Where it is.

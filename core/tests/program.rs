@@ -30,6 +30,7 @@ fn program(text: &str) -> Program {
 fn options(cancel: &CancelToken) -> ProgramOptions<'_> {
     ProgramOptions {
         jobs: 3,
+        threads: 1,
         shard: Shard { index: 0, count: 1 },
         sharing: Sharing::Shared,
         memory: 1 << 30,

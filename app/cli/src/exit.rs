@@ -54,9 +54,9 @@ impl From<StoreError> for Stop {
     fn from(error: StoreError) -> Self {
         match &error {
             StoreError::Io { path, source } => Self::file(path, source),
-            StoreError::NotAStore(_) | StoreError::OtherProgram { .. } => {
-                Self { exit: Exit::Files, message: error.to_string() }
-            }
+            StoreError::NotAStore(_)
+            | StoreError::OtherProgram { .. }
+            | StoreError::TornPlan { .. } => Self { exit: Exit::Files, message: error.to_string() },
         }
     }
 }

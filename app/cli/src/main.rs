@@ -11,6 +11,7 @@ mod out;
 mod program;
 mod program_report;
 mod progress;
+mod report;
 mod run;
 mod scaffold;
 mod schema;
@@ -27,14 +28,16 @@ const LONG_ABOUT: &str = "\
 Runs maps of mve, a laboratory for triangle-mesh simplification.
 
 A map wires modules through ports into one JSON file. `mve run` runs it once; `mve program` runs \
-every combination of parameters that one of its programs names, and gives one table.";
+every combination of parameters that one of its programs names, and gives one table; `mve report` \
+makes a page of it.";
 
 const AFTER_HELP: &str = "\
 Examples:
   mve new map first.json                write a small map to start from
   mve check first.json                  list all problems of a map
   mve run first.json                    run it
-  mve program first.json                run its program into a table
+  mve program first.json                run its program into a table and a report
+  mve report mve-out/first-sizes        write the report of a program again
   mve modules Simplificator             read what a module does
 
 Exit codes:
@@ -63,6 +66,7 @@ struct Cli {
 enum Command {
     Run(run::Args),
     Program(program::Args),
+    Report(report::Args),
     Check(check::Args),
     Modules(modules::Args),
     Schema(schema::Args),
@@ -92,6 +96,7 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
         }
         Some(Command::Run(args)) => run::run(&args, cli.quiet),
         Some(Command::Program(args)) => program::run(&args, cli.quiet),
+        Some(Command::Report(args)) => report::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Modules(args)) => modules::run(&args),
         Some(Command::Schema(args)) => schema::run(&args),

@@ -9,6 +9,7 @@ use mve_core::{
     CancelToken, EventKind, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard,
     Sharing, StepRecord, StepStatus, Store, did_you_mean,
 };
+use mve_report::Report;
 use serde::Serialize;
 
 use crate::exit::{Exit, Stop, warning_mark};
@@ -37,7 +38,8 @@ parameters or modules changed is another step. Failed steps are rows of the tabl
 --retry-failed runs them again.
 
 The folder holds results.csv and results.jsonl (all columns, every digit), summary.md, outputs/ \
-(files that the steps wrote), and steps/ (a record of each step, and what its modules said).")]
+(files that the steps wrote), steps/ (a record of each step, and what its modules said), and \
+report.html (tables, plots, pictures and answers in one page; `mve report` writes it again).")]
 pub struct Args {
     #[command(flatten)]
     map: MapArgs,
@@ -73,6 +75,9 @@ pub struct Args {
     /// Keep values in this folder, and take what it holds instead of making it again
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
+    /// Write no report.html
+    #[arg(long)]
+    no_report: bool,
     /// Print every event as a line of JSON, and a summary as the last line
     #[arg(long)]
     json: bool,
@@ -101,8 +106,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     if !loaded.complaints.is_empty() {
         return Err(loaded.refuse(&loaded.complaints, args.json));
     }
-    let program = Program::new(&loaded.map, name, &loaded.registry, loaded.folder())
+    let mut program = Program::new(&loaded.map, name, &loaded.registry, loaded.folder())
         .map_err(|problems| loaded.refuse(&problems, args.json))?;
+    program.map_file = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     loaded.report(&program.warnings, args.json);
     for path in args.map.set_paths().filter(|path| program.varied.iter().any(|v| v == path)) {
         let mark = warning_mark();
@@ -116,10 +122,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     }
     let store = Store::open(&folder)?;
     let outcome = run_steps(args, quiet, &program, &store, shard)?;
+    // Whoever stops a program wants it to stop; `mve report` shows what is there.
+    let is_wanted = !args.no_report && !outcome.is_stopped;
+    let page = is_wanted.then(|| write_report(&folder)).flatten();
     if args.json {
         print_json(&outcome, &folder, exit_of(&outcome))?;
     } else {
-        out::print(&report::results(&program, &store, &outcome))?;
+        out::print(&report::results(&program, &store, &outcome, page.as_ref()))?;
     }
     conclude(&outcome, args.shard)
 }
@@ -146,6 +155,12 @@ fn choose<'a>(loaded: &'a Loaded, name: Option<&'a str>) -> Result<&'a str, Stop
             Err(Stop::usage(message))
         }
     }
+}
+
+/// Writes the page of the results. The results are there without it, so trouble is a warning.
+fn write_report(folder: &Path) -> Option<Report> {
+    let page = crate::report::write_page(folder);
+    page.map_err(|stop| out::tell(&format!("{} no report: {}", warning_mark(), stop.message))).ok()
 }
 
 fn default_folder(loaded: &Loaded, name: &str) -> PathBuf {
@@ -185,6 +200,7 @@ fn run_steps(
     let warned = Mutex::new(HashSet::new());
     let options = ProgramOptions {
         jobs: args.jobs.unwrap_or(threads),
+        threads,
         shard,
         sharing: if args.timing { Sharing::Timing } else { Sharing::Shared },
         memory: args.memory.unwrap_or_else(half_of_memory),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use mve_core::{Program, ProgramOutcome, Shard, Step, StepStatus, Store};
+use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
 
@@ -82,7 +83,12 @@ pub fn dry_run(
 }
 
 /// The table of results, and where everything is.
-pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> String {
+pub fn results(
+    program: &Program,
+    store: &Store,
+    outcome: &ProgramOutcome,
+    page: Option<&Report>,
+) -> String {
     let (header, mut rows) = program.brief_table(store);
     let n_rows = rows.len();
     if out::width().is_some() {
@@ -105,6 +111,10 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
         text.push_str(&format!("… {hidden} more in results.csv\n"));
     }
     text.push_str(&failures(program, store));
+    if let Some(answers) = page.map(crate::report::answers).filter(|answers| !answers.is_empty()) {
+        text.push_str(&format!("\n{}", answers.trim_end_matches('\n')));
+        text.push('\n');
+    }
     let ProgramOutcome { steps, ran, found, failed, missing, others, .. } = *outcome;
     let mut parts = vec![format!("{} done", steps - missing - failed)];
     parts.extend((failed > 0).then(|| format!("{failed} failed")));
@@ -122,6 +132,9 @@ pub fn results(program: &Program, store: &Store, outcome: &ProgramOutcome) -> St
             text.push_str(&format!("{what:8} {}\n", folder.join(name).display()));
         }
     };
+    if page.is_some() {
+        place("report", crate::report::PAGE);
+    }
     place("results", "results.csv");
     place("summary", "summary.md");
     place("outputs", "outputs");

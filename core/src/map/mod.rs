@@ -114,6 +114,9 @@ pub struct ProgramSpec {
     /// Seconds after which a step is stopped.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_limit: Option<f64>,
+    /// What the report shows and answers; see [`crate::ReportSpec`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<Json>,
     /// Fields that this version does not know.
     #[serde(flatten)]
     pub extra: JsonMap<String, Json>,

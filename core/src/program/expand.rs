@@ -7,7 +7,7 @@ use std::time::Duration;
 use indexmap::IndexMap;
 use serde_json::Value as Json;
 
-use super::{Program, Step};
+use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
@@ -42,23 +42,26 @@ impl Program {
         let in_program = |problem: Problem| problem.in_program(name);
         let assignments =
             assignments(spec).map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
-        let mut varied = Vec::new();
-        for path in assignments.iter().flat_map(|assignment| assignment.keys()) {
-            if !varied.contains(path) {
-                varied.push(path.clone());
+        let mut values: IndexMap<String, Vec<&Json>> = IndexMap::new();
+        for (path, value) in assignments.iter().flatten() {
+            let known = values.entry(path.clone()).or_default();
+            if !known.contains(&value) {
+                known.push(value);
             }
         }
-        let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
-        if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
-            let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
-            return Err(vec![Problem::error(message).in_program(name)]);
-        }
-        let time_limit = spec.time_limit.map(Duration::from_secs_f64);
+        let varied: Vec<String> = values.keys().cloned().collect();
+        let report = report_of(spec, map, &values).map_err(|faults| {
+            faults.into_iter().map(Problem::error).map(in_program).collect::<Vec<_>>()
+        })?;
+        let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let mut program = Self {
             name: name.to_owned(),
             steps: Vec::with_capacity(assignments.len()),
             varied,
             warnings: Vec::new(),
+            report,
+            map_file: String::new(),
+            spec: spec.clone(),
             map: map.without_programs(),
             map_folder: map_folder.to_owned(),
             registry: registry.clone(),
@@ -118,6 +121,28 @@ impl Program {
         }
         Plan::new(&map, &self.registry, &self.plan_options(repeat))
     }
+}
+
+/// The time that the program gives a step.
+fn time_limit_of(spec: &ProgramSpec) -> Result<Option<Duration>, Problem> {
+    let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
+    if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
+        let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
+        return Err(Problem::error(message));
+    }
+    Ok(spec.time_limit.map(Duration::from_secs_f64))
+}
+
+/// What the program says of its report, checked against the map and what is varied.
+fn report_of(
+    spec: &ProgramSpec,
+    map: &Map,
+    values: &IndexMap<String, Vec<&Json>>,
+) -> Result<ReportSpec, Vec<String>> {
+    let Some(json) = &spec.report else { return Ok(ReportSpec::default()) };
+    let report = ReportSpec::parse(json)?;
+    let faults = report.faults(map, values);
+    if faults.is_empty() { Ok(report) } else { Err(faults) }
 }
 
 /// Modules first, then shorter paths first, so that a module is there before its parameters are set

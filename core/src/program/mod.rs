@@ -2,8 +2,12 @@
 
 mod expand;
 mod memory;
+mod plan_file;
+mod report_spec;
 mod tables;
 
+pub use plan_file::{PlanFile, RunNote};
+pub use report_spec::{Better, Measure, Question, ReportSpec, stands_for};
 pub use tables::brief;
 
 use std::collections::{BTreeMap, HashSet};
@@ -13,7 +17,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::cache::Cache;
@@ -21,7 +25,7 @@ use crate::cancel::CancelToken;
 use crate::disk_cache::DiskCache;
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
-use crate::map::Map;
+use crate::map::{Map, ProgramSpec};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::problem::Problem;
 use crate::registry::Registry;
@@ -38,7 +42,13 @@ pub struct Program {
     pub varied: Vec<String>,
     /// What is odd about the map but does not stop it.
     pub warnings: Vec<Problem>,
+    /// What it says of its report.
+    pub report: ReportSpec,
+    /// Name of the map's file, for the records; empty where there is none.
+    pub map_file: String,
     map: Map,
+    /// As the map says it.
+    spec: ProgramSpec,
     map_folder: PathBuf,
     registry: Registry,
     files: FileHashes,
@@ -54,7 +64,7 @@ pub struct Program {
 }
 
 /// One assignment of parameters, and the id of its result.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Hash of all that determines the result, short.
     pub id: String,
@@ -86,6 +96,8 @@ pub enum Sharing {
 pub struct ProgramOptions<'a> {
     /// How many steps run at once.
     pub jobs: usize,
+    /// Threads that modules share; only written down.
+    pub threads: usize,
     /// Which steps are this process's.
     pub shard: Shard,
     /// Whether steps share what they have in common.
@@ -176,10 +188,16 @@ pub fn run_program(
             store.forget(id)?;
         }
     }
-    store.alone(|| store.write("plan.json", program.plan_json().as_bytes()))?;
     let found = ids.iter().filter(|id| store.record(id).is_some()).count();
     let workers = Workers::new(program, store, options);
+    let mut note = (!workers.todo.is_empty()).then(|| RunNote::begin(options));
+    program.write_plan(store, note.as_ref())?;
     workers.run_all()?;
+    if let Some(note) = &mut note {
+        note.ran = workers.ran.load(Ordering::Relaxed);
+        note.seconds = Some(start.elapsed().as_secs_f64());
+        program.write_plan(store, Some(note))?;
+    }
     let records: Vec<_> = ids.iter().filter_map(|id| store.record(id)).collect();
     // A process that was killed may have finished a step and not come to this.
     records.iter().try_for_each(|record| store.publish(record))?;
@@ -406,29 +424,6 @@ impl Program {
             repeat,
             files: &self.files,
         }
-    }
-
-    fn plan_json(&self) -> String {
-        #[derive(Serialize)]
-        struct PlanFile<'a> {
-            program: &'a str,
-            mve: &'a str,
-            inputs: IndexMap<String, Fingerprint>,
-            modules: &'a BTreeMap<&'static str, Fingerprint>,
-            map: Json,
-            steps: &'a [Step],
-        }
-        let inputs = self.inputs.iter().map(|(path, hash)| (path.display().to_string(), *hash));
-        let file = PlanFile {
-            program: &self.name,
-            mve: crate::VERSION,
-            inputs: inputs.collect(),
-            modules: &self.modules,
-            map: self.map.to_json(),
-            steps: &self.steps,
-        };
-        // Plain data, which JSON can always say.
-        serde_json::to_string_pretty(&file).unwrap_or_default() + "\n"
     }
 
     /// The results so far as a table: a header, then a row a step in the order of the program.

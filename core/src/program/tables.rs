@@ -92,7 +92,10 @@ pub(super) fn brief_table(
     let column = |place: usize| rows.iter().map(move |row| &row[place]);
     let says_something = |place: usize| {
         let name = header[place].as_str();
-        if program.varied.iter().any(|path| path == name) || ["status", "seconds"].contains(&name) {
+        if program.varied.iter().any(|path| path == name)
+            || ["status", "seconds"].contains(&name)
+            || program.report.measures.iter().any(|measure| measure.column == name)
+        {
             return true;
         }
         let differs = rows.len() < 2 || column(place).any(|cell| *cell != rows[0][place]);
@@ -110,8 +113,18 @@ pub(super) fn brief_table(
     shown.retain(|&place| {
         let n = n_of_node.entry(node(place)).or_insert(0);
         *n += usize::from(is_output(place));
-        !is_output(place) || *n <= MOST_OF_A_NODE
+        let is_measure = program.report.measures.iter().any(|m| m.column == header[place]);
+        !is_output(place) || is_measure || *n <= MOST_OF_A_NODE
     });
+    // The measures that the program names stand before the other outputs, in its order.
+    let rank = |place: usize| {
+        let measure = program.report.measures.iter().position(|m| m.column == header[place]);
+        let behind = program.report.measures.len();
+        if is_output(place) || measure.is_some() { measure.unwrap_or(behind) + 1 } else { 0 }
+    };
+    let first = shown.iter().position(|place| is_output(*place)).unwrap_or(shown.len());
+    let end = shown.iter().rposition(|place| is_output(*place)).map_or(first, |last| last + 1);
+    shown[first..end].sort_by_key(|place| rank(*place));
     let short = |place: usize, cell: &String| match cell.parse::<f64>() {
         Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
         Ok(number) => brief(number),

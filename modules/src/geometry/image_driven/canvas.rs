@@ -1,4 +1,7 @@
-//! What is drawn of a change, before it is compared with what is there: in blocks of lanes.
+//! What is drawn of a change, before it is compared with what is there: eight pixels at a time.
+
+use wide::bytemuck::cast;
+use wide::{f32x8, i32x8};
 
 use crate::geometry::render::{LANES, Rect, Triangle};
 
@@ -6,14 +9,37 @@ use crate::geometry::render::{LANES, Rect, Triangle};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     /// One over the depth; 0 where nothing is drawn.
-    pub inv_depths: [f32; LANES],
+    pub inv_depths: f32x8,
     /// The face that is drawn.
-    pub faces: [u32; LANES],
-    /// Its luminance.
-    pub values: [u32; LANES],
+    pub faces: i32x8,
+    /// Its luminance, a byte a pixel, the first pixel the lowest.
+    pub values: u64,
 }
 
-const EMPTY: Block = Block { inv_depths: [0.0; LANES], faces: [0; LANES], values: [0; LANES] };
+const EMPTY: Block = Block { inv_depths: f32x8::splat(0.0), faces: i32x8::splat(0), values: 0 };
+
+/// A byte of ones for each bit.
+pub(super) const BYTES: [u64; 256] = {
+    let mut bytes = [0u64; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let mut lane = 0;
+        while lane < LANES {
+            if bits >> lane & 1 != 0 {
+                bytes[bits] |= 0xFF << (8 * lane);
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    bytes
+};
+
+/// The same byte for all pixels.
+#[inline(always)]
+pub(super) fn all(value: u8) -> u64 {
+    u64::from_le_bytes([value; LANES])
+}
 
 /// A rectangle of a picture on which faces are drawn. Its rows begin at the first column of its
 /// area and are filled up to whole blocks.
@@ -48,19 +74,20 @@ impl Canvas {
         if seen.is_empty() {
             return;
         }
-        let [first, last] =
-            [seen.x[0], seen.x[1] - 1].map(|x| (x - self.area.x[0]) as usize / LANES);
+        let (face, value) = (i32x8::splat(face as i32), all(value));
+        let first = (seen.x[0] - self.area.x[0]) as usize / LANES;
+        let last = (seen.x[1] - 1 - self.area.x[0]) as usize / LANES;
+        let left = self.area.x[0] + (first * LANES) as i32;
         for y in seen.y[0]..seen.y[1] {
             let row = (y - self.area.y[0]) as usize * self.n_across;
-            for at in first..=last {
-                let (is_inside, inv_depths) = small.lanes(self.area.x[0] + (at * LANES) as i32, y);
-                let Block { inv_depths: there, faces, values } = &mut self.blocks[row + at];
-                for lane in 0..LANES {
-                    let is_seen = is_inside[lane] & (inv_depths[lane] > there[lane]);
-                    there[lane] = if is_seen { inv_depths[lane] } else { there[lane] };
-                    faces[lane] = if is_seen { face } else { faces[lane] };
-                    values[lane] = if is_seen { u32::from(value) } else { values[lane] };
-                }
+            let mut lanes = small.lanes(left, y);
+            for there in &mut self.blocks[row + first..=row + last] {
+                let (is_inside, inv_depths) = lanes.next();
+                let is_seen = inv_depths.simd_gt(there.inv_depths) & cast::<_, f32x8>(is_inside);
+                there.inv_depths = is_seen.bitselect(inv_depths, there.inv_depths);
+                there.faces = cast::<_, i32x8>(is_seen).bitselect(face, there.faces);
+                let bytes = BYTES[is_seen.to_bitmask() as usize & 0xFF];
+                there.values = (value & bytes) | (there.values & !bytes);
             }
         }
     }
@@ -72,10 +99,11 @@ impl Canvas {
                 let at = (x - self.area.x[0]) as usize;
                 let (block, lane) = (&mut self.blocks[start + at / LANES], at % LANES);
                 let inv_depth = row.inv_depth(k);
-                if inv_depth > block.inv_depths[lane] {
-                    block.inv_depths[lane] = inv_depth;
-                    block.faces[lane] = face;
-                    block.values[lane] = u32::from(value);
+                if inv_depth > block.inv_depths.as_array()[lane] {
+                    block.inv_depths.as_mut_array()[lane] = inv_depth;
+                    block.faces.as_mut_array()[lane] = face as i32;
+                    let bytes = BYTES[1 << lane];
+                    block.values = (all(value) & bytes) | (block.values & !bytes);
                 }
             }
         });

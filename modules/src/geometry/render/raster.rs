@@ -6,6 +6,8 @@
 //! fill rule of graphics hardware). Corners are snapped to 1/256 of a pixel, and everything that
 //! decides about a pixel is integer arithmetic: no pixel is missed or drawn twice, on any machine.
 
+use wide::{f32x8, i32x8};
+
 use super::Corner;
 use super::project::STEPS;
 
@@ -126,24 +128,47 @@ pub struct Small {
     slopes: [f32; 2],
 }
 
+/// Blocks of pixels of a [`Small`] triangle, from left to right.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes {
+    edges: [i32x8; 3],
+    steps: [i32x8; 3],
+    inv_depth: f32x8,
+    slopes: [f32x8; 2],
+}
+
 impl Small {
-    /// Which of the pixels from (x, y) on are covered, and one over the depth of each: the values
-    /// of [`Row::inv_depth`], to the last bit. Columns from a block before the bounds to a block
-    /// behind them are allowed, and rows within the bounds.
+    /// The blocks of row `y` from column `x` on. Columns from a block before the bounds to a block
+    /// behind them may be asked for, and rows within the bounds.
     #[inline(always)]
-    pub fn lanes(&self, x: i32, y: i32) -> ([bool; LANES], [f32; LANES]) {
+    pub fn lanes(&self, x: i32, y: i32) -> Lanes {
         let (dx, dy) = (x - self.first[0], y - self.first[1]);
-        let [e0, e1, e2] =
-            [0, 1, 2].map(|k| self.start[k] + dx * self.steps[k][0] + dy * self.steps[k][1]);
-        let mut is_inside = [false; LANES];
-        let mut inv_depths = [0.0; LANES];
-        for lane in 0..LANES {
-            let at = |k: usize, start: i32| start + lane as i32 * self.steps[k][0];
-            let (e0, e1, e2) = (at(0, e0), at(1, e1), at(2, e2));
-            is_inside[lane] = (e0 | e1 | e2) >= 0;
-            inv_depths[lane] =
-                self.inv_depth + (e1 as f32 * self.slopes[0] + e2 as f32 * self.slopes[1]);
+        let edge = |k: usize| {
+            let [right, down] = self.steps[k];
+            let first = self.start[k] + dx * right + dy * down;
+            let lane = |n: i32| first + n * right;
+            i32x8::new([first, lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7)])
+        };
+        let step = |k: usize| i32x8::splat(self.steps[k][0] * LANES as i32);
+        Lanes {
+            edges: [edge(0), edge(1), edge(2)],
+            steps: [step(0), step(1), step(2)],
+            inv_depth: f32x8::splat(self.inv_depth),
+            slopes: [f32x8::splat(self.slopes[0]), f32x8::splat(self.slopes[1])],
         }
+    }
+}
+
+impl Lanes {
+    /// Which pixels of the next block are covered, as masks, and one over the depth of each: the
+    /// values of [`Row::inv_depth`], to the last bit.
+    #[inline(always)]
+    pub fn next(&mut self) -> (i32x8, f32x8) {
+        let [e0, e1, e2] = self.edges;
+        let is_inside = (e0 | e1 | e2).simd_ge(i32x8::splat(0));
+        let slope = |k: usize, edge: i32x8| f32x8::from_i32x8(edge) * self.slopes[k];
+        let inv_depths = self.inv_depth + (slope(0, e1) + slope(1, e2));
+        self.edges = [e0 + self.steps[0], e1 + self.steps[1], e2 + self.steps[2]];
         (is_inside, inv_depths)
     }
 }
@@ -210,19 +235,24 @@ impl Triangle {
         if bounds.is_empty() {
             return None;
         }
-        let first = [bounds.x[0], bounds.y[0]].map(|pixel| pixel * STEPS + STEPS / 2);
+        let center = |pixel: i32| pixel * STEPS + STEPS / 2;
+        let first = [center(bounds.x[0]), center(bounds.y[0])];
         // The edge opposite to each corner: its function is the area at that corner, 0 at the others.
-        let edges = [[b, c], [c, a], [a, b]];
-        let start = edges.map(|[from, to]| {
+        // Written out: a map over an array is not always inlined, and this is where time goes.
+        let start = |from: Corner, to: Corner| {
             let (dx, dy) = (to.x - from.x, to.y - from.y);
             let owns_its_points = dy < 0 || (dy == 0 && dx > 0);
             across(from, to, first) - i64::from(!owns_its_points)
-        });
-        let steps = edges.map(|[from, to]| {
-            [i64::from(from.y - to.y), i64::from(to.x - from.x)].map(|d| d * i64::from(STEPS))
-        });
+        };
+        let step = |from: Corner, to: Corner| {
+            let per_pixel = |d: i32| i64::from(d) * i64::from(STEPS);
+            [per_pixel(from.y - to.y), per_pixel(to.x - from.x)]
+        };
+        let start = [start(b, c), start(c, a), start(a, b)];
+        let steps = [step(b, c), step(c, a), step(a, b)];
         let per_area = (area as f32).recip();
-        let slopes = [b, c].map(|corner| (corner.inv_depth - a.inv_depth) * per_area);
+        let slope = |corner: Corner| (corner.inv_depth - a.inv_depth) * per_area;
+        let slopes = [slope(b), slope(c)];
         Some(Self { side, bounds, steps, start, inv_depth: a.inv_depth, slopes })
     }
 

@@ -1,0 +1,82 @@
+//! `mve report`, and the page that `mve program` leaves.
+
+mod common;
+
+use common::Folder;
+
+const MAP: &str = r#"{"mve": 1, "title": "Cuts <of> a box",
+  "nodes": {
+    "model": {"module": "Box"},
+    "simplify": {"module": "Simplificator"},
+    "info": {"module": "MeshInfo"}},
+  "links": ["model.mesh -> simplify.mesh", "simplify.mesh -> info.mesh"],
+  "programs": {"costs": {
+    "axes": [{"simplify.target_faces": [300, 500]}, {"simplify.cost": ["EdgeLength", "Quadric"]}],
+    "report": {
+      "measures": [{"column": "info.area", "better": "higher", "title": "Area"}],
+      "questions": [{"text": "Does Quadric keep more area?", "measure": "info.area",
+                     "compare": {"simplify.cost": ["Quadric", "EdgeLength"]}}]}}}}"#;
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("box.json", MAP);
+    folder
+}
+
+#[test]
+fn a_program_leaves_a_page_and_answers() {
+    let folder = folder();
+    let answer = folder.mve(&["program", "box.json"]).succeeds();
+    let answer = answer.says("Does Quadric keep more area?\n").says("geometric mean of 2 pairs");
+    answer.says("report   mve-out/box-costs/report.html\n");
+    let page = folder.read("mve-out/box-costs/report.html");
+    assert!(page.contains("<title>Cuts &lt;of&gt; a box</title>"));
+    assert!(page.contains("<dt>map</dt><dd>box.json</dd>") && page.contains("<dt>machine</dt>"));
+    assert!(page.contains("href=\"steps/") && page.contains("href=\"results.csv\""));
+    let summary = folder.read("mve-out/box-costs/summary.md");
+    let place = |what: &str| summary.find(what).unwrap();
+    assert!(place("info.area") < place("info.vertices"), "{summary}");
+}
+
+#[test]
+fn the_page_is_left_out_on_demand() {
+    let folder = folder();
+    folder.mve(&["program", "box.json", "--no-report"]).succeeds();
+    assert!(!folder.has("mve-out/box-costs/report.html"));
+    let answer = folder.mve(&["report", "mve-out/box-costs"]).succeeds();
+    answer.says("report   mve-out/box-costs/report.html\n");
+    folder.mve(&["report", "mve-out/box-costs", "--out", "pages/box.html"]).succeeds();
+    assert!(folder.read("pages/box.html").contains("href=\"../mve-out/box-costs/steps/"));
+}
+
+#[test]
+fn tables_go_to_standard_output() {
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let with =
+        |format: &str| folder.mve(&["report", "mve-out/box-costs", "--format", format]).succeeds();
+    with("csv").says("simplify.target_faces,simplify.cost,info.area,");
+    with("markdown").says("## Area (higher is better)\n");
+    with("latex").says("simplify.target\\_faces & EdgeLength & Quadric \\\\\n");
+    folder.mve(&["report", "x", "--format", "pdf"]).fails(2, "invalid value 'pdf'");
+}
+
+#[test]
+fn slips_are_told_before_anything_runs() {
+    let folder = folder();
+    folder.write("box.json", &MAP.replace("\"better\"", "\"beter\""));
+    let answer = folder.mve(&["program", "box.json"]);
+    answer.fails(3, "program \"costs\": \"report.measures[0]\": unknown field `beter`");
+    folder.write("box.json", &MAP.replace("[\"Quadric\", \"EdgeLength\"]}}", "[\"Q\", \"R\"]}}"));
+    let answer = folder.mve(&["check", "box.json"]);
+    answer.fails(3, "box.json: 2 problems").says("\"Q\" is not among the values of simplify.cost");
+}
+
+#[test]
+fn folders_that_are_no_stores_are_refused() {
+    let folder = folder();
+    folder.mve(&["report", "none"]).fails(4, "error: none: no results of a program here");
+    folder.mve(&["report", "."]).fails(4, "not a store of mve");
+    folder.write("torn/plan.json", "{");
+    folder.mve(&["report", "torn"]).fails(4, "torn/plan.json: not the plan of a program");
+}

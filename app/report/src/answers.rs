@@ -1,0 +1,362 @@
+//! Answers to the questions of a program: the steps that agree in all but one parameter are paired.
+//!
+//! Of a pair the ratio of its two values counts, since models differ in scale; the average of
+//! ratios is their geometric mean.
+
+use indexmap::IndexMap;
+use mve_core::{Better, Question, stands_for};
+use serde_json::{Map as JsonMap, Value as Json};
+
+use crate::columns::{self, MeasureColumn};
+use crate::labels;
+use crate::results::{Case, Results};
+use crate::stats::{RatioEstimate, geometric_mean, sign_test, wilcoxon};
+
+/// Numbers closer than this share of themselves are equal.
+const ALIKE: f64 = 1e-12;
+
+/// The probability below which a difference counts as shown, as is usual.
+const SHOWN: f64 = 0.05;
+
+/// Two steps that differ in one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// What both have in common.
+    pub label: String,
+    /// The place on the axis of the rows.
+    pub group: usize,
+    /// The two values.
+    pub values: [f64; 2],
+    /// The first value in units of the second, where both are above 0.
+    pub ratio: Option<f64>,
+    /// For each column that should be the same: both values.
+    pub same: Vec<Option<[f64; 2]>>,
+}
+
+/// What the data say to a question.
+pub struct Answer {
+    /// The question.
+    pub text: String,
+    /// The measure's name for a person.
+    pub measure: String,
+    /// Which values of it are better.
+    pub better: Better,
+    /// The two things that are compared.
+    pub names: [String; 2],
+    /// Columns that should be the same in both.
+    pub same: Vec<String>,
+    /// The pairs.
+    pub pairs: Vec<Pair>,
+    /// Steps on either side that have no partner or no value.
+    pub n_alone: usize,
+    /// Pairs whose first value is lower, higher, and neither.
+    pub n_lower: usize,
+    /// See above.
+    pub n_higher: usize,
+    /// The geometric mean of the ratios.
+    pub overall: Option<RatioEstimate>,
+    /// The same of each row's own pairs.
+    pub by_group: IndexMap<usize, RatioEstimate>,
+    /// The same of those, each row counted once.
+    pub over_groups: Option<RatioEstimate>,
+    /// Probability of the ratios, if there were no difference, by Wilcoxon's test.
+    pub p_ranks: Option<f64>,
+    /// The same by the signs alone.
+    pub p_signs: f64,
+    /// The answer in plain sentences, the first the most important.
+    pub sentences: Vec<String>,
+}
+
+/// Answers a question from the results.
+pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question) -> Answer {
+    let known = measures.iter().find(|measure| measure.column == question.measure);
+    let better = known.map_or(Better::Lower, |measure| measure.better);
+    let same = match question.same.is_empty() {
+        true => columns::faces(results).into_iter().collect(),
+        false => question.same.clone(),
+    };
+    let (path, sides) = match question.compare.iter().next() {
+        Some((path, sides)) => (path.as_str(), sides.clone()),
+        None => ("", [Json::Null, Json::Null]),
+    };
+    let (found, n_alone) = pairs(results, path, &sides);
+    let pairs: Vec<Pair> = found
+        .into_iter()
+        .filter_map(|(a, b)| pair(results, [a, b], path, &question.measure, &same))
+        .collect();
+    let n_cases = results.cases.iter().filter(|case| {
+        let value = case.params.get(path);
+        value.is_some_and(|value| sides.iter().any(|side| stands_for(side, value)))
+    });
+    let n_alone = n_alone.max(n_cases.count().saturating_sub(2 * pairs.len()));
+    let mut answer = Answer {
+        text: question.text.clone(),
+        measure: columns::title(measures, &question.measure),
+        better,
+        names: sides.map(|side| labels::of_value(&side)),
+        same,
+        n_alone,
+        n_lower: pairs.iter().filter(|pair| order(pair) < 0).count(),
+        n_higher: pairs.iter().filter(|pair| order(pair) > 0).count(),
+        overall: None,
+        by_group: IndexMap::new(),
+        over_groups: None,
+        p_ranks: None,
+        p_signs: 1.0,
+        sentences: Vec::new(),
+        pairs,
+    };
+    answer.compute();
+    answer.sentences = answer.in_words(results);
+    answer
+}
+
+/// Sign of the difference of a pair.
+fn order(pair: &Pair) -> i32 {
+    let [a, b] = pair.values;
+    if (a - b).abs() <= ALIKE * a.abs().max(b.abs()) {
+        return 0;
+    }
+    if a < b { -1 } else { 1 }
+}
+
+/// All pairs, and how many cases of either side are in none.
+fn pairs<'a>(
+    results: &'a Results,
+    path: &str,
+    sides: &[Json; 2],
+) -> (Vec<(&'a Case, &'a Case)>, usize) {
+    let of_side = |side: &Json| -> Vec<&Case> {
+        let is_meant =
+            |case: &&Case| case.params.get(path).is_some_and(|value| stands_for(side, value));
+        results.cases.iter().filter(is_meant).collect()
+    };
+    let (first, second) = (of_side(&sides[0]), of_side(&sides[1]));
+    let rest = |case: &Case| {
+        let mut params = case.params.clone();
+        params.shift_remove(path);
+        labels::canonical(&params)
+    };
+    let mut partners: IndexMap<String, Vec<&Case>> = IndexMap::new();
+    second.iter().for_each(|case| partners.entry(rest(case)).or_default().push(case));
+    let own = |case: &Case, side: &Json| own_params(side, &case.params[path]);
+    let mut found = Vec::new();
+    let mut n_used = 0;
+    for a in &first {
+        let Some(candidates) = partners.get(&rest(a)) else { continue };
+        let params = own(a, &sides[0]);
+        let exact = candidates.iter().find(|b| own(b, &sides[1]) == params);
+        let mut fitting = candidates.iter().filter(|b| {
+            let others = own(b, &sides[1]);
+            others.iter().all(|(name, value)| params.get(name).is_none_or(|p| p == value))
+        });
+        // What one side alone can be set to must leave one partner, or the pair would be a guess.
+        let only = fitting.next().filter(|_| fitting.next().is_none());
+        if let Some(b) = exact.or(only) {
+            found.push((*a, *b));
+            n_used += 1;
+        }
+    }
+    (found, first.len() + second.len() - 2 * n_used.min(second.len()).min(first.len()))
+}
+
+/// The parameters of the entry that a value chooses, where a side names the entry alone.
+fn own_params(side: &Json, value: &Json) -> JsonMap<String, Json> {
+    if side == value {
+        return JsonMap::new();
+    }
+    let params = side.as_str().and_then(|id| value.get(id)).and_then(Json::as_object);
+    params.cloned().unwrap_or_default()
+}
+
+fn pair(
+    results: &Results,
+    cases: [&Case; 2],
+    path: &str,
+    measure: &str,
+    same: &[String],
+) -> Option<Pair> {
+    let mean = |case: &Case, column: &str| Some(case.estimate(column)?.mean);
+    let both = |column: &str| Some([mean(cases[0], column)?, mean(cases[1], column)?]);
+    let values = both(measure)?;
+    let is_positive = values.iter().all(|value| *value > 0.0);
+    let ratio = is_positive.then(|| values[0] / values[1]).filter(|ratio| ratio.is_normal());
+    let same = same.iter().map(|column| both(column)).collect();
+    // What is compared is not what both have in common, but its own parameters are.
+    let mut label = Vec::new();
+    for (place, axis) in cases[0].at.iter().zip(&results.axes) {
+        if !axis.paths.iter().any(|known| known == path) {
+            label.push(axis.labels[*place].clone());
+        } else if let Some(Json::Object(value)) = cases[0].params.get(path) {
+            let own = value.values().filter_map(Json::as_object).flatten();
+            label.extend(own.map(|(name, value)| format!("{name} {}", labels::of_value(value))));
+        }
+    }
+    let group = results.group_of(cases[0]);
+    Some(Pair { label: label.join(" · "), group, values, ratio, same })
+}
+
+impl Answer {
+    fn compute(&mut self) {
+        let ratios: Vec<f64> = self.pairs.iter().filter_map(|pair| pair.ratio).collect();
+        self.overall = geometric_mean(&ratios);
+        let mut groups: IndexMap<usize, Vec<f64>> = IndexMap::new();
+        for pair in &self.pairs {
+            groups.entry(pair.group).or_default().extend(pair.ratio);
+        }
+        let means = groups.iter().filter_map(|(group, r)| Some((*group, geometric_mean(r)?)));
+        self.by_group = means.collect();
+        let means: Vec<f64> = self.by_group.values().map(|estimate| estimate.ratio).collect();
+        self.over_groups = geometric_mean(&means);
+        let logarithms: Vec<f64> = self
+            .pairs
+            .iter()
+            .filter_map(|pair| pair.ratio.map(|r| if order(pair) == 0 { 0.0 } else { r.ln() }))
+            .collect();
+        self.p_ranks = wilcoxon(&logarithms);
+        self.p_signs = sign_test(self.n_lower, self.n_higher);
+    }
+
+    /// Whether the data show a difference, by the interval and by the test.
+    pub fn is_shown(&self) -> bool {
+        let is_off = |estimate: RatioEstimate| {
+            estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
+        };
+        let p = self.p_ranks.unwrap_or(self.p_signs);
+        // Where the pairs of one group are not independent, their averages must show it as well.
+        let is_off_over_groups =
+            self.over_groups.is_none_or(|over| over.interval.is_none() || is_off(over));
+        self.overall.is_some_and(is_off) && is_off_over_groups && p < SHOWN
+    }
+
+    fn in_words(&self, results: &Results) -> Vec<String> {
+        let [a, b] = &self.names;
+        let n = self.pairs.len();
+        let mut sentences = Vec::new();
+        match self.overall {
+            _ if n == 0 => {
+                sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
+            }
+            None => sentences.push(format!(
+                "{a} gives lower {m} than {b} in {} of {n} pairs and higher in {} (p {} by the \
+                 sign test); values of 0 have no ratio, so there is no average.",
+                self.n_lower,
+                self.n_higher,
+                labels::probability(self.p_signs),
+                m = self.measure
+            )),
+            Some(overall) => sentences.push(self.lead(overall)),
+        }
+        let n_ratios = self.pairs.iter().filter(|pair| pair.ratio.is_some()).count();
+        if self.overall.is_some() && n_ratios < n {
+            let left = n - n_ratios;
+            sentences.push(format!(
+                "{} without a ratio, as a value is 0 or below, counted among the lower and higher \
+                 ones only.",
+                if left == 1 { "1 pair is".to_owned() } else { format!("{left} pairs are") }
+            ));
+        }
+        if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
+            let axis = results.group_axis().map_or("group", |axis| axis.paths[0].as_str());
+            let interval = over.interval.map_or(String::new(), |(low, high)| {
+                format!(", 95\u{a0}% confidence interval {}", span(low, high))
+            });
+            sentences.push(format!(
+                "With the pairs of each {axis} averaged first, since they are not independent: {} \
+                 (geometric mean of {}{interval}).",
+                change(over.ratio),
+                over.n
+            ));
+        }
+        sentences.extend(self.same_in_words());
+        if self.n_alone > 0 {
+            let n = self.n_alone;
+            sentences.push(match n {
+                1 => "1 case has no partner or no value and does not count.".to_owned(),
+                n => format!("{n} cases have no partner or no value and do not count."),
+            });
+        }
+        sentences
+    }
+
+    fn lead(&self, overall: RatioEstimate) -> String {
+        let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
+        let (n_side, side) = match overall.ratio > 1.0 {
+            true => (self.n_higher, "higher"),
+            false => (self.n_lower, "lower"),
+        };
+        let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
+        let interval = overall.interval.map_or(String::new(), |(low, high)| {
+            format!(", 95\u{a0}% confidence interval {}", span(low, high))
+        });
+        let test = match self.p_ranks {
+            Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
+            None => "no pair differs".to_owned(),
+        };
+        let start = match (overall.n, self.is_shown()) {
+            (1, _) => "One pair alone shows little:",
+            (_, true) => "On average",
+            (_, false) => "The data do not show a difference: on average",
+        };
+        let change = change(overall.ratio);
+        let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
+            (false, ..) => String::new(),
+            (_, Better::Lower, false) | (_, Better::Higher, true) => {
+                format!(" By this measure {a} is the better one.")
+            }
+            _ => format!(" By this measure {b} is the better one."),
+        };
+        format!(
+            "{start} {a} gives {change} {m} than {b} (geometric mean of {pairs}{interval}); it is \
+             {side} in {n_side} of {n}; {test}.{verdict}"
+        )
+    }
+
+    fn same_in_words(&self) -> Vec<String> {
+        let words = self.same.iter().enumerate().map(|(place, column)| {
+            let both: Vec<[f64; 2]> =
+                self.pairs.iter().filter_map(|pair| pair.same.get(place).copied()?).collect();
+            let off = |[a, b]: &[f64; 2]| (a - b).abs() / a.abs().max(b.abs()).max(1e-300);
+            let n_off = both.iter().filter(|both| both[0] != both[1]).count();
+            let most = both.iter().map(off).fold(0.0, f64::max);
+            match (both.len(), n_off) {
+                (0, _) => format!("Whether {column} is the same in both is not known."),
+                (n, 0) if n == self.pairs.len() => {
+                    format!("Both steps of every pair have the same {column}.")
+                }
+                (n, 0) => format!("Both steps of the {n} pairs that tell have the same {column}."),
+                (n, off) => format!(
+                    "In {off} of {n} pairs {column} is not the same, by up to {}\u{a0}%.",
+                    labels::rounded(100.0 * most, 2)
+                ),
+            }
+        });
+        if self.pairs.is_empty() { Vec::new() } else { words.collect() }
+    }
+}
+
+/// A ratio as a change: `12 % lower`, `3.1 times as high`.
+pub fn change(ratio: f64) -> String {
+    let percent = |share: f64| labels::rounded(100.0 * share, 2);
+    match ratio {
+        r if (r - 1.0).abs() < 5e-5 => "no different".to_owned(),
+        r if r < 0.1 => format!("{} times lower", labels::rounded(1.0 / r, 2)),
+        r if r < 1.0 => format!("{}\u{a0}% lower", percent(1.0 - r)),
+        r if r <= 2.0 => format!("{}\u{a0}% higher", percent(r - 1.0)),
+        r => format!("{} times higher", labels::rounded(r, 2)),
+    }
+}
+
+/// An interval of ratios in words.
+pub fn span(low: f64, high: f64) -> String {
+    let percent = |share: f64| labels::rounded(100.0 * share, 2);
+    match (low, high) {
+        (low, high) if high <= 1.0 && low >= 0.1 => {
+            format!("{} to {}\u{a0}% lower", percent(1.0 - high), percent(1.0 - low))
+        }
+        (low, high) if low >= 1.0 && high <= 2.0 => {
+            format!("{} to {}\u{a0}% higher", percent(low - 1.0), percent(high - 1.0))
+        }
+        _ => format!("{} to {}", change(low), change(high)),
+    }
+}

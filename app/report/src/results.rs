@@ -1,0 +1,328 @@
+//! The results of a program as its store holds them: cases, axes and columns.
+//!
+//! A case is one assignment of the varied parameters with all its repeats. An axis is a list of
+//! parameters that advance together. Nothing here knows what a column means.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use indexmap::{IndexMap, IndexSet};
+use mve_core::{PlanFile, ReportSpec, Scalar, StepRecord, StepStatus, Store, brief};
+use serde_json::Value as Json;
+
+use crate::ReportError;
+use crate::labels;
+use crate::stats::{Estimate, estimate};
+
+/// What a store holds.
+pub struct Results {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// What it says it holds.
+    pub plan: PlanFile,
+    /// What the program says of its report.
+    pub spec: ReportSpec,
+    /// Every assignment, in the order of the program.
+    pub cases: Vec<Case>,
+    /// The axes, those of the rows first, and the one of the series, if there is one, last.
+    pub axes: Vec<Axis>,
+    /// Whether the last axis gives series.
+    pub has_series: bool,
+}
+
+/// One assignment of the varied parameters.
+pub struct Case {
+    /// The parameters that it sets.
+    pub params: IndexMap<String, Json>,
+    /// Its steps, each once: one, or as many as there are repeats that differ.
+    pub steps: Vec<StepOf>,
+    /// The place of its value on each axis.
+    pub at: Vec<usize>,
+}
+
+/// A step of a case.
+pub struct StepOf {
+    /// Its id.
+    pub id: String,
+    /// What is kept of it, if it has ended.
+    pub record: Option<Arc<StepRecord>>,
+}
+
+/// Parameters that advance together.
+#[derive(Debug)]
+pub struct Axis {
+    /// Their paths.
+    pub paths: Vec<String>,
+    /// Their values, in the order of the program; `null` where a step leaves one as it is.
+    pub values: Vec<Vec<Json>>,
+    /// A short name of each value.
+    pub labels: Vec<String>,
+}
+
+/// What stands in a cell of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing: the step has not ended, failed, or gives no such output.
+    Empty,
+    /// A number, or the mean of several.
+    Number(Estimate),
+    /// A text.
+    Text(String),
+}
+
+impl Cell {
+    /// The number in it.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(estimate) => Some(estimate.mean),
+            _ => None,
+        }
+    }
+
+    /// The cell for reading, with the interval where there is one.
+    pub fn shown(&self) -> String {
+        match self {
+            Self::Empty => String::new(),
+            Self::Text(text) => text.clone(),
+            Self::Number(Estimate { mean, half_width: Some(half), .. }) if *half > 0.0 => {
+                format!("{} ± {}", brief(*mean), labels::rounded(*half, 2))
+            }
+            Self::Number(estimate) => brief(estimate.mean),
+        }
+    }
+}
+
+impl Case {
+    /// Records of steps that have ended.
+    pub fn records(&self) -> impl Iterator<Item = &StepRecord> {
+        self.steps.iter().filter_map(|step| step.record.as_deref())
+    }
+
+    /// The finite numbers of a column, one a step.
+    pub fn numbers(&self, column: &str) -> Vec<f64> {
+        if let Some(value) = self.params.get(column) {
+            return value.as_f64().into_iter().collect();
+        }
+        let of = |record: &StepRecord| match column {
+            "seconds" => (record.status == StepStatus::Done).then_some(record.seconds),
+            _ => match column.strip_prefix("seconds.") {
+                Some(node) if record.nodes.contains_key(node) => record.nodes[node].seconds,
+                _ => match scalar(record, column) {
+                    Some(Scalar::Number(number)) => Some(*number),
+                    _ => None,
+                },
+            },
+        };
+        self.records().filter_map(of).filter(|number| number.is_finite()).collect()
+    }
+
+    /// Mean and interval of a column.
+    pub fn estimate(&self, column: &str) -> Option<Estimate> {
+        estimate(&self.numbers(column))
+    }
+
+    /// What a table shows of a column.
+    pub fn cell(&self, column: &str) -> Cell {
+        if let Some(estimate) = self.estimate(column) {
+            return Cell::Number(estimate);
+        }
+        if let Some(value) = self.params.get(column) {
+            return Cell::Text(labels::of_value(value));
+        }
+        match self.records().find_map(|record| scalar(record, column)) {
+            None => Cell::Empty,
+            Some(Scalar::Number(_)) => Cell::Text("not finite".to_owned()),
+            Some(other) => Cell::Text(other.to_string()),
+        }
+    }
+
+    /// How its steps ended: the worst of them, `to do` where one has not.
+    pub fn status(&self) -> &'static str {
+        let word = |step: &StepOf| step.record.as_ref().map_or("to do", |r| r.status.word());
+        let words = || self.steps.iter().map(word);
+        words().find(|word| *word != "done").or(words().next()).unwrap_or("to do")
+    }
+}
+
+fn scalar<'a>(record: &'a StepRecord, column: &str) -> Option<&'a Scalar> {
+    let (node, output) = column.split_once('.')?;
+    record.nodes.get(node)?.scalars.get(output)
+}
+
+impl Results {
+    /// Reads a store.
+    pub fn read(folder: &Path) -> Result<Self, ReportError> {
+        let store = Store::look(folder)?;
+        let store = store.ok_or_else(|| ReportError::Missing(folder.to_owned()))?;
+        if !folder.join("plan.json").exists() {
+            return Err(ReportError::Missing(folder.to_owned()));
+        }
+        let plan = store.plan()?;
+        let spec = match &plan.spec.report {
+            None => ReportSpec::default(),
+            // A store tells as much as it can, whatever stands there.
+            Some(json) => ReportSpec::parse(json).unwrap_or_default(),
+        };
+        let mut cases: IndexMap<String, Case> = IndexMap::new();
+        for step in &plan.steps {
+            let key = labels::canonical(&step.params);
+            let new = || Case { params: step.params.clone(), steps: Vec::new(), at: Vec::new() };
+            let case = cases.entry(key).or_insert_with(new);
+            // Repeats of what has no seed are one and the same step.
+            if case.steps.iter().all(|known| known.id != step.id) {
+                let record = store.record(&step.id);
+                case.steps.push(StepOf { id: step.id.clone(), record });
+            }
+        }
+        let mut results = Self {
+            folder: folder.to_owned(),
+            plan,
+            spec,
+            cases: cases.into_values().collect(),
+            axes: Vec::new(),
+            has_series: false,
+        };
+        results.find_axes();
+        Ok(results)
+    }
+
+    /// The parameters that vary, also in stores whose plan does not list them.
+    pub fn varied(&self) -> Vec<String> {
+        let mut varied: IndexSet<String> = self.plan.varied.iter().cloned().collect();
+        varied.extend(self.cases.iter().flat_map(|case| case.params.keys().cloned()));
+        varied.into_iter().collect()
+    }
+
+    fn find_axes(&mut self) {
+        let varied = self.varied();
+        let mut groups: Vec<Vec<String>> = Vec::new();
+        for axis in &self.plan.spec.axes {
+            groups.push(axis.keys().cloned().collect());
+        }
+        for path in varied {
+            if !groups.iter().flatten().any(|known| *known == path) {
+                groups.push(vec![path]);
+            }
+        }
+        let holds = |axis: &Vec<String>, path: &Option<String>| {
+            path.as_ref().is_some_and(|path| axis.contains(path))
+        };
+        // The axis of the rows goes to the front and the one of the series to the end.
+        groups.sort_by_key(|axis| !holds(axis, &self.spec.group));
+        groups.sort_by_key(|axis| holds(axis, &self.spec.series));
+        let n_groups = groups.len();
+        for paths in groups {
+            let of = |case: &Case| -> Vec<Json> {
+                paths
+                    .iter()
+                    .map(|path| case.params.get(path).cloned().unwrap_or_default())
+                    .collect()
+            };
+            let mut places: IndexMap<String, Vec<Json>> = IndexMap::new();
+            for case in &mut self.cases {
+                let value = of(case);
+                let key = Json::from(value.clone()).to_string();
+                let entry = places.entry(key);
+                case.at.push(entry.index());
+                entry.or_insert(value);
+            }
+            let values: Vec<Vec<Json>> = places.into_values().collect();
+            let labels = labels::of_axis(&values);
+            self.axes.push(Axis { paths, values, labels });
+        }
+        // Numbers alone are something to plot against, not to tell apart.
+        let is_scale = |axis: &Axis| axis.values.iter().flatten().all(Json::is_number);
+        self.has_series =
+            n_groups > 1 || self.spec.series.is_some() || !self.axes.iter().all(is_scale);
+        self.has_series &= n_groups > 0;
+    }
+
+    /// The axis of the rows: the first that gives no series.
+    pub fn group_axis(&self) -> Option<&Axis> {
+        self.axes.first().filter(|_| self.axes.len() > usize::from(self.has_series))
+    }
+
+    /// The axis that gives series.
+    pub fn series_axis(&self) -> Option<&Axis> {
+        self.axes.last().filter(|_| self.has_series)
+    }
+
+    /// The place of a case on the axis of the rows; 0 where there is none.
+    pub fn group_of(&self, case: &Case) -> usize {
+        if self.group_axis().is_some() { case.at[0] } else { 0 }
+    }
+
+    /// The place of a case among the series; 0 where there are none.
+    pub fn series_of(&self, case: &Case) -> usize {
+        if self.has_series { case.at.last().copied().unwrap_or(0) } else { 0 }
+    }
+
+    /// The names of the series; one without a name where there are none.
+    pub fn series_labels(&self) -> Vec<String> {
+        self.series_axis().map_or(vec![String::new()], |axis| axis.labels.clone())
+    }
+
+    /// The places of a case on all axes but the one of the series.
+    pub fn row_of<'a>(&self, case: &'a Case) -> &'a [usize] {
+        &case.at[..case.at.len() - usize::from(self.has_series)]
+    }
+
+    /// The name of a row, and its parts behind the group's.
+    pub fn row_label(&self, row: &[usize]) -> String {
+        let parts = row.iter().zip(&self.axes).map(|(place, axis)| axis.labels[*place].clone());
+        parts.collect::<Vec<_>>().join(" · ")
+    }
+
+    /// Rows in the order of the program, each with its cases by series.
+    pub fn rows(&self) -> IndexMap<Vec<usize>, Vec<Option<&Case>>> {
+        let n_series = self.series_labels().len();
+        let mut rows: IndexMap<Vec<usize>, Vec<Option<&Case>>> = IndexMap::new();
+        for case in &self.cases {
+            let row = rows.entry(self.row_of(case).to_vec());
+            row.or_insert_with(|| vec![None; n_series])[self.series_of(case)] = Some(case);
+        }
+        rows
+    }
+
+    /// The node whose parameter gives the series: what is compared.
+    pub fn series_node(&self) -> Option<&str> {
+        self.series_axis()?.paths.first()?.split('.').next()
+    }
+
+    /// Every output that some step gave, in running order, without the parameters that vary.
+    pub fn outputs(&self) -> Vec<String> {
+        let mut by_node: IndexMap<&str, IndexSet<&str>> = IndexMap::new();
+        for node in &self.plan.nodes {
+            by_node.insert(node, IndexSet::new());
+        }
+        for record in self.cases.iter().flat_map(Case::records) {
+            for (node, record) in &record.nodes {
+                let names = by_node.entry(node).or_default();
+                names.extend(record.scalars.keys().map(String::as_str));
+            }
+        }
+        let varied = self.varied();
+        let columns = by_node
+            .into_iter()
+            .flat_map(|(node, names)| names.into_iter().map(move |name| format!("{node}.{name}")));
+        columns.filter(|column| !varied.contains(column)).collect()
+    }
+
+    /// How many steps there are, each counted once: all, done, failed.
+    pub fn counts(&self) -> (usize, usize, usize) {
+        let steps: IndexMap<&str, Option<&StepRecord>> = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.steps)
+            .map(|step| (step.id.as_str(), step.record.as_deref()))
+            .collect();
+        let ended = || steps.values().flatten();
+        let done = ended().filter(|record| record.status == StepStatus::Done).count();
+        (steps.len(), done, ended().count() - done)
+    }
+
+    /// Whether all seconds were measured with nothing shared.
+    pub fn is_timed(&self) -> bool {
+        self.cases.iter().flat_map(Case::records).all(|record| record.is_timed)
+    }
+}

@@ -1,0 +1,209 @@
+//! The tables as text: CSV to compute with, Markdown and LaTeX for a paper.
+
+use std::fmt::Write;
+
+use mve_core::{Better, brief};
+
+use crate::answers::Answer;
+use crate::columns::{self, MeasureColumn};
+use crate::html::escape;
+use crate::pivot::{Pivot, PivotRow, best_mean};
+use crate::results::{Cell, Results};
+
+/// Every case with the columns of the long table, all digits; RFC 4180.
+pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
+    let columns = long_columns(results, measures);
+    let has_repeats = results.cases.iter().any(|case| case.steps.len() > 1);
+    let varied = results.varied();
+    let mut header = varied.clone();
+    header.extend(has_repeats.then(|| "repeats".to_owned()));
+    for column in &columns {
+        header.push(column.clone());
+        header.extend(has_repeats.then(|| format!("{column} ±95%")));
+    }
+    header.push("status".to_owned());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // Writing equally long rows to memory cannot fail.
+    let _ = writer.write_record(&header);
+    for case in &results.cases {
+        let param = |path: &String| match case.params.get(path) {
+            None => String::new(),
+            Some(value) => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+        };
+        let mut row: Vec<String> = varied.iter().map(param).collect();
+        row.extend(has_repeats.then(|| case.steps.len().to_string()));
+        for column in &columns {
+            let (value, half) = match case.cell(column) {
+                Cell::Empty => (String::new(), None),
+                Cell::Text(text) => (text, None),
+                Cell::Number(estimate) => (estimate.mean.to_string(), estimate.half_width),
+            };
+            row.push(value);
+            row.extend(has_repeats.then(|| half.map_or(String::new(), |half| half.to_string())));
+        }
+        row.push(case.status().to_owned());
+        let _ = writer.write_record(&row);
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// The columns of the long table behind the parameters: measures, other chief outputs, seconds.
+pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String> {
+    let mut columns: Vec<String> =
+        measures.iter().filter(|m| m.is_there).map(|m| m.column.clone()).collect();
+    let others = columns::against(results).into_iter().chain(columns::chief(results, &|_| true));
+    let varied = results.varied();
+    let others: Vec<String> = others.filter(|column| !varied.contains(column)).collect();
+    for column in others.into_iter().chain(["seconds".to_owned()]) {
+        if !columns.contains(&column) {
+            columns.push(column);
+        }
+    }
+    let (seconds, rest) = columns.into_iter().partition::<Vec<_>, _>(|column| {
+        column.starts_with("seconds") && measures.iter().all(|m| m.column != *column)
+    });
+    rest.into_iter().chain(seconds).collect()
+}
+
+/// What stands over a table: the measure and its direction.
+pub fn caption(table: &Pivot) -> String {
+    match table.better {
+        None => table.title.clone(),
+        Some(Better::Lower) => format!("{} (lower is better)", table.title),
+        Some(Better::Higher) => format!("{} (higher is better)", table.title),
+    }
+}
+
+/// The answers and a table a measure.
+pub fn markdown(title: &str, answers: &[Answer], tables: &[Pivot]) -> String {
+    let plain = |text: &str| {
+        let mut out = String::with_capacity(text.len());
+        for c in escape(text).chars() {
+            match c {
+                '|' | '*' | '_' | '`' | '\\' | '[' | ']' => out.extend(['\\', c]),
+                c if c.is_control() => out.push(' '),
+                c => out.push(c),
+            }
+        }
+        out
+    };
+    let mut text = format!("# {}\n", plain(title));
+    for answer in answers {
+        let _ = write!(text, "\n**{}**\n\n{}\n", plain(&answer.text), {
+            plain(&answer.sentences.join(" "))
+        });
+    }
+    for table in tables {
+        let _ = write!(text, "\n## {}\n\n", plain(&caption(table)));
+        let header: Vec<String> = table.columns.iter().map(|name| plain(name)).collect();
+        let _ = writeln!(text, "| {} | {} |", plain(&table.corner), header.join(" | "));
+        let _ = writeln!(text, "|---|{}", "---:|".repeat(header.len()));
+        for row in with_means(table) {
+            let cell = |(cell, best): (&String, &bool)| match best {
+                true => format!("**{}**", plain(cell)),
+                false => plain(cell),
+            };
+            let cells: Vec<String> = row.cells.iter().zip(&row.is_best).map(cell).collect();
+            let _ = writeln!(text, "| {} | {} |", plain(&row.label), cells.join(" | "));
+        }
+    }
+    text
+}
+
+/// A tabular a measure, for the package `booktabs`.
+pub fn latex(title: &str, tables: &[Pivot]) -> String {
+    let mut text = format!("% {}\n% Needs \\usepackage{{booktabs}}.\n", one_line(title));
+    for table in tables {
+        let _ = writeln!(text, "\n% {}", one_line(&caption(table)));
+        let n_columns = table.columns.len();
+        let _ = writeln!(text, "\\begin{{tabular}}{{l{}}}\n\\toprule", "r".repeat(n_columns));
+        let header: Vec<String> = table.columns.iter().map(|name| in_latex(name)).collect();
+        let _ = writeln!(text, "{} & {} \\\\", in_latex(&table.corner), header.join(" & "));
+        let _ = writeln!(text, "\\midrule");
+        for (place, row) in with_means(table).iter().enumerate() {
+            if place == table.rows.len() {
+                let _ = writeln!(text, "\\midrule");
+            }
+            let cell = |(cell, best): (&String, &bool)| match best {
+                true => format!("\\textbf{{{}}}", in_latex(cell)),
+                false => in_latex(cell),
+            };
+            let cells: Vec<String> = row.cells.iter().zip(&row.is_best).map(cell).collect();
+            let _ = writeln!(text, "{} & {} \\\\", in_latex(&row.label), cells.join(" & "));
+        }
+        let _ = writeln!(text, "\\bottomrule\n\\end{{tabular}}");
+    }
+    text
+}
+
+/// A row of a table in words.
+pub struct ShownRow {
+    /// Its name.
+    pub label: String,
+    /// Its cells.
+    pub cells: Vec<String>,
+    /// Whether each is the best.
+    pub is_best: Vec<bool>,
+}
+
+/// The rows of a table, and what sums them up.
+pub fn with_means(table: &Pivot) -> Vec<ShownRow> {
+    let shown = |row: &PivotRow| ShownRow {
+        label: row.label.clone(),
+        cells: row.cells.iter().map(Cell::shown).collect(),
+        is_best: row.is_best.clone(),
+    };
+    let mut rows: Vec<ShownRow> = table.rows.iter().map(shown).collect();
+    if let (Some((means, n)), Some(better)) = (&table.means, table.better) {
+        let n_rows = table.rows.len();
+        let of = if *n == n_rows { String::new() } else { format!(" of {n} complete rows") };
+        rows.push(ShownRow {
+            label: format!("Geometric mean{of}"),
+            cells: means.iter().map(|mean| brief(*mean)).collect(),
+            is_best: best_mean(means, better),
+        });
+    }
+    if let Some(counts) = &table.n_best {
+        rows.push(ShownRow {
+            label: format!("Best in, of {}", table.rows.len()),
+            cells: counts.iter().map(usize::to_string).collect(),
+            is_best: vec![false; counts.len()],
+        });
+    }
+    rows
+}
+
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// A text as LaTeX shows it.
+pub fn in_latex(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => out.extend(['\\', c]),
+            '\\' => out.push_str("\\textbackslash{}"),
+            '~' => out.push_str("\\textasciitilde{}"),
+            '^' => out.push_str("\\textasciicircum{}"),
+            '<' => out.push_str("\\textless{}"),
+            '>' => out.push_str("\\textgreater{}"),
+            '±' => out.push_str("$\\pm$"),
+            '·' => out.push_str("$\\cdot$"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn latex_takes_no_text_for_a_command() {
+        assert_eq!(in_latex("50% of a_b & \\x{}"), "50\\% of a\\_b \\& \\textbackslash{}x\\{\\}");
+        assert_eq!(in_latex("1 ± 0.2 <b>"), "1 $\\pm$ 0.2 \\textless{}b\\textgreater{}");
+    }
+}

@@ -1,0 +1,264 @@
+//! What a program says of its report: which columns measure, which way is better, and what is asked.
+//!
+//! ```text
+//! "report": {
+//!   "measures": [ { "column": "ssim.value", "better": "higher", "title": "SSIM" } ],
+//!   "against": [ "info.faces", "seconds.simplify" ],
+//!   "group": "model.module",
+//!   "series": "simplify.cost",
+//!   "questions": [ { "text": "Does A give less error than B?", "measure": "compare.rms",
+//!                    "compare": { "simplify.cost": ["A", "B"] }, "same": ["info.faces"] } ]
+//! }
+//! ```
+//!
+//! Everything may be left out. A column is named as in the table of results: `node.output`,
+//! `seconds`, `seconds.node`, or the path of a varied parameter. Whether a node has such an output
+//! is known only when it has run; the report says which columns it did not find.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+use crate::map::Map;
+use crate::problem::did_you_mean;
+
+/// What a program says of its report.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReportSpec {
+    /// The columns that measure, the most important first; chosen by the report where empty.
+    pub measures: Vec<Measure>,
+    /// The columns that measures are plotted against; chosen by the report where empty.
+    pub against: Vec<String>,
+    /// A varied parameter: its axis gives the rows of tables and of pictures, the first one if
+    /// not said.
+    pub group: Option<String>,
+    /// A varied parameter: its axis gives the columns of tables and the series of plots, the last
+    /// one if not said.
+    pub series: Option<String>,
+    /// Questions that the report answers.
+    pub questions: Vec<Question>,
+}
+
+/// A column that measures.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// Its name in the table of results.
+    pub column: String,
+    /// Which values are better.
+    #[serde(default)]
+    pub better: Better,
+    /// Its name for a person; empty where the column's own will do.
+    #[serde(default)]
+    pub title: String,
+}
+
+/// Which values of a measure are better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Better {
+    /// Small ones, as of an error.
+    #[default]
+    Lower,
+    /// Large ones, as of a likeness.
+    Higher,
+}
+
+/// A question: how do two values of a parameter compare, all else being equal?
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Question {
+    /// As a person would ask it.
+    pub text: String,
+    /// The column that is compared.
+    pub measure: String,
+    /// One varied parameter and its two values. An entry of a choice may be named by its id alone:
+    /// it then stands for all its settings, which are paired by their own parameters.
+    pub compare: IndexMap<String, [Json; 2]>,
+    /// Columns that should be the same in both steps of a pair; chosen by the report where empty.
+    #[serde(default)]
+    pub same: Vec<String>,
+}
+
+impl ReportSpec {
+    /// Reads what a program says, or lists what is wrong with it.
+    pub fn parse(json: &Json) -> Result<Self, Vec<String>> {
+        let Json::Object(fields) = json else {
+            return Err(vec!["\"report\" is not an object; see `mve schema`".to_owned()]);
+        };
+        let mut spec = Self::default();
+        let mut faults = Vec::new();
+        for (key, value) in fields {
+            match key.as_str() {
+                "measures" => spec.measures = list(key, value, &mut faults),
+                "against" => spec.against = list(key, value, &mut faults),
+                "questions" => spec.questions = list(key, value, &mut faults),
+                "group" => spec.group = one(&format!("\"report.{key}\""), value, &mut faults),
+                "series" => spec.series = one(&format!("\"report.{key}\""), value, &mut faults),
+                _ => {
+                    let known = ["measures", "against", "group", "series", "questions"];
+                    let hint = did_you_mean(key, known.into_iter());
+                    faults.push(format!("\"report\" has no field \"{key}\"{hint}"));
+                }
+            }
+        }
+        for (place, question) in spec.questions.iter().enumerate() {
+            if question.compare.len() != 1 {
+                let what = "\"compare\" must name one parameter with two values";
+                faults.push(format!("\"report.questions[{place}]\": {what}"));
+            }
+        }
+        if faults.is_empty() { Ok(spec) } else { Err(faults) }
+    }
+
+    /// What does not fit the map and what the program varies: `values` gives each varied parameter
+    /// with all its values.
+    pub(super) fn faults(&self, map: &Map, values: &IndexMap<String, Vec<&Json>>) -> Vec<String> {
+        let column = |(place, name): (String, &String)| {
+            let node = name.strip_prefix("seconds.").unwrap_or(name).split('.').next();
+            let is_known = name == "seconds"
+                || values.contains_key(name)
+                || (name.contains('.') && node.is_some_and(|node| map.nodes.contains_key(node)));
+            let hint = did_you_mean(node.unwrap_or_default(), map.nodes.keys().map(String::as_str));
+            (!is_known).then(|| {
+                format!(
+                    "\"report.{place}\": \"{name}\" is not a column; write \"node.output\", \
+                     \"seconds.node\" or \"seconds\"{hint}"
+                )
+            })
+        };
+        let varied = |(place, path): (String, &String)| {
+            let hint = did_you_mean(path, values.keys().map(String::as_str));
+            let message = format!("\"{path}\" is not varied by the program{hint}");
+            (!values.contains_key(path)).then(|| format!("\"report.{place}\": {message}"))
+        };
+        let mut faults: Vec<String> = self.columns().into_iter().filter_map(column).collect();
+        faults.extend(self.paths().into_iter().filter_map(varied));
+        for (i, question) in self.questions.iter().enumerate() {
+            for (path, sides) in &question.compare {
+                let Some(known) = values.get(path) else { continue };
+                let is_missing = |side: &&Json| !known.iter().any(|value| stands_for(side, value));
+                faults.extend(sides.iter().filter(is_missing).map(|side| {
+                    let message = format!("{side} is not among the values of {path}");
+                    format!("\"report.questions[{i}].compare\": {message}")
+                }));
+            }
+        }
+        faults
+    }
+
+    /// Every column that is named, with its place.
+    fn columns(&self) -> Vec<(String, &String)> {
+        let measures = self.measures.iter().enumerate();
+        let mut named: Vec<_> =
+            measures.map(|(i, m)| (format!("measures[{i}].column"), &m.column)).collect();
+        let against = self.against.iter().enumerate();
+        named.extend(against.map(|(i, name)| (format!("against[{i}]"), name)));
+        for (i, question) in self.questions.iter().enumerate() {
+            named.push((format!("questions[{i}].measure"), &question.measure));
+            let same = question.same.iter().enumerate();
+            named.extend(same.map(|(j, name)| (format!("questions[{i}].same[{j}]"), name)));
+        }
+        named
+    }
+
+    /// Every varied parameter that is named, with its place.
+    fn paths(&self) -> Vec<(String, &String)> {
+        let axes = [("group", &self.group), ("series", &self.series)];
+        let axes =
+            axes.into_iter().filter_map(|(place, path)| Some((place.to_owned(), path.as_ref()?)));
+        let questions = self.questions.iter().enumerate();
+        let compared = questions.flat_map(|(i, question)| {
+            question.compare.keys().map(move |path| (format!("questions[{i}].compare"), path))
+        });
+        axes.chain(compared).collect()
+    }
+}
+
+/// Whether a side of a comparison means this value of a parameter: the value itself, or the id of
+/// the entry that it chooses.
+pub fn stands_for(side: &Json, value: &Json) -> bool {
+    let is_id = |id: &str| {
+        value.as_object().is_some_and(|fields| fields.len() == 1 && fields.contains_key(id))
+    };
+    side == value || side.as_str().is_some_and(is_id)
+}
+
+fn list<T: for<'de> Deserialize<'de>>(key: &str, value: &Json, faults: &mut Vec<String>) -> Vec<T> {
+    let Some(items) = value.as_array() else {
+        faults.push(format!("\"report.{key}\" is not a list"));
+        return Vec::new();
+    };
+    let item = |(place, item)| one(&format!("\"report.{key}[{place}]\""), item, faults);
+    items.iter().enumerate().filter_map(item).collect()
+}
+
+fn one<T: for<'de> Deserialize<'de>>(
+    place: &str,
+    value: &Json,
+    faults: &mut Vec<String>,
+) -> Option<T> {
+    T::deserialize(value).map_err(|error| faults.push(format!("{place}: {error}"))).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn reads_what_the_header_shows() {
+        let spec = ReportSpec::parse(&json!({
+            "measures": [{ "column": "a.x", "better": "higher", "title": "X" }, { "column": "b.y" }],
+            "questions": [{ "text": "?", "measure": "b.y", "compare": { "c.cost": ["A", "B"] } }]
+        }));
+        let spec = spec.unwrap();
+        assert_eq!(spec.measures[0].better, Better::Higher);
+        assert_eq!(spec.measures[1].better, Better::Lower);
+        assert_eq!(spec.questions[0].compare["c.cost"], [json!("A"), json!("B")]);
+    }
+
+    #[test]
+    fn slips_are_told_with_their_place() {
+        let faults = ReportSpec::parse(&json!({
+            "measure": [], "against": 3, "group": 4,
+            "measures": [{ "colum": "a.x" }],
+            "questions": [{ "text": "?", "measure": "a.x", "compare": {} }]
+        }));
+        let faults = faults.unwrap_err();
+        assert!(faults[0].contains("no field \"measure\"; did you mean \"measures\"?"));
+        assert_eq!(faults[1], "\"report.against\" is not a list");
+        assert!(faults[2].starts_with("\"report.group\": invalid type"), "{faults:?}");
+        assert!(faults[3].starts_with("\"report.measures[0]\": unknown field `colum`"));
+        assert!(faults[4].starts_with("\"report.questions[0]\": \"compare\" must name one"));
+        assert!(ReportSpec::parse(&json!([])).is_err());
+    }
+
+    #[test]
+    fn columns_and_values_must_exist() {
+        let map = r#"{"mve": 1, "nodes": {"compare": {"module": "X"}, "cut": {"module": "Y"}}}"#;
+        let map = Map::parse(map).unwrap();
+        let (a, b) = (json!("A"), json!({ "B": { "size": 2 } }));
+        let values = IndexMap::from([("cut.cost".to_owned(), vec![&a, &b])]);
+        let faults = |json: Json| ReportSpec::parse(&json).unwrap().faults(&map, &values);
+        let fine = json!({
+            "measures": [{ "column": "compare.rms" }, { "column": "seconds.cut" }],
+            "against": ["seconds"], "group": "cut.cost",
+            "questions": [
+                { "text": "?", "measure": "compare.rms", "compare": { "cut.cost": ["A", "B"] } }
+            ]
+        });
+        assert_eq!(faults(fine), [""; 0]);
+        let wrong = json!({
+            "measures": [{ "column": "compere.rms" }], "series": "cut.costs",
+            "questions": [
+                { "text": "?", "measure": "seconds", "compare": { "cut.cost": ["A", "C"] } }
+            ]
+        });
+        let faults = faults(wrong);
+        assert!(faults[0].contains("is not a column") && faults[0].contains("mean \"compare\"?"));
+        assert!(faults[1].contains("not varied by the program; did you mean \"cut.cost\"?"));
+        assert!(faults[2].ends_with("\"C\" is not among the values of cut.cost"), "{faults:?}");
+    }
+}
