@@ -144,7 +144,7 @@ impl Change {
             let bit = |lane: usize| u32::from(self.removes(faces[lane])) << lane;
             return (0..LANES).fold(0, |bits, lane| bits | bit(lane));
         }
-        let faces = i32x8::new(faces.map(|face| face as i32));
+        let faces = i32x8::new(std::array::from_fn(|lane| faces[lane] as i32));
         let mut found = i32x8::splat(0);
         for &number in &self.numbers {
             found |= faces.simd_eq(i32x8::splat(number as i32));

@@ -113,7 +113,9 @@ impl View {
     /// Whether a face that goes may be seen: it has area and shows its drawn side.
     #[inline]
     fn may_be_seen(&self, old: &Patched) -> bool {
-        let [a, b, c] = old.vertices.map(|v| self.corners[v as usize]);
+        let [a, b, c] = old.vertices;
+        let corner = |v: u32| self.corners[v as usize];
+        let [a, b, c] = [corner(a), corner(b), corner(c)];
         let wide = |from: i32, to: i32| i64::from(to - from);
         let across = wide(a.x, b.x) * wide(a.y, c.y) - wide(a.y, b.y) * wide(a.x, c.x);
         let are_placed = a.is_placed() && b.is_placed() && c.is_placed();
@@ -131,8 +133,11 @@ impl View {
         }
         let mut is_clear = false;
         for new in &change.new {
-            let placed = new.vertices.map(|v| self.corner_after(change, moved, v));
-            if !placed.iter().all(|corner| corner.is_placed()) {
+            // Written out: a map over an array is not always inlined.
+            let [a, b, c] = new.vertices;
+            let corner = |v: u32| self.corner_after(change, moved, v);
+            let placed = [corner(a), corner(b), corner(c)];
+            if !(placed[0].is_placed() && placed[1].is_placed() && placed[2].is_placed()) {
                 if !std::mem::replace(&mut is_clear, true) {
                     canvas.clear(&area);
                 }
@@ -205,7 +210,8 @@ impl View {
     fn resolve_block(&self, change: &Change, drawn: &Block, pixel: usize) -> (u64, u64) {
         let layers = &self.layers;
         let inv_depths = f32x8::new(lanes(&layers.inv_depths, pixel));
-        let nexts = i32x8::new(lanes(&layers.nexts, pixel).map(|next| next as i32));
+        let nexts = lanes(&layers.nexts, pixel);
+        let nexts = i32x8::new(std::array::from_fn(|lane| nexts[lane] as i32));
         let now = u64::from_le_bytes(lanes(&layers.values, pixel));
         let goes = change.removes_lanes(lanes(&layers.faces, pixel));
         let is_drawn = drawn.inv_depths.simd_gt(f32x8::splat(0.0)).to_bitmask();

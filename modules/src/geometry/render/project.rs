@@ -75,7 +75,8 @@ impl Lens {
     #[inline]
     fn place(&self, view: DVec3) -> Corner {
         let inv_depth = view.z.recip();
-        let [x, y] = [view.x, -view.y].map(|side| side * inv_depth * (1.0 / TAN_HALF_ANGLE));
+        let scale = inv_depth * (1.0 / TAN_HALF_ANGLE);
+        let (x, y) = (view.x * scale, -view.y * scale);
         let is_inside = view.z >= self.near && x.abs() <= GUARD && y.abs() <= GUARD;
         if !is_inside {
             return Corner::default();
