@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::cancel::CancelToken;
@@ -31,6 +32,8 @@ pub(crate) struct Made {
     pub outputs: Vec<Value>,
     pub log: Vec<LogLine>,
     pub seconds: f64,
+    /// Seconds of parts of the work, where the module says them; none of a value from the disk.
+    pub phases: IndexMap<String, f64>,
 }
 
 /// A line that a module wrote.
@@ -207,7 +210,7 @@ mod tests {
 
     fn text_of(n: usize) -> Arc<Made> {
         let outputs = vec![Value::new("x".repeat(n))];
-        Arc::new(Made { outputs, log: Vec::new(), seconds: 1.0 })
+        Arc::new(Made { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() })
     }
 
     fn key(n: u8) -> Fingerprint {

@@ -8,6 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::cache::{LogLine, Made};
@@ -69,7 +70,8 @@ impl DiskCache {
         // The time of the file is the time of its last use; if it cannot be set, it goes sooner.
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
-        is_whole.then_some(Made { outputs, log: stored.log, seconds: stored.seconds })
+        let phases = IndexMap::new();
+        is_whole.then_some(Made { outputs, log: stored.log, seconds: stored.seconds, phases })
     }
 
     pub(crate) fn store(&self, key: Fingerprint, made: &Made) {
@@ -134,7 +136,8 @@ mod tests {
     use crate::testing::ECHO;
 
     fn made(text: &str) -> Made {
-        Made { outputs: vec![Value::new(text.to_owned())], log: Vec::new(), seconds: 1.0 }
+        let outputs = vec![Value::new(text.to_owned())];
+        Made { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() }
     }
 
     #[test]

@@ -97,6 +97,8 @@ pub trait Reporter: Sync {
     fn log(&self, line: &str);
     /// Trouble that does not stop the module.
     fn warn(&self, line: &str);
+    /// A part of the work is done and took so many seconds.
+    fn phase(&self, _name: &'static str, _seconds: f64) {}
 }
 
 /// What a running module sees: its inputs, its parameters, and whom to tell.
@@ -195,6 +197,12 @@ impl<'a> Io<'a> {
     /// Writes a line to the log of the run.
     pub fn log(&self, line: impl AsRef<str>) {
         self.reporter.log(line.as_ref());
+    }
+
+    /// Records how many seconds a part of the work took, for tables of times: times are no outputs,
+    /// as they differ from run to run. `name` is in lower case with underscores.
+    pub fn phase(&self, name: &'static str, seconds: f64) {
+        self.reporter.phase(name, seconds);
     }
 
     /// Reports trouble that does not stop the module.

@@ -119,6 +119,9 @@ pub struct NodeRecord {
     /// Seconds that its module ran; none if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
+    /// Seconds of parts of that, where the module says them.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub phases: IndexMap<String, f64>,
     /// Where its outputs came from, if not from running it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<CacheUse>,
@@ -363,7 +366,10 @@ impl Runner<'_> {
                 record.scalars.extend(cells);
             }
         }
-        record.seconds = cached.is_none().then_some(made.seconds);
+        if cached.is_none() {
+            record.seconds = Some(made.seconds);
+            record.phases.clone_from(&made.phases);
+        }
         record.cached = cached;
         let is_there = |path: &&PathBuf| self.options.output_folder.join(path).is_file();
         record.files = node.writes.iter().filter(is_there).cloned().collect();
@@ -384,15 +390,23 @@ impl Runner<'_> {
         let settings = self.settle(node, linked).map_err(|error| (error, Vec::new()))?;
         self.tell(node, EventKind::Started);
         let module = node.info.module;
-        let listener =
-            Listener { runner: self, node, log: Mutex::default(), told: Mutex::default() };
+        let listener = Listener {
+            runner: self,
+            node,
+            log: Mutex::default(),
+            phases: Mutex::default(),
+            told: Mutex::default(),
+        };
         let start = Instant::now();
         let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener);
         let outputs = contained(|| (module.run)(&mut io)).and_then(|()| io.finish());
         let seconds = start.elapsed().as_secs_f64();
         let log = listener.log.into_inner().unwrap_or_else(PoisonError::into_inner);
         match outputs {
-            Ok(outputs) => Ok(Made { outputs, log, seconds }),
+            Ok(outputs) => {
+                let phases = listener.phases.into_inner().unwrap_or_else(PoisonError::into_inner);
+                Ok(Made { outputs, log, seconds, phases })
+            }
             Err(error) => Err((error, log)),
         }
     }
@@ -435,6 +449,7 @@ fn blank(node: &PlanNode, status: NodeStatus) -> NodeRecord {
         status,
         key: node.key,
         seconds: None,
+        phases: IndexMap::new(),
         cached: None,
         scalars: IndexMap::new(),
         values: IndexMap::new(),
@@ -447,6 +462,7 @@ struct Listener<'a> {
     runner: &'a Runner<'a>,
     node: &'a PlanNode,
     log: Mutex<Vec<LogLine>>,
+    phases: Mutex<IndexMap<String, f64>>,
     told: Mutex<Option<Instant>>,
 }
 
@@ -470,6 +486,11 @@ impl Reporter for Listener<'_> {
     fn warn(&self, line: &str) {
         self.keep(true, line);
         self.runner.tell(self.node, EventKind::Warning { text: line });
+    }
+
+    fn phase(&self, name: &'static str, seconds: f64) {
+        let mut phases = self.phases.lock().unwrap_or_else(PoisonError::into_inner);
+        phases.insert(name.to_owned(), seconds);
     }
 }
 

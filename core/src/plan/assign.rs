@@ -15,7 +15,8 @@ pub(crate) const MODULE: &str = "module";
 ///
 /// Naming the entry that a choice has already keeps the parameters that the map gives it.
 /// `node.module` stands for the module itself, so that a program can put one module in the place of
-/// another.
+/// another: by its id, which keeps the node's parameters, or with parameters of its own, written as
+/// the entry of a choice is, `{"ObjLoader": {"path": "a.obj"}}`.
 pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Result<(), Problem> {
     let Some((node_name, param_path)) = path.split_once('.') else {
         let message = format!("\"{path}\" is not a parameter; write node.param");
@@ -26,11 +27,21 @@ pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Re
         return Err(Problem::error(missing).at(node_name).port(param_path));
     };
     if param_path == MODULE {
-        let Some(id) = value.as_str() else {
-            let message = format!("{value} is not the id of a module");
+        let Some(id) = chosen_id(&value) else {
+            let message = format!("{value} is neither the id of a module nor {{id: parameters}}");
             return Err(Problem::error(message).at(node_name).port(MODULE));
         };
         node.module = id.to_owned();
+        if let Json::Object(object) = &value {
+            node.params = match object.values().next() {
+                Some(Json::Object(params)) => params.clone(),
+                other => {
+                    let found = other.unwrap_or(&Json::Null);
+                    let message = format!("{found} is no object of parameters");
+                    return Err(Problem::error(message).at(node_name).port(MODULE));
+                }
+            };
+        }
         return Ok(());
     }
     let info = registry.find(&node.module);

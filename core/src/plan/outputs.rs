@@ -14,6 +14,9 @@ use crate::template::{Piece, as_name, pieces};
 /// Stands for the id of the step until it is known; no name in a file system holds it.
 const STEP: char = '\0';
 
+/// In a name, what a node's outputs come from, whichever module the node has.
+const SOURCE: &str = "source";
+
 /// The name of one output file.
 pub(super) struct Name {
     node: String,
@@ -88,13 +91,16 @@ fn expand(
 
 /// The value that a reference such as `load.path.stem` or `simplify.cost` stands for.
 fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, String> {
-    let form = "write {node.param}, {step} or {repeat}";
+    let form = "write {node.param}, {node.source}, {step} or {repeat}";
     let PortRef { node, port } = name.parse().map_err(|()| form.to_owned())?;
     let place = map.nodes.get_index_of(&node).ok_or_else(|| no_such_node(map, &node))?;
     // A node of an unknown module has been reported.
     let Some(Some(found)) = nodes.get(place) else { return Ok(String::new()) };
     if port == MODULE {
         return Ok(found.info.module.id.to_owned());
+    }
+    if port == SOURCE && found.settings.find(SOURCE).is_none() {
+        return Ok(source(found));
     }
     let mut path = port.split('.');
     let first = path.next().unwrap_or_default();
@@ -115,7 +121,34 @@ fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, 
             _ => return Err("there is no such parameter".to_owned()),
         }
     }
-    Ok(setting.to_word())
+    Ok(match setting {
+        Setting::Choice { id, params } => chosen(id, params, found, first),
+        other => other.to_word(),
+    })
+}
+
+/// An entry of a choice, with those of its parameters that are not as the entry has them by default.
+fn chosen(id: &str, params: &Settings, node: &PlanNode, param: &str) -> String {
+    let spec = node.info.module.params.iter().find(|spec| spec.name == param);
+    let defaults = spec.and_then(|spec| match spec.kind {
+        Kind::Choice { list, .. } => Settings::defaults(list.find(id)?.params),
+        _ => None,
+    });
+    let defaults = defaults.unwrap_or_default();
+    let other = params.0.iter().filter(|set| !defaults.0.contains(set));
+    other.fold(id.to_owned(), |word, (name, setting)| format!("{word}-{name}{}", setting.to_word()))
+}
+
+/// What a node's outputs come from: the stem of the file that it reads, or its module.
+fn source(node: &PlanNode) -> String {
+    let params = node.info.module.params.iter().zip(&node.settings.0);
+    let read = params.filter(|(spec, _)| matches!(spec.kind, Kind::InputFile { .. }));
+    let stem = read.filter_map(|(_, (_, setting))| match setting {
+        Setting::File { written, .. } => file_part(written, "stem"),
+        _ => None,
+    });
+    let mut named = stem.filter(|stem| !stem.is_empty());
+    named.next().unwrap_or_else(|| node.info.module.id.to_owned())
 }
 
 fn file_part(path: &str, part: &str) -> Option<String> {

@@ -43,7 +43,11 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
     header.extend(program.varied.iter().cloned());
     header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
     header.push("seconds".to_owned());
-    header.extend(program.nodes.iter().map(|node| format!("seconds.{node}")));
+    let times = times(program, &records);
+    header.extend(times.iter().map(|(node, phase)| match phase {
+        None => format!("seconds.{node}"),
+        Some(phase) => format!("seconds.{node}.{phase}"),
+    }));
     header.extend(["status".to_owned(), "reason".to_owned()]);
     let row = |(place, record): &(usize, Arc<StepRecord>)| {
         let step = &program.steps[*place];
@@ -55,8 +59,11 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
             scalar.map_or(String::new(), cell)
         }));
         row.push(number(record.seconds));
-        row.extend(program.nodes.iter().map(|node| {
-            let seconds = record.nodes.get(node).and_then(|node| node.seconds);
+        row.extend(times.iter().map(|(node, phase)| {
+            let seconds = record.nodes.get(node).and_then(|node| match phase {
+                None => node.seconds,
+                Some(phase) => node.phases.get(phase).copied(),
+            });
             seconds.map_or(String::new(), number)
         }));
         row.push(record.status.word().to_owned());
@@ -64,6 +71,19 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
         row
     };
     (header, records.iter().map(row).collect())
+}
+
+/// Every node, and behind it the parts of its work that some step has seconds of.
+fn times(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(String, Option<String>)> {
+    let of_node = |node: &String| {
+        let mut phases = IndexSet::new();
+        let found = records.iter().filter_map(|(_, record)| record.nodes.get(node));
+        found.for_each(|record| phases.extend(record.phases.keys().cloned()));
+        let parts = phases.into_iter().map(Some);
+        let named = std::iter::once(None).chain(parts);
+        named.map(|phase| (node.clone(), phase)).collect::<Vec<_>>()
+    };
+    program.nodes.iter().flat_map(of_node).collect()
 }
 
 /// Node and name of every scalar that some step gave, in running order, but for the names of
@@ -180,6 +200,9 @@ fn json_lines(program: &Program, store: &Store) -> String {
             }
             if let Some(own) = node.seconds {
                 seconds.insert(name.clone(), Json::from(own));
+            }
+            for (phase, part) in &node.phases {
+                seconds.insert(format!("{name}.{phase}"), Json::from(*part));
             }
         }
         let row = serde_json::json!({

@@ -102,6 +102,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let simplified =
         simplify(&mesh, cost.as_mut(), placement.as_mut(), options, Control::new(&report))
             .map_err(|_| ModuleError::Cancelled)?;
+    io.phase("first_prices", simplified.seconds.first_prices);
+    io.phase("collapses", simplified.seconds.collapses);
     let found = simplified.statistics;
     if let (Outcome::Exhausted, Some(target)) = (found.outcome, found.target_faces) {
         io.warn(format!(

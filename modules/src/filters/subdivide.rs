@@ -18,10 +18,10 @@ const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 const SCHEME: Param<Scheme> = Param::one_of("scheme", "Where the vertices go.", "Loop");
 const LEVELS: Param<i64> = Param::integer(
     "levels",
-    "How often each face is cut into four. A result of more than 67,108,864 faces is refused.",
+    "How often each face is cut into four; 0 leaves the mesh as it is. A result of more than 67,108,864 faces is refused.",
     1,
 )
-.between((1, 13))
+.between((0, 13))
 .mostly((1, 4));
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",

@@ -1,6 +1,7 @@
 //! The greedy loop: price, queue, check, merge, price again.
 
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use glam::DVec3;
 
@@ -10,8 +11,8 @@ use super::pulse::Pulse;
 use super::queue::{Entry, Queue};
 use super::state::{Collapsing, flag, next_in_face, previous_in_face};
 use super::{
-    Boundary, Candidates, Collapse, Ends, Outcome, Proposal, Reach, Simplified, SimplifyOptions,
-    Statistics,
+    Boundary, Candidates, Collapse, Ends, Outcome, Proposal, Reach, Seconds, Simplified,
+    SimplifyOptions, Statistics,
 };
 use crate::cost::Cost;
 use crate::data::{TriMesh, VertexId};
@@ -44,6 +45,7 @@ pub(super) struct Engine<'a> {
     options: SimplifyOptions,
     pulse: Pulse<'a>,
     statistics: Statistics,
+    start: Instant,
     marks: Marks,
     scratch: Scratch,
 }
@@ -71,6 +73,7 @@ impl<'a> Engine<'a> {
         options: SimplifyOptions,
         control: Control<'a>,
     ) -> Result<Self, Cancelled> {
+        let start = Instant::now();
         let mut pulse = Pulse::new(control);
         let mut marks = Marks::new(mesh.positions.len());
         let mut state = Collapsing::link(mesh, &mut marks, &mut pulse)?;
@@ -116,6 +119,7 @@ impl<'a> Engine<'a> {
             options,
             pulse,
             statistics,
+            start,
             marks,
             scratch: Scratch::default(),
         })
@@ -129,6 +133,7 @@ impl<'a> Engine<'a> {
         } else {
             self.fill_queue()?;
         }
+        let first_prices = self.start.elapsed().as_secs_f64();
         while let Some(entry) = self.queue.first(self.state.n_faces, &mut self.pulse)? {
             if self.options.stop.cost.is_some_and(|limit| entry.price > limit) {
                 self.statistics.outcome = Outcome::CostReached;
@@ -151,7 +156,7 @@ impl<'a> Engine<'a> {
                 break;
             }
         }
-        let Self { mesh, state, attributes, queue, mut pulse, mut statistics, .. } = self;
+        let Self { mesh, state, attributes, queue, mut pulse, mut statistics, start, .. } = self;
         statistics.n_faces = state.n_faces;
         pulse.call(statistics.n_faces)?;
         // Giving memory back takes time, too.
@@ -159,7 +164,8 @@ impl<'a> Engine<'a> {
         pulse.beat(statistics.n_faces)?;
         let mesh = state.into_mesh(mesh, attributes, &mut pulse)?;
         pulse.call(statistics.n_faces)?;
-        Ok(Simplified { mesh, statistics })
+        let collapses = start.elapsed().as_secs_f64() - first_prices;
+        Ok(Simplified { mesh, statistics, seconds: Seconds { first_prices, collapses } })
     }
 
     /// Prices every edge.
@@ -170,7 +176,7 @@ impl<'a> Engine<'a> {
             let end = (at + size).min(self.state.edges.len());
             self.scratch.edges.clear();
             self.scratch.edges.extend(at as u32..end as u32);
-            let start = std::time::Instant::now();
+            let start = Instant::now();
             self.price_edges();
             let micros = start.elapsed().as_micros();
             size = if micros < 500 {

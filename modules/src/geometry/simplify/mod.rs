@@ -204,6 +204,17 @@ pub struct Simplified {
     pub mesh: TriMesh,
     /// Counts of the run.
     pub statistics: Statistics,
+    /// How long its two parts took.
+    pub seconds: Seconds,
+}
+
+/// How long the parts of a run took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// To link the mesh, let the cost look at it, and price every edge.
+    pub first_prices: f64,
+    /// To collapse edges and price their neighbors again, and to put the result together.
+    pub collapses: f64,
 }
 
 /// Counts of a run.
