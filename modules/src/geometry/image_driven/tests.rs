@@ -4,7 +4,7 @@ use super::*;
 use crate::cost::Squares;
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::render::{NO_FACE, Side, Visible, luminance, normal};
-use crate::geometry::simplify::{SimplifyOptions, Stop, simplify};
+use crate::geometry::simplify::{Candidates, Ends, SimplifyOptions, Stop, simplify};
 use crate::placement::{Endpoint, Optimal, Placement};
 
 /// Prices by active areas, and checks some of them against whole pictures.
@@ -143,4 +143,56 @@ fn a_mesh_in_no_picture_has_prices_of_zero() {
     let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
     let found = simplify(&point, &mut cost, &mut Endpoint, options, Control::none()).unwrap();
     assert_eq!(found.statistics.largest_cost, Some(0.0));
+}
+
+/// Proposes places all over space: near, behind the cameras, far away.
+struct Anywhere;
+
+impl Placement for Anywhere {
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
+        for (ends, out) in batch.iter().zip(out) {
+            let from = state.position(ends.kept);
+            let toward = from.cross(state.position(ends.gone)).normalize_or(DVec3::Y);
+            let far = [0.01, 0.3, 3.0, 40.0, 1e7, 1e300][ends.gone.idx() % 6];
+            out.push(from + far * toward);
+        }
+    }
+}
+
+#[test]
+fn surfaces_behind_the_cameras_price_as_in_whole_pictures() {
+    let mesh = small_vase();
+    let stop = Stop { ratio: Some(0.7), ..Stop::default() };
+    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    for sides in [Sides::Front, Sides::Both] {
+        let mut cost = Checked::new(&mesh, Squares, ImageOptions { sides, ..SMALL });
+        simplify(&mesh, &mut cost, &mut Anywhere, options, Control::none()).unwrap();
+        assert!(*lock(&cost.n_checked) > 50);
+    }
+}
+
+#[test]
+fn odd_meshes_are_simplified() {
+    let broken = |change: &dyn Fn(&mut TriMesh)| {
+        let mut mesh = small_vase();
+        change(&mut mesh);
+        mesh
+    };
+    let meshes = [
+        broken(&|mesh| mesh.positions[7] = DVec3::NAN),
+        broken(&|mesh| mesh.positions[7] = DVec3::splat(1e300)),
+        broken(&|mesh| mesh.positions[7] = DVec3::INFINITY),
+        broken(&|mesh| mesh.positions.iter_mut().for_each(|p| *p *= 1e-300)),
+        broken(&|mesh| mesh.positions.iter_mut().for_each(|p| p.y = 0.0)),
+        broken(&|mesh| mesh.faces.truncate(1)),
+        broken(&|mesh| mesh.faces.clear()),
+        broken(&|mesh| mesh.faces.iter_mut().step_by(3).for_each(|face| face.swap(0, 1))),
+        broken(&|mesh| mesh.faces.extend_from_within(..)),
+    ];
+    for mesh in &meshes {
+        let result = halve(mesh, &mut ImageDriven::new(mesh, Squares, SMALL), &mut Endpoint);
+        assert!(result.faces.len() <= mesh.faces.len());
+        let mut cost = ImageDriven::new(mesh, Structure::default(), SMALL);
+        halve(mesh, &mut cost, &mut Optimal::default());
+    }
 }

@@ -1,7 +1,7 @@
 //! The greedy loop: price, queue, check, merge, price again.
 
-use std::ops::ControlFlow;
-use std::time::Instant;
+use std::ops::{ControlFlow, RangeInclusive};
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
@@ -19,9 +19,13 @@ use crate::data::{TriMesh, VertexId};
 use crate::geometry::control::{Cancelled, Control};
 use crate::placement::Placement;
 
-/// Edges priced in one batch while the queue is filled, at the start and at most. A batch grows
-/// while it takes less than a millisecond; that changes no price.
-const BATCH: std::ops::RangeInclusive<usize> = 16..=512;
+/// Edges priced in one batch, at the least and at most.
+const BATCH: RangeInclusive<usize> = 1..=512;
+/// The size of the first one. Batches grow while they take less than half a millisecond, and shrink
+/// when they take so long that a cancel would wait; that changes no price.
+const FIRST_BATCH: usize = 64;
+const SHORT: Duration = Duration::from_micros(500);
+const LONG: Duration = Duration::from_millis(20);
 
 /// How many of the edges that come up next are priced, or read, along with the first: their loads
 /// from memory overlap.
@@ -45,6 +49,8 @@ pub(super) struct Engine<'a> {
     options: SimplifyOptions,
     pulse: Pulse<'a>,
     statistics: Statistics,
+    /// Edges of the next batch of prices.
+    batch: usize,
     start: Instant,
     marks: Marks,
     scratch: Scratch,
@@ -119,6 +125,7 @@ impl<'a> Engine<'a> {
             options,
             pulse,
             statistics,
+            batch: FIRST_BATCH,
             start,
             marks,
             scratch: Scratch::default(),
@@ -147,10 +154,10 @@ impl<'a> Engine<'a> {
                 self.scratch.edges.push(entry.edge);
                 self.scratch.edges.extend(queue.coming().take(AHEAD).filter(is_stale));
                 warm_ends(&self.state, self.scratch.edges.iter().copied());
-                self.price_edges();
+                self.price_edges()?;
                 continue;
             }
-            self.attempt(entry);
+            self.attempt(entry)?;
             if is_reached(self.state.n_faces) {
                 self.statistics.outcome = Outcome::TargetReached;
                 break;
@@ -170,25 +177,12 @@ impl<'a> Engine<'a> {
 
     /// Prices every edge.
     fn fill_queue(&mut self) -> Result<(), Cancelled> {
-        let mut at = 0;
-        let mut size = *BATCH.start();
-        while at < self.state.edges.len() {
-            let end = (at + size).min(self.state.edges.len());
+        let n_edges = self.state.edges.len();
+        for first in (0..n_edges).step_by(*BATCH.end()) {
+            let end = (first + BATCH.end()).min(n_edges);
             self.scratch.edges.clear();
-            self.scratch.edges.extend(at as u32..end as u32);
-            let start = Instant::now();
-            self.price_edges();
-            let micros = start.elapsed().as_micros();
-            size = if micros < 500 {
-                size * 2
-            } else if micros > 1000 {
-                size / 2
-            } else {
-                size
-            };
-            size = size.clamp(*BATCH.start(), *BATCH.end());
-            self.pulse.beat(self.state.n_faces)?;
-            at = end;
+            self.scratch.edges.extend(first as u32..end as u32);
+            self.price_edges()?;
         }
         self.pulse.call(self.state.n_faces)
     }
@@ -215,11 +209,46 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// Prices the edges in the scratch and puts each on the queue with its best candidate.
-    fn price_edges(&mut self) {
-        if self.scratch.edges.is_empty() {
-            return;
+    /// Prices the edges in the scratch and puts each on the queue with its best candidate, in
+    /// batches.
+    fn price_edges(&mut self) -> Result<(), Cancelled> {
+        if self.scratch.edges.len() <= self.batch {
+            return self.price_batch();
         }
+        let all = std::mem::take(&mut self.scratch.edges);
+        let mut left = all.as_slice();
+        while !left.is_empty() {
+            let (batch, rest) = left.split_at(self.batch.min(left.len()));
+            self.scratch.edges.clear();
+            self.scratch.edges.extend_from_slice(batch);
+            self.price_batch()?;
+            left = rest;
+        }
+        self.scratch.edges = all;
+        Ok(())
+    }
+
+    /// Prices the edges in the scratch at once, and learns from how long that takes.
+    fn price_batch(&mut self) -> Result<(), Cancelled> {
+        let n = self.scratch.edges.len();
+        if n == 0 {
+            return Ok(());
+        }
+        // Small batches are too short to measure, and reading the clock takes time, too.
+        let start = (n * 4 > self.batch).then(Instant::now);
+        self.price_scratch();
+        match start.map(|start| start.elapsed()) {
+            Some(elapsed) if elapsed < SHORT && n == self.batch => {
+                self.batch = (2 * self.batch).min(*BATCH.end());
+            }
+            Some(elapsed) if elapsed > LONG => self.batch = (n / 2).max(*BATCH.start()),
+            _ => {}
+        }
+        self.pulse.beat(self.state.n_faces)
+    }
+
+    /// Prices the edges in the scratch.
+    fn price_scratch(&mut self) {
         self.propose();
         let scratch = &mut self.scratch;
         scratch.batch.clear();
@@ -260,7 +289,7 @@ impl<'a> Engine<'a> {
     }
 
     /// Tries the collapse at the head of the queue.
-    fn attempt(&mut self, entry: Entry) {
+    fn attempt(&mut self, entry: Entry) -> Result<(), Cancelled> {
         let edge = entry.edge;
         self.scratch.edges.clear();
         self.scratch.edges.push(edge);
@@ -269,13 +298,13 @@ impl<'a> Engine<'a> {
         let found = self.scratch.candidates.first();
         let Some(&position) = found.and_then(|found| found.as_slice().get(choice)) else {
             park(&mut self.state, &mut self.queue, edge);
-            return;
+            return Ok(());
         };
         let rings = &mut self.scratch.rings;
         if !self.state.link_condition_holds(edge, rings, &mut self.marks) {
             self.statistics.n_rejected_link += 1;
             park(&mut self.state, &mut self.queue, edge);
-            return;
+            return Ok(());
         }
         let least_cosine = self.options.flip_angle_rad.map(f64::cos);
         if !position.is_finite()
@@ -284,9 +313,9 @@ impl<'a> Engine<'a> {
         {
             self.statistics.n_rejected_flip += 1;
             self.try_next_candidate(entry);
-            return;
+            return Ok(());
         }
-        self.collapse(entry, position);
+        self.collapse(entry, position)
     }
 
     /// Puts the edge back with the candidate that comes next by price and number, if any.
@@ -315,7 +344,7 @@ impl<'a> Engine<'a> {
         }
     }
 
-    fn collapse(&mut self, entry: Entry, position: DVec3) {
+    fn collapse(&mut self, entry: Entry, position: DVec3) -> Result<(), Cancelled> {
         let [kept, gone] = self.state.edges[entry.edge as usize].map(VertexId);
         let before = [self.state.position(kept), self.state.position(gone)];
         let scratch = &mut self.scratch;
@@ -340,7 +369,7 @@ impl<'a> Engine<'a> {
         self.wake_parked(kept.0);
         self.scratch.edges.sort_unstable();
         self.scratch.edges.dedup();
-        self.price_edges();
+        self.price_edges()
     }
 
     /// Lists the edges within reach of a merge.
