@@ -54,7 +54,7 @@ pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, run_program, stands_for,
+    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, brief_value, run_program, stands_for,
 };
 pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
 pub use run::{

@@ -10,30 +10,7 @@ const LONGEST: usize = 60;
 
 /// A value in few words: `ImageMse 256`, `cow.obj`, `off`.
 pub fn of_value(value: &Json) -> String {
-    let text = match value {
-        Json::Null => "off".to_owned(),
-        Json::String(text) => text.clone(),
-        Json::Object(fields) if fields.len() == 1 => {
-            let inner = fields.iter().next();
-            inner.map_or_else(String::new, |(id, params)| of_choice(id, params))
-        }
-        other => other.to_string(),
-    };
-    shortened(&text)
-}
-
-/// An entry of a choice with its parameters. A lone number needs no name.
-fn of_choice(id: &str, params: &Json) -> String {
-    let Json::Object(params) = params else { return format!("{id} {}", of_value(params)) };
-    let mut list = params.iter();
-    match (list.next(), list.next()) {
-        (None, _) => id.to_owned(),
-        (Some((_, value)), None) if value.is_number() => format!("{id} {value}"),
-        _ => {
-            let params = params.iter().map(|(name, value)| format!("{name} {}", of_value(value)));
-            format!("{id} ({})", params.collect::<Vec<_>>().join(", "))
-        }
-    }
+    shortened(&mve_core::brief_value(value))
 }
 
 /// Names of the values of an axis, as short as they can be and still be told apart.

@@ -8,7 +8,7 @@ mod tables;
 
 pub use plan_file::{PlanFile, RunNote};
 pub use report_spec::{Better, Measure, Question, ReportSpec, stands_for};
-pub use tables::brief;
+pub use tables::{brief, brief_value};
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;

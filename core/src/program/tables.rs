@@ -1,6 +1,7 @@
 //! The tables of a program's results, made from the records of its store.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use indexmap::IndexSet;
@@ -148,6 +149,9 @@ pub(super) fn brief_table(
     let short = |place: usize, cell: &String| match cell.parse::<f64>() {
         Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
         Ok(number) => brief(number),
+        Err(_) if cell.starts_with('{') => {
+            serde_json::from_str(cell).map_or_else(|_| cell.clone(), |json| brief_value(&json))
+        }
         Err(_) => cell.clone(),
     };
     let row = |row: &Vec<String>| shown.iter().map(|&place| short(place, &row[place])).collect();
@@ -262,6 +266,38 @@ fn trimmed(number: &str) -> String {
     match number.contains('.') {
         true => number.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => number.to_owned(),
+    }
+}
+
+/// A parameter's value for a person: `ImageMse 256`, `cow.obj`, `off`. A lone number of an entry
+/// needs no name, and a file is named for itself.
+pub fn brief_value(value: &Json) -> String {
+    match value {
+        Json::Null => "off".to_owned(),
+        Json::String(text) => text.clone(),
+        Json::Object(fields) if fields.len() == 1 => {
+            let inner = fields.iter().next();
+            inner.map_or_else(String::new, |(id, params)| brief_entry(id, params))
+        }
+        other => other.to_string(),
+    }
+}
+
+fn brief_entry(id: &str, params: &Json) -> String {
+    let Json::Object(params) = params else { return format!("{id} {}", brief_value(params)) };
+    let is_path = |text: &str| text.contains('/') && Path::new(text).extension().is_some();
+    match params.iter().collect::<Vec<_>>().as_slice() {
+        [] => id.to_owned(),
+        [(_, value)] if value.is_number() => format!("{id} {value}"),
+        [(_, Json::String(text))] if is_path(text) => {
+            let name = Path::new(text).file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        }
+        params => {
+            let params =
+                params.iter().map(|(name, value)| format!("{name} {}", brief_value(value)));
+            format!("{id} ({})", params.collect::<Vec<_>>().join(", "))
+        }
     }
 }
 

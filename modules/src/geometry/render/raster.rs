@@ -259,9 +259,9 @@ impl Triangle {
     /// The triangle in small numbers, if it is small enough for them.
     #[inline(always)]
     pub fn small(&self) -> Option<Small> {
-        // A step is at most 2⁸ times an edge of 57 × 2⁸, and rows and columns up to 64 away are
-        // asked for: products stay below 2³⁰.
-        const MOST: usize = 56;
+        // An edge is at most 120 × 2⁸ steps long, and rows and columns up to 128 away are asked
+        // for: two such products stay below 2³¹.
+        const MOST: usize = 120;
         let fits = self.bounds.width() <= MOST && self.bounds.height() <= MOST;
         fits.then(|| Small {
             steps: self.steps.map(|step| step.map(|d| d as i32)),
