@@ -21,14 +21,19 @@ fn of_box_by(cost: &str, placement: &str, metric: &str, measure: &str) -> f64 {
         "links": ["model.mesh -> simplify.mesh", "model.mesh -> compare.original",
             "simplify.mesh -> compare.simplified"]}}"#
     );
+    measured(&text, 0, measure)
+}
+
+/// A measure of the node `compare` of a map.
+fn measured(text: &str, repeat: u32, measure: &str) -> f64 {
     let options = PlanOptions {
         map_folder: Path::new("/"),
         output_folder: None,
         output_scope: OutputScope::Folder,
-        repeat: 0,
+        repeat,
         files: &FileHashes::new(),
     };
-    let plan = Plan::new(&Map::parse(&text).unwrap(), &registry(), &options).unwrap();
+    let plan = Plan::new(&Map::parse(text).unwrap(), &registry(), &options).unwrap();
     let options = RunOptions {
         output_folder: Path::new("/nowhere"),
         threads: 2,
@@ -70,4 +75,19 @@ fn pictures_keep_a_box() {
     assert!(max < 1e-12, "{max}");
     let msdm2 = of_box_by(cost, "Endpoint", "Msdm2", "simplified_msdm2");
     assert!(msdm2 < 1e-3, "{msdm2}");
+}
+
+/// The seed of a sampled metric is a parameter of an entry of a choice.
+#[test]
+fn repeats_of_a_sampled_metric_differ() {
+    let text = r#"{"mve": 1, "nodes": {"model": {"module": "Vase"},
+        "simplify": {"module": "Simplificator", "params": {"ratio": 0.2}},
+        "compare": {"module": "MeshComparer", "params": {"metric": {"Hausdorff":
+            {"samples": 500, "tolerance": null}}}}},
+        "links": ["model.mesh -> simplify.mesh", "model.mesh -> compare.original",
+            "simplify.mesh -> compare.simplified"]}"#;
+    let [first, again, second] = [0, 0, 1].map(|repeat| measured(text, repeat, "rms"));
+    assert_eq!(first, again);
+    assert_ne!(first, second);
+    assert!((first / second - 1.0).abs() < 0.5, "{first} and {second}");
 }

@@ -155,6 +155,20 @@ impl Setting {
         }
     }
 
+    /// Raises seeds, those of the entries of choices too, so that a repeat differs from the next.
+    pub(crate) fn shift_seeds(&mut self, spec: &ParamSpec, repeat: u32) {
+        match (self, spec.kind) {
+            (Self::Integer(seed), Kind::Seed { .. }) => *seed += i64::from(repeat),
+            (Self::Choice { id, params }, Kind::Choice { list, .. }) => {
+                let specs = list.find(id).map_or(&[][..], |entry| entry.params);
+                for (spec, (_, setting)) in specs.iter().zip(&mut params.0) {
+                    setting.shift_seeds(spec, repeat);
+                }
+            }
+            _ => {}
+        }
+    }
+
     /// Input files are left out: the key has their content, not their name.
     fn write_key(&self, spec: &ParamSpec, key: &mut FingerprintBuilder) {
         match (self, spec.kind) {

@@ -296,7 +296,13 @@ impl Answer {
         let start = match (overall.n, self.is_shown()) {
             (1, _) => "One pair alone shows little:",
             (_, true) => "On average",
+            // Were all pairs to differ the same way, the signed-rank test would give 2 / 2ⁿ.
+            (2..=5, false) => "Too few pairs to tell: on average",
             (_, false) => "The data do not show a difference: on average",
+        };
+        let ties = match n.saturating_sub(self.n_lower + self.n_higher) {
+            0 => String::new(),
+            n_equal => format!(", equal in {n_equal}"),
         };
         let change = change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
@@ -308,7 +314,7 @@ impl Answer {
         };
         format!(
             "{start} {a} gives {change} {m} than {b} (geometric mean of {pairs}{interval}); it is \
-             {side} in {n_side} of {n}; {test}.{verdict}"
+             {side} in {n_side} of {n}{ties}; {test}.{verdict}"
         )
     }
 

@@ -189,8 +189,7 @@ fn prepare(
                     }
                 }
             }
-            (Kind::Seed { .. }, Setting::Integer(seed)) => *seed += i64::from(options.repeat),
-            _ => {}
+            (_, setting) => setting.shift_seeds(spec, options.repeat),
         }
     }
     PlanNode {

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use super::{MODULE, OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
-use crate::param::Kind;
+use crate::param::{Kind, ParamSpec};
 use crate::problem::Problem;
 use crate::setting::{Setting, Settings};
 use crate::template::{Piece, as_name, pieces};
@@ -122,21 +122,26 @@ fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, 
         }
     }
     Ok(match setting {
-        Setting::Choice { id, params } => chosen(id, params, found, first),
+        Setting::Choice { .. } => {
+            let spec = found.info.module.params.iter().find(|spec| spec.name == first);
+            spec.map_or_else(|| setting.to_word(), |spec| chosen(setting, spec))
+        }
         other => other.to_word(),
     })
 }
 
-/// An entry of a choice, with those of its parameters that are not as the entry has them by default.
-fn chosen(id: &str, params: &Settings, node: &PlanNode, param: &str) -> String {
-    let spec = node.info.module.params.iter().find(|spec| spec.name == param);
-    let defaults = spec.and_then(|spec| match spec.kind {
-        Kind::Choice { list, .. } => Settings::defaults(list.find(id)?.params),
-        _ => None,
-    });
-    let defaults = defaults.unwrap_or_default();
-    let other = params.0.iter().filter(|set| !defaults.0.contains(set));
-    other.fold(id.to_owned(), |word, (name, setting)| format!("{word}-{name}{}", setting.to_word()))
+/// A setting as a word: an entry of a choice with those of its parameters that are not as the entry
+/// has them by default.
+fn chosen(setting: &Setting, spec: &ParamSpec) -> String {
+    let (Setting::Choice { id, params }, Kind::Choice { list, .. }) = (setting, spec.kind) else {
+        return setting.to_word();
+    };
+    let specs = list.find(id).map_or(&[][..], |entry| entry.params);
+    let set = specs.iter().zip(&params.0);
+    let other = set.filter(|(spec, (_, setting))| spec.default_setting().as_ref() != Some(setting));
+    other.fold((*id).to_owned(), |word, (spec, (name, setting))| {
+        format!("{word}-{name}{}", chosen(setting, spec))
+    })
 }
 
 /// What a node's outputs come from: the stem of the file that it reads, or its module.

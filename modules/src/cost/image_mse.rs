@@ -23,7 +23,9 @@ pub static COST: Entry<MakeCost> = Entry {
         VIEW.background.spec(),
         AREAS.spec(),
     ],
-    build: |mesh, settings| Ok(Box::new(ImageDriven::new(mesh, Squares, image_options(settings)?))),
+    build: |mesh, settings| {
+        Ok(Box::new(ImageDriven::new(mesh, Squares, image_options(mesh, settings)?)))
+    },
 };
 
 /// See the file's header.
@@ -55,5 +57,31 @@ impl Difference for Squares {
 
     fn price(&self, growth: i64, _: usize, _: usize) -> f64 {
         growth as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::render::Rect;
+    use crate::mesh::fixtures::mesh_of;
+    use crate::prelude::*;
+
+    #[test]
+    fn squares_grow_by_what_a_patch_changes() {
+        let picture = Picture { size: 2, original: vec![10, 20, 30, 40], now: vec![10, 25, 30, 0] };
+        // The right column: 25 becomes 21 (25 less 1), and 0 becomes 38 (1600 less 4).
+        let area = Rect { x: [1, 2], y: [0, 2] };
+        let patch = Patch { area, changed: area, values: vec![21, 0, 38, 0], stride: 2 };
+        assert_eq!(Squares.change(&picture, &(), &patch, &mut ()), -(25 - 1) - (1600 - 4));
+    }
+
+    #[test]
+    fn a_mesh_that_no_camera_can_see_is_an_error() {
+        let settings = Settings::defaults(COST.params).unwrap();
+        let point = mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]);
+        let message = (COST.build)(&point, &settings).err().unwrap().to_string();
+        assert!(message.contains("no camera can be placed"), "{message}");
+        assert!((COST.build)(&TriMesh::default(), &settings).is_ok());
     }
 }

@@ -38,6 +38,6 @@ pub static COST: Entry<MakeCost> = Entry {
     ],
     build: |mesh, settings| {
         let difference = Structure { margin: settings.get(&MARGIN)? as i32 };
-        Ok(Box::new(ImageDriven::new(mesh, difference, image_options(settings)?)))
+        Ok(Box::new(ImageDriven::new(mesh, difference, image_options(mesh, settings)?)))
     },
 };

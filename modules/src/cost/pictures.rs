@@ -21,7 +21,10 @@ const MOST_PIXELS: usize = 1 << 26;
 impl Enumeration for Areas {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Active", "Only the pixels that the collapse changes are drawn and compared."),
-        ("Whole", "Whole pictures are drawn and compared: the same prices, slowly."),
+        (
+            "Whole",
+            "Whole pictures are drawn and compared: the same prices, some hundred times as slowly.",
+        ),
     ];
     const VALUES: &'static [Self] = &[Self::Active, Self::Whole];
 }
@@ -29,8 +32,8 @@ impl Enumeration for Areas {
 pub const AREAS: Param<Areas> =
     Param::one_of("areas", "How much of a picture a price looks at.", "Active");
 
-/// Reads these parameters.
-pub fn image_options(settings: &Settings) -> Result<ImageOptions, ModuleError> {
+/// Reads these parameters, for a mesh that must fit pictures.
+pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions, ModuleError> {
     let cameras = VIEW.read_cameras(settings)?;
     let resolution = settings.get(&VIEW.resolution)? as usize;
     let n_pixels = cameras.len().saturating_mul(resolution * resolution);
@@ -41,6 +44,15 @@ pub fn image_options(settings: &Settings) -> Result<ImageOptions, ModuleError> {
             cameras.len()
         );
         return Err(ModuleError::Param { name: VIEW.resolution.spec().name.into(), message });
+    }
+    let is_seen = mesh.bounds().is_some_and(|bounds| !cameras.around(bounds).is_empty());
+    if !is_seen && !mesh.faces.is_empty() {
+        return Err(ModuleError::Input {
+            port: "mesh".into(),
+            message: "no camera can be placed around the mesh: its box has no extent, or one too \
+                      large or too small; an image-driven cost needs pictures"
+                .to_owned(),
+        });
     }
     Ok(ImageOptions {
         cameras,

@@ -50,6 +50,16 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             io.warn(format!("layer \"{name}\" is over corners and is left out of the file"));
         }
     }
+    // A float has 24 bits: it tells points apart that are 2⁻²⁴ of their coordinates away.
+    let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let rounding = farthest * 2f64.powi(-24);
+    if options.precision == Precision::Float && rounding > 1e-5 * mesh.diagonal() {
+        io.warn(format!(
+            "floats round positions by up to {rounding:.3e}, which is {:.1e} of the mesh's \
+             diagonal; set precision to Double, or move the mesh to the origin",
+            rounding / mesh.diagonal()
+        ));
+    }
     let report = |share| io.flow(share);
     let write = |out: &mut dyn std::io::Write| {
         write_ply(&mesh, field.as_deref(), options, out, Control::new(&report))

@@ -11,7 +11,8 @@
 //!
 //! Departures from the paper: faces are shaded flat, so that a collapse changes no other faces than
 //! those around its edge; edges are priced again after a collapse when their own faces have
-//! changed, not when some other part of the surface comes before or behind them in a picture.
+//! changed, not when some other part of the surface comes before or behind them in a picture, nor
+//! when only pixels beside them change that a window of [`Structure`] sees, too.
 
 mod canvas;
 mod change;
