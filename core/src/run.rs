@@ -1,10 +1,13 @@
 //! Running a plan: nodes start as soon as their inputs are there, on a few threads.
 
+mod listener;
+
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
+use listener::Listener;
 use serde::{Deserialize, Serialize};
 
 use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
@@ -12,7 +15,7 @@ use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
 use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
-use crate::module::{Io, ModuleError, Reporter};
+use crate::module::{Io, ModuleError};
 use crate::panics::contained;
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
 use crate::setting::{Setting, Settings};
@@ -455,48 +458,5 @@ fn blank(node: &PlanNode, status: NodeStatus) -> NodeRecord {
         values: IndexMap::new(),
         files: Vec::new(),
         log: Vec::new(),
-    }
-}
-
-struct Listener<'a> {
-    runner: &'a Runner<'a>,
-    node: &'a PlanNode,
-    log: Mutex<Vec<LogLine>>,
-    phases: Mutex<IndexMap<String, f64>>,
-    told: Mutex<Option<Instant>>,
-}
-
-impl Reporter for Listener<'_> {
-    fn progress(&self, share: f64) {
-        // A thread that finds another one telling has nothing newer to tell.
-        let Ok(mut told) = self.told.try_lock() else { return };
-        let now = Instant::now();
-        if told.is_none_or(|told| now - told >= PROGRESS_PAUSE) {
-            *told = Some(now);
-            drop(told);
-            self.runner.tell(self.node, EventKind::Progress { share: share.clamp(0.0, 1.0) });
-        }
-    }
-
-    fn log(&self, line: &str) {
-        self.keep(false, line);
-        self.runner.tell(self.node, EventKind::Log { text: line });
-    }
-
-    fn warn(&self, line: &str) {
-        self.keep(true, line);
-        self.runner.tell(self.node, EventKind::Warning { text: line });
-    }
-
-    fn phase(&self, name: &'static str, seconds: f64) {
-        let mut phases = self.phases.lock().unwrap_or_else(PoisonError::into_inner);
-        phases.insert(name.to_owned(), seconds);
-    }
-}
-
-impl Listener<'_> {
-    fn keep(&self, is_warning: bool, line: &str) {
-        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        log.push(LogLine { is_warning, text: line.to_owned() });
     }
 }
