@@ -1,3 +1,5 @@
+//! SSIM against reference values of scikit-image and against its definition.
+
 use proptest::prelude::*;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Image RMS of pictures known by hand, and of odd meshes.
+
 use std::ops::ControlFlow;
 
 use glam::DVec3;

@@ -1,3 +1,5 @@
+//! Prices of active areas against those of whole pictures, and pictures of odd meshes.
+
 use glam::DVec3;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Shading against painting triangle by triangle, and colors known by hand.
+
 use proptest::prelude::*;
 
 use super::*;

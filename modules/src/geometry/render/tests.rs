@@ -1,3 +1,5 @@
+//! The fill rule and pictures known by hand or in closed form.
+
 use glam::DVec3;
 use proptest::prelude::*;
 
