@@ -2,7 +2,9 @@
 //!
 //! `{load.path.stem}-{simplify.cost}.obj` becomes `bunny-Quadric.obj`. A reference names a node and
 //! a dotted path of its parameters; behind the path of a file, `stem`, `name` and `extension` take
-//! a part of it. `{step}` is the id of the step and `{repeat}` its repeat. What is put in never
+//! a part of it. A choice is named with those parameters of its entry that are not its defaults,
+//! and `{load.source}` is the stem of the file that the node reads, or else its module. `{step}` is
+//! the id of the step and `{repeat}` its repeat. What is put in never
 //! adds a folder: slashes in it become dashes.
 
 /// A piece of a template.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use indexmap::{IndexMap, IndexSet};
-use mve_core::{PlanFile, ReportSpec, Scalar, StepRecord, StepStatus, Store, brief};
+use mve_core::{NodeRecord, PlanFile, ReportSpec, Scalar, StepRecord, StepStatus, Store, brief};
 use serde_json::Value as Json;
 
 use crate::ReportError;
@@ -38,7 +38,13 @@ pub struct Case {
     pub steps: Vec<StepOf>,
     /// The place of its value on each axis.
     pub at: Vec<usize>,
+    /// For each measure that the program names, below what its values are rounding.
+    rounding: Arc<IndexMap<String, f64>>,
 }
+
+/// The part of the largest value of a measure below which a value is rounding and counts as 0: else
+/// distances of 10⁻¹⁶ and 10⁻¹⁷ would be ranked, averaged and plotted.
+const ROUNDING: f64 = 1e-12;
 
 /// A step of a case.
 pub struct StepOf {
@@ -106,14 +112,16 @@ impl Case {
         let of = |record: &StepRecord| match column {
             "seconds" => (record.status == StepStatus::Done).then_some(record.seconds),
             _ => match column.strip_prefix("seconds.") {
-                Some(node) if record.nodes.contains_key(node) => record.nodes[node].seconds,
+                Some(place) if is_time(record, place) => time(record, place),
                 _ => match scalar(record, column) {
                     Some(Scalar::Number(number)) => Some(*number),
                     _ => None,
                 },
             },
         };
-        self.records().filter_map(of).filter(|number| number.is_finite()).collect()
+        let rounding = self.rounding.get(column).copied().unwrap_or(0.0);
+        let kept = |number: f64| if number.abs() < rounding { 0.0 } else { number };
+        self.records().filter_map(of).filter(|number| number.is_finite()).map(kept).collect()
     }
 
     /// Mean and interval of a column.
@@ -144,6 +152,24 @@ impl Case {
     }
 }
 
+/// The node of `node` or `node.part`, the places behind `seconds.`.
+fn node_of<'a>(record: &'a StepRecord, place: &str) -> Option<&'a NodeRecord> {
+    record.nodes.get(place).or_else(|| record.nodes.get(place.rsplit_once('.')?.0))
+}
+
+fn is_time(record: &StepRecord, place: &str) -> bool {
+    node_of(record, place).is_some()
+}
+
+/// Seconds of a node or of a part of its work.
+fn time(record: &StepRecord, place: &str) -> Option<f64> {
+    let node = node_of(record, place)?;
+    match record.nodes.contains_key(place) {
+        true => node.seconds,
+        false => node.phases.get(place.rsplit_once('.')?.1).copied(),
+    }
+}
+
 fn scalar<'a>(record: &'a StepRecord, column: &str) -> Option<&'a Scalar> {
     let (node, output) = column.split_once('.')?;
     record.nodes.get(node)?.scalars.get(output)
@@ -166,7 +192,12 @@ impl Results {
         let mut cases: IndexMap<String, Case> = IndexMap::new();
         for step in &plan.steps {
             let key = labels::canonical(&step.params);
-            let new = || Case { params: step.params.clone(), steps: Vec::new(), at: Vec::new() };
+            let new = || Case {
+                params: step.params.clone(),
+                steps: Vec::new(),
+                at: Vec::new(),
+                rounding: Arc::default(),
+            };
             let case = cases.entry(key).or_insert_with(new);
             // Repeats of what has no seed are one and the same step.
             if case.steps.iter().all(|known| known.id != step.id) {
@@ -183,7 +214,22 @@ impl Results {
             has_series: false,
         };
         results.find_axes();
+        results.find_rounding();
         Ok(results)
+    }
+
+    /// Finds below what the values of each measure are rounding.
+    fn find_rounding(&mut self) {
+        let asked = self.spec.questions.iter().map(|question| &question.measure);
+        let columns = self.spec.measures.iter().map(|measure| &measure.column).chain(asked);
+        let largest = |column: &String| {
+            let all = self.cases.iter().flat_map(|case| case.numbers(column));
+            all.fold(0.0, |largest: f64, number| largest.max(number.abs()))
+        };
+        let rounding: IndexMap<String, f64> =
+            columns.map(|column| (column.clone(), ROUNDING * largest(column))).collect();
+        let rounding = Arc::new(rounding);
+        self.cases.iter_mut().for_each(|case| case.rounding = rounding.clone());
     }
 
     /// The parameters that vary, also in stores whose plan does not list them.
