@@ -1,0 +1,3 @@
+//! The `mve-editor` command.
+
+fn main() {}
