@@ -86,6 +86,9 @@ pub enum EventKind<'a> {
     Ended {
         /// How, and what it gave.
         record: &'a NodeRecord,
+        /// The values of its outputs, in the order of their declarations; none if it is not done.
+        #[serde(skip)]
+        outputs: &'a [Value],
     },
 }
 
@@ -307,7 +310,7 @@ impl Runner<'_> {
     fn not_run(&self, node: &PlanNode, status: NodeStatus, log: Vec<LogLine>) -> NodeOutcome {
         let record = NodeRecord { log, ..blank(node, status) };
         let outcome = NodeOutcome { record, outputs: IndexMap::new() };
-        self.tell(node, EventKind::Ended { record: &outcome.record });
+        self.tell(node, EventKind::Ended { record: &outcome.record, outputs: &[] });
         outcome
     }
 
@@ -347,7 +350,7 @@ impl Runner<'_> {
             }
         };
         let record = self.record(node, &made, cached);
-        self.tell(node, EventKind::Ended { record: &record });
+        self.tell(node, EventKind::Ended { record: &record, outputs: &made.outputs });
         let outputs = Arc::try_unwrap(made).map_or_else(|made| made.outputs.clone(), |m| m.outputs);
         let names = node.info.module.outputs.iter().map(|output| output.name);
         let kept = match self.options.keep {

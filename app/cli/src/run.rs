@@ -115,7 +115,7 @@ fn observe(event: &Event, progress: &Progress, json: bool) {
         EventKind::Progress { share } => progress.update(node, "", Some(*share)),
         EventKind::Log { text } => say_log(progress, node, text),
         EventKind::Warning { text } => say_warning(progress, node, text),
-        EventKind::Ended { record } => {
+        EventKind::Ended { record, .. } => {
             if record.cached.is_some() {
                 for line in &record.log {
                     match line.is_warning {

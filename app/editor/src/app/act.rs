@@ -1,0 +1,213 @@
+//! Does what parts of the window ask for.
+
+use std::path::Path;
+
+use eframe::egui::{self, ViewportCommand};
+use mve_core::Kind;
+use serde_json::Value as Json;
+
+use super::dialogs::Purpose;
+use super::{Command, EXAMPLE, Editor, Lower, Wish};
+use crate::canvas::Action;
+use crate::document::{Clip, Document, Edit, Item};
+use crate::forms::FormEvent;
+use crate::programs;
+use crate::runner::Part;
+
+/// How far beside the original a duplicate comes to stand, in units of the canvas.
+const BESIDE: f64 = 40.0;
+
+impl Editor {
+    /// Does what was asked for; what cannot be done is said.
+    pub(super) fn grant(&mut self, ctx: &egui::Context, wish: Wish) {
+        match wish {
+            Wish::Canvas(action) => self.act(ctx, action),
+            Wish::ShowNode(node) => {
+                let session = self.session_mut();
+                session.canvas.show_node(&node);
+                session.document.select([Item::Node(node)]);
+            }
+            Wish::Program(action) => self.act_on_program(ctx, action),
+            Wish::Command(command) => self.command(ctx, command),
+        }
+    }
+
+    fn act(&mut self, ctx: &egui::Context, action: Action) {
+        match action {
+            Action::Edit(edits) => self.edit(&edits),
+            Action::Select(items) => self.session_mut().document.select(items),
+            Action::Run(part) => self.run(part),
+            Action::Pin(port) => self.session_mut().toggle_pin(port),
+            Action::Form(node, event) => self.form(node, event),
+            Action::Copy => self.copy(ctx),
+            Action::Cut => {
+                self.copy(ctx);
+                let items = self.session().document.selection().iter().cloned().collect();
+                self.edit(&[Edit::Remove(items)]);
+            }
+            Action::Paste(text, at) => match Clip::parse(&text).filter(|clip| !clip.is_empty()) {
+                Some(clip) => self.edit(&[Edit::Paste { clip, at }]),
+                None => self.toast("What is on the clipboard is no part of a map."),
+            },
+            Action::RequestPaste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
+            Action::Duplicate => self.duplicate(),
+            Action::Vary(node, param) => self.vary(&node, &param),
+        }
+    }
+
+    /// Changes the map; new items are selected.
+    pub(super) fn edit(&mut self, edits: &[Edit]) {
+        let Self { sessions, active, shared, .. } = self;
+        let session = &mut sessions[*active];
+        match session.document.apply(edits, &shared.registry) {
+            Ok(applied) => {
+                applied.renamed.iter().for_each(|(from, to)| session.rename(from, to));
+                let is_drawn = |item: &Item| !matches!(item, Item::Link(_));
+                let new: Vec<Item> = applied.new_items.into_iter().filter(is_drawn).collect();
+                if !new.is_empty() {
+                    session.document.select(new);
+                }
+                session.prune_pins(&shared.registry);
+            }
+            Err(error) => self.toast(error.to_string()),
+        }
+    }
+
+    fn form(&mut self, node: String, event: FormEvent) {
+        match event {
+            FormEvent::Set { path, value } => self.edit(&[Edit::SetParam { node, path, value }]),
+            FormEvent::Browse { path, extensions } => {
+                let session = &self.sessions[self.active];
+                let purpose = Purpose::Param(session.document.id(), node, path);
+                self.dialogs.ask(purpose, extensions, session.folder(), &self.shared);
+            }
+        }
+    }
+
+    fn copy(&mut self, ctx: &egui::Context) {
+        let document = &self.session().document;
+        let items: Vec<Item> = document.selection().iter().cloned().collect();
+        let clip = Clip::copy(document, &items);
+        if !clip.is_empty() {
+            ctx.copy_text(clip.to_text());
+        }
+    }
+
+    fn duplicate(&mut self) {
+        let document = &self.session().document;
+        let items: Vec<Item> = document.selection().iter().cloned().collect();
+        let places = items.iter().filter_map(|item| document.position(item));
+        let corner = places.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+        let clip = Clip::copy_with_links(document, &items);
+        if let Some([x, y]) = corner.filter(|_| !clip.is_empty()) {
+            self.edit(&[Edit::Paste { clip, at: [x + BESIDE, y + BESIDE] }]);
+        }
+    }
+
+    fn vary(&mut self, node: &str, param: &str) {
+        self.lower = Lower::Program;
+        self.is_lower_open = true;
+        let Self { sessions, active, shared, .. } = self;
+        let session = &mut sessions[*active];
+        let folder = session.folder();
+        let file = session.document.path().map(|path| path.display().to_string());
+        let scene = programs::Scene {
+            map: session.document.map(),
+            revision: session.document.revision(),
+            folder: &folder,
+            map_file: file.as_deref().unwrap_or(""),
+            registry: &shared.registry,
+        };
+        let actions = session.programs.vary(node, param, &scene);
+        let edits: Vec<Edit> = actions.into_iter().filter_map(edit_of).collect();
+        self.edit(&edits);
+    }
+
+    fn act_on_program(&mut self, ctx: &egui::Context, action: programs::Action) {
+        match action {
+            programs::Action::LoadStep(params) => {
+                let edit = |(node, path, value): (String, String, Json)| Edit::SetParam {
+                    node,
+                    path,
+                    value: Some(value),
+                };
+                let edits: Vec<Edit> = params.into_iter().map(edit).collect();
+                self.edit(&edits);
+            }
+            programs::Action::OpenFile(path) => {
+                let path = std::path::absolute(&path).unwrap_or(path);
+                ctx.open_url(egui::OpenUrl::new_tab(format!("file://{}", path.display())));
+            }
+            programs::Action::ShowNode(node) => self.grant(ctx, Wish::ShowNode(node)),
+            other => {
+                if let Some(edit) = edit_of(other) {
+                    self.edit(&[edit]);
+                }
+            }
+        }
+    }
+
+    fn command(&mut self, ctx: &egui::Context, command: Command) {
+        match command {
+            Command::New => self.add(Document::new()),
+            Command::Open => self.boxes.open_map(),
+            Command::OpenPath(path) => self.open(&path),
+            Command::Example => match Document::from_text(EXAMPLE) {
+                Ok(document) => self.add(document),
+                Err(error) => self.toast(error.to_string()),
+            },
+            Command::Save => self.save(self.active),
+            Command::SaveAs => self.save_as(),
+            Command::Close(place) => self.close(place),
+            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Command::Undo => self.travel(Document::undo),
+            Command::Redo => self.travel(Document::redo),
+            Command::Run => self.run(Part::All),
+            Command::Stop => self.session_mut().runner.stop(),
+            Command::Shortcuts => self.boxes.show_shortcuts(),
+            Command::Copy => self.act(ctx, Action::Copy),
+            Command::Cut => self.act(ctx, Action::Cut),
+            Command::Paste => self.act(ctx, Action::RequestPaste),
+        }
+    }
+
+    /// Goes back or forward in the history.
+    fn travel(&mut self, step: fn(&mut Document) -> Option<&str>) {
+        let Self { sessions, active, shared, .. } = self;
+        let session = &mut sessions[*active];
+        step(&mut session.document);
+        session.prune_pins(&shared.registry);
+    }
+
+    /// Adds a module that reads a file of this kind, with the file as its parameter.
+    pub(super) fn add_reader(&mut self, path: &Path) {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let reader = self.shared.registry.modules().iter().find_map(|info| {
+            let param = info.module.params.iter().find(|spec| {
+                matches!(spec.kind, Kind::InputFile { extensions, .. } if extensions.contains(&extension.as_str()))
+            })?;
+            Some((info.module.id, param.name))
+        });
+        let Some((module, param)) = reader else {
+            self.toast(format!("{}: no module reads files of this kind", path.display()));
+            return;
+        };
+        let session = self.session();
+        let name = crate::document::unique_name(session.document.map(), module);
+        let value = Some(Json::from(session.written_path(path)));
+        let at = session.canvas.free_place();
+        self.edit(&[
+            Edit::AddNode { module: module.to_owned(), name: Some(name.clone()), at },
+            Edit::SetParam { node: name, path: param.to_owned(), value },
+        ]);
+    }
+}
+
+/// What a program panel asks for as an edit of the map.
+fn edit_of(action: programs::Action) -> Option<Edit> {
+    match action {
+        programs::Action::SetProgram { name, spec } => Some(Edit::SetProgram { name, spec }),
+        programs::Action::RenameProgram { name, to } => Some(Edit::RenameProgram { name, to }),
+        _ => None,
+    }
+}

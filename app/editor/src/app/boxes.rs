@@ -1,0 +1,295 @@
+//! Boxes over the window: opening and saving, keys, questions before something is lost.
+
+use eframe::egui::{self, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+
+use super::files::typed_path;
+use super::{Command, Editor, Wish};
+use crate::canvas::SHORTCUTS;
+use crate::document::Recovered;
+
+/// Keys that hold in the whole window; those of the canvas are its own.
+const WINDOW_KEYS: &[(&str, &str)] = &[
+    ("F5, Ctrl + Enter", "run the map"),
+    ("Shift + Esc", "stop the run"),
+    ("Ctrl + Z", "undo"),
+    ("Ctrl + Shift + Z, Ctrl + Y", "redo"),
+    ("Ctrl + N, O, S, W", "new, open, save, close a map"),
+    ("Ctrl + Shift + S", "save as"),
+    ("Ctrl + Tab", "next map"),
+    ("Ctrl + plus, minus, 0", "larger, smaller, as the system has it"),
+    ("F1", "this list"),
+];
+
+/// The box that is open, if there is one.
+#[derive(Default)]
+enum Open {
+    #[default]
+    Nothing,
+    /// Path so far.
+    OpenMap(String),
+    SaveMap(String),
+    Shortcuts,
+    CloseMap(u64),
+    Quit,
+}
+
+/// The boxes over the window.
+#[derive(Default)]
+pub struct Boxes {
+    open: Open,
+    recovered: Vec<Recovered>,
+}
+
+impl Boxes {
+    pub(super) fn open_map(&mut self) {
+        self.open = Open::OpenMap(String::new());
+    }
+
+    pub(super) fn save_map(&mut self, path: String) {
+        self.open = Open::SaveMap(path);
+    }
+
+    pub(super) fn show_shortcuts(&mut self) {
+        self.open = Open::Shortcuts;
+    }
+
+    pub(super) fn ask_to_close(&mut self, id: u64) {
+        self.open = Open::CloseMap(id);
+    }
+
+    pub(super) fn ask_to_quit(&mut self) {
+        self.open = Open::Quit;
+    }
+
+    pub(super) fn offer_recovered(&mut self, found: Vec<Recovered>) {
+        self.recovered = found;
+    }
+
+    pub(super) fn close_open(&mut self) {
+        self.open = Open::Nothing;
+    }
+
+    pub(super) fn close_save(&mut self) {
+        self.open = Open::Nothing;
+    }
+}
+
+impl Editor {
+    pub(super) fn boxes(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        if !self.boxes.recovered.is_empty() {
+            self.recovered_box(ui);
+            return;
+        }
+        let open = std::mem::take(&mut self.boxes.open);
+        let stays = match open {
+            Open::Nothing => Open::Nothing,
+            Open::OpenMap(path) => self.open_box(ui, path, wishes),
+            Open::SaveMap(path) => self.save_box(ui, path),
+            Open::Shortcuts => shortcuts_box(ui),
+            Open::CloseMap(id) => self.close_box(ui, id),
+            Open::Quit => self.quit_box(ui),
+        };
+        // What the box was asked for may have opened another.
+        if matches!(self.boxes.open, Open::Nothing) {
+            self.boxes.open = stays;
+        }
+    }
+
+    fn open_box(&mut self, ui: &mut Ui, mut path: String, wishes: &mut Vec<Wish>) -> Open {
+        let mut chosen = None;
+        let mut wants_dialog = false;
+        let shown = Modal::new("open a map".into()).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading("Open a map");
+            ui.horizontal(|ui| {
+                let field = ui.add(TextEdit::singleline(&mut path).hint_text("path of a map").desired_width(320.0));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of a map"));
+                let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if ui.memory(|memory| memory.focused().is_none()) {
+                    field.request_focus();
+                }
+                wants_dialog = ui.button("Browse…").clicked();
+                if (ui.button("Open").clicked() || is_entered) && !path.trim().is_empty() {
+                    chosen = Some(Command::OpenPath(typed_path(&path)));
+                }
+            });
+            ui.add_space(6.0);
+            for recent in &self.settings.recent {
+                if ui.link(recent.display().to_string()).clicked() {
+                    chosen = Some(Command::OpenPath(recent.clone()));
+                }
+            }
+            ui.add_space(6.0);
+            if ui.link("The example: simplify one model and measure what was lost").clicked() {
+                chosen = Some(Command::Example);
+            }
+            ui.weak("A map can also be dropped on the window.");
+        });
+        if wants_dialog {
+            self.ask_for_map();
+        }
+        if let Some(command) = chosen {
+            wishes.push(Wish::Command(command));
+            return Open::Nothing;
+        }
+        if shown.should_close() { Open::Nothing } else { Open::OpenMap(path) }
+    }
+
+    fn save_box(&mut self, ui: &mut Ui, mut path: String) -> Open {
+        let mut is_done = false;
+        let mut wants_dialog = false;
+        let shown = Modal::new("save the map".into()).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading("Save the map as");
+            ui.horizontal(|ui| {
+                let field = ui.add(TextEdit::singleline(&mut path).desired_width(320.0));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of the file"));
+                let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if ui.memory(|memory| memory.focused().is_none()) {
+                    field.request_focus();
+                }
+                wants_dialog = ui.button("Browse…").clicked();
+                is_done = ui.button("Save").clicked() || is_entered;
+            });
+            if typed_path(&path).exists() {
+                ui.colored_label(ui.visuals().warn_fg_color, "A file of this name is there and will be replaced.");
+            }
+            let folder = std::env::current_dir().unwrap_or_default();
+            ui.weak(format!("Relative paths are below {}.", folder.display()));
+        });
+        if wants_dialog {
+            self.ask_where_to_save();
+        }
+        if is_done && !path.trim().is_empty() {
+            let mut target = typed_path(&path);
+            if target.extension().is_none() {
+                target.set_extension("json");
+            }
+            self.save_to(&target);
+            return Open::Nothing;
+        }
+        if shown.should_close() { Open::Nothing } else { Open::SaveMap(path) }
+    }
+
+    fn close_box(&mut self, ui: &mut Ui, id: u64) -> Open {
+        let Some(place) = self.place_of(id) else { return Open::Nothing };
+        let title = self.sessions[place].document.title();
+        match question(ui, &format!("Save the changes of {title}?"), &["Save", "Close without saving", "Cancel"]) {
+            Some(0) => {
+                self.save(place);
+                // A map without a file asks for one first, and is closed by hand then.
+                if !self.sessions[place].document.is_dirty() {
+                    self.close_anyway(place);
+                }
+                Open::Nothing
+            }
+            Some(1) => {
+                self.close_anyway(place);
+                Open::Nothing
+            }
+            Some(_) => Open::Nothing,
+            None => Open::CloseMap(id),
+        }
+    }
+
+    fn quit_box(&mut self, ui: &mut Ui) -> Open {
+        let dirty = self.sessions.iter().filter(|session| session.document.is_dirty());
+        let names: Vec<String> = dirty.map(|session| session.document.title()).collect();
+        if names.is_empty() {
+            self.quit_anyway(ui.ctx());
+            return Open::Nothing;
+        }
+        let text = format!("There are changes that are not saved: {}.", names.join(", "));
+        match question(ui, &text, &["Save all and quit", "Quit without saving", "Cancel"]) {
+            Some(0) => {
+                for place in 0..self.sessions.len() {
+                    if self.sessions[place].document.is_dirty() {
+                        self.save(place);
+                    }
+                }
+                Open::Nothing
+            }
+            Some(1) => {
+                self.quit_anyway(ui.ctx());
+                Open::Nothing
+            }
+            Some(_) => Open::Nothing,
+            None => Open::Quit,
+        }
+    }
+
+    /// Offers the maps of a window that ended without being asked to.
+    fn recovered_box(&mut self, ui: &mut Ui) {
+        let mut decision: Option<(usize, bool)> = None;
+        Modal::new("recovered".into()).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading("These maps were not saved when mve ended");
+            for (place, recovered) in self.boxes.recovered.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    let name = recovered.path.as_ref().map(|path| path.display().to_string());
+                    let name = name.unwrap_or_else(|| "a map without a file".to_owned());
+                    ui.label(&name);
+                    if ui.button("Recover").clicked() {
+                        decision = Some((place, true));
+                    }
+                    if ui.button("Discard").clicked() {
+                        decision = Some((place, false));
+                    }
+                });
+            }
+        });
+        let Some((place, is_wanted)) = decision else { return };
+        let recovered = self.boxes.recovered.remove(place);
+        if is_wanted {
+            match recovered.open() {
+                Ok(document) => self.add(document),
+                Err(error) => {
+                    self.toast(error.to_string());
+                    return;
+                }
+            }
+        }
+        if let Some(recovery) = &mut self.recovery
+            && let Err(error) = recovery.discard(&recovered)
+        {
+            self.toast(error.to_string());
+        }
+    }
+}
+
+/// Asks a question with some answers; Escape is the last of them.
+fn question(ui: &mut Ui, text: &str, answers: &[&str]) -> Option<usize> {
+    let mut answer = None;
+    let shown = Modal::new("question".into()).show(ui.ctx(), |ui| {
+        ui.set_width(380.0);
+        ui.label(RichText::new(text).strong());
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            for (place, label) in answers.iter().enumerate() {
+                if ui.button(*label).clicked() {
+                    answer = Some(place);
+                }
+            }
+        });
+    });
+    if answer.is_none() && shown.should_close() { Some(answers.len() - 1) } else { answer }
+}
+
+fn shortcuts_box(ui: &mut Ui) -> Open {
+    let shown = Modal::new("keys".into()).show(ui.ctx(), |ui| {
+        ui.set_width(520.0);
+        ui.heading("Keys and gestures");
+        ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                let canvas = SHORTCUTS.iter().map(|shortcut| (shortcut.keys, shortcut.what));
+                for (keys, what) in WINDOW_KEYS.iter().copied().chain(canvas) {
+                    ui.monospace(keys);
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
+        });
+        ui.button("Close").clicked()
+    });
+    if shown.inner || shown.should_close() { Open::Nothing } else { Open::Shortcuts }
+}

@@ -1,0 +1,70 @@
+//! The file dialogs of the system. They run beside the window, which goes on drawing.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use crate::runner::Shared;
+
+/// What a chosen file is for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Purpose {
+    /// A map to open.
+    OpenMap,
+    /// Where to save the map of this number.
+    SaveMap(u64),
+    /// A parameter that names a file to read: number of the map, node, path of the parameter.
+    Param(u64, String, String),
+}
+
+/// The dialogs that are open.
+#[derive(Default)]
+pub struct Dialogs {
+    open: Vec<(Purpose, Receiver<Option<PathBuf>>)>,
+}
+
+impl Dialogs {
+    /// Opens a dialog, unless one for the same purpose is open.
+    pub fn ask(&mut self, purpose: Purpose, extensions: &[&str], folder: PathBuf, shared: &Arc<Shared>) {
+        if self.open.iter().any(|(open, _)| *open == purpose) {
+            return;
+        }
+        let mut dialog = rfd::AsyncFileDialog::new();
+        if folder.is_dir() {
+            dialog = dialog.set_directory(&folder);
+        }
+        if !extensions.is_empty() {
+            dialog = dialog.add_filter(extensions.join(", "), extensions);
+        }
+        let (sender, receiver) = channel();
+        let shared = Arc::clone(shared);
+        let answer = move |file: Option<rfd::FileHandle>| {
+            // The window may be gone; then nobody waits for the answer.
+            let _ = sender.send(file.map(|file| file.path().to_owned()));
+            (shared.wake)();
+        };
+        // On macOS the dialog must be made on the main thread; waiting for it may be anywhere.
+        if matches!(purpose, Purpose::SaveMap(_)) {
+            let asked = dialog.set_file_name("map.json").save_file();
+            std::thread::spawn(move || answer(pollster::block_on(asked)));
+        } else {
+            let asked = dialog.pick_file();
+            std::thread::spawn(move || answer(pollster::block_on(asked)));
+        }
+        self.open.push((purpose, receiver));
+    }
+
+    /// The files that were chosen since the last call. A dialog that was closed gives nothing.
+    pub fn answers(&mut self) -> Vec<(Purpose, PathBuf)> {
+        let mut answers = Vec::new();
+        self.open.retain(|(purpose, receiver)| match receiver.try_recv() {
+            Ok(chosen) => {
+                answers.extend(chosen.map(|path| (purpose.clone(), path)));
+                false
+            }
+            Err(TryRecvError::Empty) => true,
+            Err(TryRecvError::Disconnected) => false,
+        });
+        answers
+    }
+}

@@ -1,0 +1,242 @@
+//! Maps on disk: opening, saving, closing, recovery, and files that others change.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use eframe::egui::{self, Ui, ViewportCommand};
+use serde_json::Value as Json;
+
+use super::dialogs::Purpose;
+use super::session::Session;
+use super::{Editor, LOOK_AT_FILES};
+use crate::document::{DiskChange, Document, Edit};
+
+/// Whether two paths name one file.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+impl Session {
+    /// A path as the map writes it: relative to its folder where it lies below.
+    pub fn written_path(&self, path: &Path) -> String {
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = std::path::absolute(self.folder()).unwrap_or_default();
+        let below = absolute.strip_prefix(&folder).ok().filter(|_| self.document.path().is_some());
+        below.unwrap_or(&absolute).to_string_lossy().replace('\\', "/")
+    }
+}
+
+impl Editor {
+    /// Saves a map; one without a file asks for it.
+    pub(super) fn save(&mut self, place: usize) {
+        if self.sessions[place].document.path().is_none() {
+            self.active = place;
+            self.save_as();
+            return;
+        }
+        let saved = self.sessions[place].document.save();
+        self.after_saving(place, saved);
+    }
+
+    pub(super) fn save_as(&mut self) {
+        let session = &self.sessions[self.active];
+        let known = session.document.path().map(|path| path.display().to_string());
+        self.boxes.save_map(known.unwrap_or_else(|| "map.json".to_owned()));
+    }
+
+    /// Saves the map that is shown to a file.
+    pub(super) fn save_to(&mut self, path: &Path) {
+        let place = self.active;
+        let saved = self.sessions[place].document.save_as(path);
+        self.after_saving(place, saved);
+        self.sessions[place].check_again();
+    }
+
+    fn after_saving(&mut self, place: usize, saved: Result<(), mve_core::MapError>) {
+        if let Err(error) = saved {
+            self.toast(format!("not saved: {error}"));
+            return;
+        }
+        let document = &self.sessions[place].document;
+        if let Some(path) = document.path().map(Path::to_owned) {
+            self.settings.remember(&path);
+        }
+        if let Some(recovery) = &mut self.recovery
+            && let Err(error) = recovery.forget(document)
+        {
+            self.toast(format!("the copy kept for a crash stays: {error}"));
+        }
+    }
+
+    /// Closes a map; one with changes asks first.
+    pub(super) fn close(&mut self, place: usize) {
+        if self.sessions[place].document.is_dirty() {
+            self.active = place;
+            self.boxes.ask_to_close(self.sessions[place].document.id());
+        } else {
+            self.close_anyway(place);
+        }
+    }
+
+    pub(super) fn close_anyway(&mut self, place: usize) {
+        let session = self.sessions.remove(place);
+        if let Some(recovery) = &mut self.recovery {
+            // A copy that stays is offered at the next start, which does no harm.
+            let _ = recovery.forget(&session.document);
+        }
+        if self.sessions.is_empty() {
+            self.add(Document::new());
+        }
+        self.active = self.active.min(self.sessions.len() - 1);
+    }
+
+    /// Keeps the window open while there are changes that nobody has decided on.
+    pub(super) fn guard_close(&mut self, ctx: &egui::Context) {
+        let is_closing = ctx.input(|input| input.viewport().close_requested());
+        let is_dirty = self.sessions.iter().any(|session| session.document.is_dirty());
+        if is_closing && is_dirty && !self.may_close {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.boxes.ask_to_quit();
+        }
+    }
+
+    /// Closes the window, changes and all.
+    pub(super) fn quit_anyway(&mut self, ctx: &egui::Context) {
+        self.may_close = true;
+        for session in &self.sessions {
+            if let Some(recovery) = &mut self.recovery {
+                // A copy that stays is offered at the next start, which does no harm.
+                let _ = recovery.forget(&session.document);
+            }
+        }
+        ctx.send_viewport_cmd(ViewportCommand::Close);
+    }
+
+    /// Every few seconds: keeps changed maps for the case of a crash, and looks for files that
+    /// somebody else has changed.
+    pub(super) fn look_at_files(&mut self, ctx: &egui::Context) {
+        if self.looked_at_files.elapsed() < LOOK_AT_FILES {
+            return;
+        }
+        self.looked_at_files = Instant::now();
+        ctx.request_repaint_after(LOOK_AT_FILES);
+        for session in &mut self.sessions {
+            session.disk_change = session.document.disk_change();
+            session.check_again();
+        }
+        let Some(recovery) = &mut self.recovery else { return };
+        let kept: Result<Vec<()>, _> =
+            self.sessions.iter().map(|session| recovery.autosave(&session.document)).collect();
+        if let Err(error) = kept {
+            self.recovery = None;
+            self.toast(format!("changed maps are no longer kept for a crash: {error}"));
+        }
+    }
+
+    /// Offers maps that were not saved when the window ended the last time.
+    pub(super) fn find_recovered(&mut self) {
+        let Some(recovery) = &mut self.recovery else { return };
+        match recovery.found() {
+            Ok(found) => self.boxes.offer_recovered(found),
+            Err(error) => self.toast(format!("maps kept for a crash cannot be read: {error}")),
+        }
+    }
+
+    /// Maps and meshes that were dropped on the window.
+    pub(super) fn take_dropped(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        for path in dropped.into_iter().filter_map(|file| file.path) {
+            self.take_file(&path);
+        }
+    }
+
+    /// Opens a map, or adds a module that reads the file.
+    pub fn take_file(&mut self, path: &Path) {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            self.open(path);
+        } else {
+            self.add_reader(path);
+        }
+    }
+
+    /// Files that were chosen in a dialog.
+    pub(super) fn take_answers(&mut self) {
+        for (purpose, path) in self.dialogs.answers() {
+            match purpose {
+                Purpose::OpenMap => {
+                    self.boxes.close_open();
+                    self.open(&path);
+                }
+                Purpose::SaveMap(id) => {
+                    if let Some(place) = self.place_of(id) {
+                        self.boxes.close_save();
+                        self.active = place;
+                        self.save_to(&path);
+                    }
+                }
+                Purpose::Param(id, node, param) => {
+                    if let Some(place) = self.place_of(id) {
+                        self.active = place;
+                        let value = Some(Json::from(self.session().written_path(&path)));
+                        self.edit(&[Edit::SetParam { node, path: param, value }]);
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn place_of(&self, id: u64) -> Option<usize> {
+        self.sessions.iter().position(|session| session.document.id() == id)
+    }
+
+    /// Opens the dialog of the system for a map.
+    pub(super) fn ask_for_map(&mut self) {
+        let folder = self.session().folder();
+        self.dialogs.ask(Purpose::OpenMap, &["json"], folder, &self.shared);
+    }
+
+    /// Opens the dialog of the system for where to save.
+    pub(super) fn ask_where_to_save(&mut self) {
+        let (id, folder) = (self.session().document.id(), self.session().folder());
+        self.dialogs.ask(Purpose::SaveMap(id), &["json"], folder, &self.shared);
+    }
+}
+
+/// Says that somebody else has changed the map's file, and asks what to do.
+pub fn disk_banner(editor: &mut Editor, ui: &mut Ui) {
+    let session = &mut editor.sessions[editor.active];
+    let Some(change) = &session.disk_change else { return };
+    let what = match change {
+        DiskChange::Changed => "The file of this map was changed by another program.",
+        DiskChange::Removed => "The file of this map is no longer there.",
+    };
+    let can_reload = *change == DiskChange::Changed;
+    let mut failed = None;
+    egui::Frame::popup(ui.style()).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.colored_label(ui.visuals().warn_fg_color, what);
+            if can_reload && ui.button("Reload").clicked() {
+                failed = session.document.reload().err();
+                session.disk_change = None;
+            }
+            if ui.button("Keep what is here").clicked() {
+                session.document.keep_mine();
+                session.disk_change = None;
+            }
+        });
+    });
+    if let Some(error) = failed {
+        editor.toast(error.to_string());
+    }
+}
+
+/// The path that a person typed, with `~` for the home folder.
+pub fn typed_path(text: &str) -> PathBuf {
+    match (text.trim().strip_prefix("~/"), std::env::var_os("HOME")) {
+        (Some(below), Some(home)) => PathBuf::from(home).join(below),
+        _ => PathBuf::from(text.trim()),
+    }
+}

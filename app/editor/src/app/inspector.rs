@@ -1,0 +1,168 @@
+//! The inspector: all about the selected node, drawn from the declaration of its module.
+
+use eframe::egui::{self, RichText, Ui};
+use mve_core::{NodeMode, PortRef};
+
+use super::Wish;
+use super::session::Session;
+use crate::canvas::Action;
+use crate::document::{Edit, Item};
+use crate::forms::Form;
+use crate::runner::{Part, Shared, Status};
+
+/// Shows the inspector of what is selected.
+pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wish>) {
+    let selected: Vec<&String> = session
+        .document
+        .selection()
+        .iter()
+        .filter_map(|item| match item {
+            Item::Node(name) => Some(name),
+            _ => None,
+        })
+        .collect();
+    match selected.as_slice() {
+        [] => nothing(ui, session, wishes),
+        [name] => node(ui, session, shared, name, wishes),
+        many => {
+            ui.label(format!("{} nodes are selected.", many.len()));
+        }
+    }
+}
+
+fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
+    let map = session.document.map();
+    ui.horizontal(|ui| {
+        ui.label("Title");
+        let id = ui.id().with("title");
+        let mut title = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| map.title.clone());
+        let field = egui::TextEdit::singleline(&mut title).hint_text("what the map is for");
+        let field = ui.add(field.desired_width(f32::INFINITY));
+        if field.has_focus() {
+            ui.data_mut(|data| data.insert_temp(id, title));
+        } else {
+            if field.lost_focus() && title != map.title {
+                wishes.push(Wish::Canvas(Action::Edit(vec![Edit::SetTitle(title)])));
+            }
+            ui.data_mut(|data| data.remove::<String>(id));
+        }
+    });
+    ui.weak(format!("{} nodes, {} links", map.nodes.len(), map.links.len()));
+    let problems = session.runner.problems();
+    if problems.is_empty() && !map.nodes.is_empty() {
+        ui.weak("The map has no problems.");
+    }
+    for problem in problems {
+        let color = match problem.is_error() {
+            true => ui.visuals().error_fg_color,
+            false => ui.visuals().warn_fg_color,
+        };
+        let line = egui::Label::new(RichText::new(problem.to_string()).color(color));
+        if ui.add(line.sense(egui::Sense::click())).clicked()
+            && let Some(node) = &problem.place.node
+        {
+            wishes.push(Wish::ShowNode(node.clone()));
+        }
+    }
+    ui.add_space(8.0);
+    ui.weak("Select a node to see its parameters.");
+}
+
+fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mut Vec<Wish>) {
+    let Some(node) = session.document.map().nodes.get(name) else { return };
+    ui.horizontal(|ui| {
+        ui.heading(name);
+        ui.weak(&node.module);
+    });
+    let status = session.runner.status(name);
+    let color = crate::canvas::status_color(&status);
+    ui.add(egui::Label::new(RichText::new(status.explanation()).color(color)).wrap());
+    if node.mode != NodeMode::Active {
+        let what = if node.mode == NodeMode::Muted { "muted: it does not run" } else { "bypassed: it passes its input through" };
+        ui.label(format!("It is {what}."));
+    }
+    let Some(info) = shared.registry.find(&node.module) else {
+        ui.label("There is no module of this name. The node is kept as it stands.");
+        return;
+    };
+    let module = info.module;
+    ui.add(egui::Label::new(RichText::new(module.summary).weak()).wrap());
+    ui.horizontal(|ui| {
+        if ui.button("\u{25b6} Run up to here").clicked() {
+            wishes.push(Wish::Canvas(Action::Run(Part::UpTo(vec![name.to_owned()]))));
+        }
+    });
+    if !module.params.is_empty() {
+        ui.separator();
+        let from_link = |path: &str| {
+            let is_it = |link: &&mve_core::Link| link.to.node == name && link.to.port == path;
+            session.document.map().links.iter().find(is_it).map(|link| link.from.to_string())
+        };
+        let form = Form { id: name, given: &node.params, link_of: &from_link };
+        let events = form.show(ui, module.params);
+        wishes.extend(
+            events.into_iter().map(|event| Wish::Canvas(Action::Form(name.to_owned(), event))),
+        );
+    }
+    ui.separator();
+    values(ui, session, name, module, wishes);
+    said(ui, session, name, &status);
+}
+
+/// The values of the node's ports.
+fn values(
+    ui: &mut Ui,
+    session: &Session,
+    name: &str,
+    module: &mve_core::Module,
+    wishes: &mut Vec<Wish>,
+) {
+    let links = &session.document.map().links;
+    egui::Grid::new(("ports", name)).num_columns(3).striped(true).show(ui, |ui| {
+        for input in module.inputs {
+            let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
+            ui.label(format!("\u{2192} {}", input.name)).on_hover_text(input.doc);
+            ui.weak(input.data_type.id);
+            let value = link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
+            match (link, value) {
+                (_, Some(value)) => ui.add(egui::Label::new(value.summary()).truncate()),
+                (Some(link), None) => ui.weak(format!("from {}", link.from)),
+                (None, None) if input.is_required => ui.colored_label(ui.visuals().error_fg_color, "not linked"),
+                (None, None) => ui.weak("not linked"),
+            };
+            ui.end_row();
+        }
+        for output in module.outputs {
+            let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
+            let is_pinned = session.pinned.contains(&port);
+            let toggle = ui.selectable_label(is_pinned, format!("{} \u{2192}", output.name));
+            if toggle.on_hover_text(format!("{}\nClick to look at it.", output.doc)).clicked() {
+                wishes.push(Wish::Canvas(Action::Pin(port)));
+            }
+            ui.weak(output.data_type.id);
+            match session.runner.value(name, output.name) {
+                Some(value) => ui.add(egui::Label::new(value.summary()).truncate()),
+                None => ui.weak("no value yet"),
+            };
+            ui.end_row();
+        }
+    });
+}
+
+/// What the node's module said when it ran last, and its files.
+fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
+    let Some(ended) = session.runner.ended(name) else { return };
+    if matches!(status, Status::Running(_) | Status::Waiting) {
+        return;
+    }
+    for (phase, seconds) in &ended.record.phases {
+        ui.weak(format!("{}: {}", phase.replace('_', " "), crate::runner::seconds_text(*seconds)));
+    }
+    for line in &ended.record.log {
+        let color = if line.is_warning { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap());
+    }
+    for file in &ended.record.files {
+        ui.label(format!("wrote {}", file.display()));
+    }
+}

@@ -1,0 +1,172 @@
+//! One open map: its document, its canvas, its runs, and what is looked at.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use indexmap::IndexSet;
+use mve_core::{MapError, PortRef, Registry};
+
+use crate::canvas::Canvas;
+use crate::document::{DiskChange, Document};
+use crate::programs::ProgramPanel;
+use crate::runner::{Part, Runner, Shared, Status, Subject};
+use crate::views::{Pinned, PortState, Viewer};
+
+/// One open map.
+pub struct Session {
+    /// The map.
+    pub document: Document,
+    /// Its canvas.
+    pub canvas: Canvas,
+    /// Its runs.
+    pub runner: Runner,
+    /// The outputs whose values are shown.
+    pub pinned: IndexSet<PortRef>,
+    /// What shows them.
+    pub viewer: Viewer,
+    /// Its programs.
+    pub programs: ProgramPanel,
+    /// What somebody else did to the map's file.
+    pub disk_change: Option<DiskChange>,
+    /// The state of the map that was sent to be checked.
+    checked: Option<u64>,
+    /// The state of the map that was run on edit.
+    run_for: Option<u64>,
+}
+
+impl Session {
+    /// Opens a session on a map.
+    pub fn new(document: Document, shared: &Arc<Shared>) -> Self {
+        let wake = Arc::clone(shared);
+        Self {
+            document,
+            canvas: Canvas::default(),
+            runner: Runner::new(shared),
+            pinned: IndexSet::new(),
+            viewer: Viewer::new(),
+            programs: ProgramPanel::new(Arc::new(move || (wake.wake)())),
+            disk_change: None,
+            checked: None,
+            run_for: None,
+        }
+    }
+
+    /// Opens a map's file.
+    pub fn open(path: &Path, shared: &Arc<Shared>) -> Result<Self, MapError> {
+        Ok(Self::new(Document::open(path)?, shared))
+    }
+
+    /// The folder that the map's input paths are relative to.
+    pub fn folder(&self) -> PathBuf {
+        let parent = self.document.path().and_then(Path::parent);
+        parent.map_or_else(PathBuf::new, Path::to_owned)
+    }
+
+    /// The map as the runner takes it.
+    pub fn subject(&self) -> Subject {
+        Subject {
+            map: Arc::clone(self.document.map()),
+            revision: self.document.revision(),
+            folder: self.folder(),
+        }
+    }
+
+    /// Runs a part of the map.
+    pub fn run(&mut self, part: Part) {
+        self.run_for = Some(self.document.revision());
+        self.runner.run(self.subject(), part);
+    }
+
+    /// Takes in what the threads have told, and has changes checked and, if asked for, run.
+    pub fn update(&mut self, runs_on_edit: bool) {
+        if self.runner.take_in() {
+            self.pin_something();
+        }
+        self.programs.take_in();
+        let revision = self.document.revision();
+        if self.checked != Some(revision) {
+            self.checked = Some(revision);
+            self.runner.forget_all_but(self.document.map());
+            self.runner.check(self.subject());
+        }
+        let has_settled = self.runner.checked().revision == revision;
+        if runs_on_edit && has_settled && self.run_for != Some(revision) {
+            self.run(Part::Quiet);
+        }
+    }
+
+    /// Has the map checked again, for files that it reads may have changed.
+    pub fn check_again(&mut self) {
+        self.checked = None;
+    }
+
+    /// Whether some node's outputs are not those of the map as it stands.
+    pub fn has_changes_to_run(&self) -> bool {
+        let is_old = |name: &String| matches!(self.runner.status(name), Status::New | Status::Dirty);
+        self.document.map().nodes.keys().any(is_old)
+    }
+
+    /// After a first run something is to be seen at once: the last thing of the kind that is most
+    /// worth looking at.
+    fn pin_something(&mut self) {
+        if !self.pinned.is_empty() {
+            return;
+        }
+        let registry = self.runner.registry();
+        let nodes = self.document.map().nodes.iter();
+        let mut best: Option<(usize, PortRef)> = None;
+        for (name, node) in nodes {
+            let Some(info) = registry.find(&node.module) else { continue };
+            for output in info.module.outputs {
+                let Some(value) = self.runner.value(name, output.name) else { continue };
+                let bytes = value.byte_size();
+                let port = PortRef { node: name.clone(), port: output.name.to_owned() };
+                if value.scalar().is_none() && best.as_ref().is_none_or(|(most, _)| bytes > *most) {
+                    best = Some((bytes, port));
+                }
+            }
+        }
+        self.pinned.extend(best.map(|(_, port)| port));
+    }
+
+    /// Shows an output, or no longer.
+    pub fn toggle_pin(&mut self, port: PortRef) {
+        if !self.pinned.shift_remove(&port) {
+            self.pinned.insert(port);
+        }
+    }
+
+    /// What the viewer shows.
+    pub fn pinned_values(&self) -> Vec<Pinned> {
+        let value_of = |port: &PortRef| self.runner.value(&port.node, &port.port);
+        let state_of = |port: &PortRef| match self.runner.status(&port.node) {
+            Status::Done(_) | Status::Cached => PortState::Current,
+            status => PortState::Other(status.explanation()),
+        };
+        let pinned = self.pinned.iter().map(|port| Pinned {
+            title: port.to_string(),
+            value: value_of(port),
+            state: state_of(port),
+        });
+        pinned.collect()
+    }
+
+    /// Takes over a node's new name.
+    pub fn rename(&mut self, from: &str, to: &str) {
+        self.runner.rename(from, to);
+        let renamed = |port: &PortRef| match port.node == from {
+            true => PortRef { node: to.to_owned(), port: port.port.clone() },
+            false => port.clone(),
+        };
+        self.pinned = self.pinned.iter().map(renamed).collect();
+    }
+
+    /// Drops pins of nodes and ports that are no longer there.
+    pub fn prune_pins(&mut self, registry: &Registry) {
+        let map = self.document.map();
+        self.pinned.retain(|port| {
+            let module = map.nodes.get(&port.node).and_then(|node| registry.find(&node.module));
+            module.is_some_and(|info| info.module.outputs.iter().any(|o| o.name == port.port))
+        });
+    }
+}

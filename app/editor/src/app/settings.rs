@@ -1,0 +1,74 @@
+//! What the window remembers from one start to the next.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui;
+use serde::{Deserialize, Serialize};
+
+use crate::canvas::CanvasSettings;
+
+/// Most recent files that are kept.
+const MOST_RECENT: usize = 12;
+
+/// What the window remembers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// How the canvas answers.
+    pub canvas: CanvasSettings,
+    /// Dark, light, or as the system has it.
+    pub theme: Theme,
+    /// Size of everything, 1 for the size that the system asks for.
+    pub scale: f32,
+    /// Whether what a change touches runs at once, savers excepted.
+    pub runs_on_edit: bool,
+    /// Maps that were open, the last one first.
+    pub recent: Vec<PathBuf>,
+    /// Whether the hint for a first start was closed.
+    pub has_seen_hint: bool,
+}
+
+/// The theme of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Theme {
+    /// As the system has it.
+    #[default]
+    System,
+    /// Dark.
+    Dark,
+    /// Light.
+    Light,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            canvas: CanvasSettings::default(),
+            theme: Theme::default(),
+            scale: 1.0,
+            runs_on_edit: false,
+            recent: Vec::new(),
+            has_seen_hint: false,
+        }
+    }
+}
+
+impl Settings {
+    /// Puts a file in front of the recent ones.
+    pub fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// Gives the window its theme and scale.
+    pub fn apply(&self, ctx: &egui::Context) {
+        ctx.set_theme(match self.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Dark => egui::ThemePreference::Dark,
+            Theme::Light => egui::ThemePreference::Light,
+        });
+        ctx.set_zoom_factor(self.scale.clamp(0.5, 3.0));
+    }
+}

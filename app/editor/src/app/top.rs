@@ -1,0 +1,244 @@
+//! Menus, the bar of buttons, the tabs of open maps, and the line at the bottom.
+
+use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
+
+use super::{Command, Editor, Lower, Middle, Theme, Wish};
+use crate::canvas::Action;
+use crate::runner::seconds_text;
+
+/// A line of a menu that gives a command.
+fn entry(ui: &mut Ui, label: &str, keys: &str, is_on: bool) -> bool {
+    ui.add_enabled(is_on, Button::new(label).shortcut_text(keys)).clicked()
+}
+
+impl Editor {
+    pub(super) fn top(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        Panel::top("menus").show(ui, |ui| {
+            egui::MenuBar::new().ui(ui, |ui| {
+                ui.menu_button("File", |ui| self.file_menu(ui, wishes));
+                ui.menu_button("Edit", |ui| self.edit_menu(ui, wishes));
+                ui.menu_button("View", |ui| self.view_menu(ui));
+                ui.menu_button("Run", |ui| self.run_menu(ui, wishes));
+                ui.menu_button("Help", |ui| {
+                    if entry(ui, "Keys and gestures", "F1", true) {
+                        wishes.push(Wish::Command(Command::Shortcuts));
+                    }
+                    if entry(ui, "Open the example", "", true) {
+                        wishes.push(Wish::Command(Command::Example));
+                    }
+                    ui.separator();
+                    ui.weak(format!("mve {}", mve_core::VERSION));
+                });
+                ui.separator();
+                self.buttons(ui, wishes);
+            });
+        });
+        Panel::top("tabs").show(ui, |ui| self.tabs(ui, wishes));
+    }
+
+    fn file_menu(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        let mut command = |ui: &mut Ui, label, keys, command| {
+            if entry(ui, label, keys, true) {
+                wishes.push(Wish::Command(command));
+            }
+        };
+        command(ui, "New map", "Ctrl+N", Command::New);
+        command(ui, "Open…", "Ctrl+O", Command::Open);
+        ui.menu_button("Open recent", |ui| {
+            if self.settings.recent.is_empty() {
+                ui.weak("none yet");
+            }
+            for path in &self.settings.recent {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    command(ui, "", "", Command::OpenPath(path.clone()));
+                }
+            }
+        });
+        command(ui, "Open the example", "", Command::Example);
+        ui.separator();
+        command(ui, "Save", "Ctrl+S", Command::Save);
+        command(ui, "Save as…", "Ctrl+Shift+S", Command::SaveAs);
+        command(ui, "Close map", "Ctrl+W", Command::Close(self.active));
+        ui.separator();
+        command(ui, "Quit", "Ctrl+Q", Command::Quit);
+    }
+
+    fn edit_menu(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        let document = &self.session().document;
+        let undo = document.undo_label().map(|label| format!("Undo: {label}"));
+        let redo = document.redo_label().map(|label| format!("Redo: {label}"));
+        if entry(ui, undo.as_deref().unwrap_or("Undo"), "Ctrl+Z", undo.is_some()) {
+            wishes.push(Wish::Command(Command::Undo));
+        }
+        if entry(ui, redo.as_deref().unwrap_or("Redo"), "Ctrl+Shift+Z", redo.is_some()) {
+            wishes.push(Wish::Command(Command::Redo));
+        }
+        ui.separator();
+        let has_selection = !document.selection().is_empty();
+        if entry(ui, "Cut", "Ctrl+X", has_selection) {
+            wishes.push(Wish::Command(Command::Cut));
+        }
+        if entry(ui, "Copy", "Ctrl+C", has_selection) {
+            wishes.push(Wish::Command(Command::Copy));
+        }
+        if entry(ui, "Paste", "Ctrl+V", true) {
+            wishes.push(Wish::Command(Command::Paste));
+        }
+        if entry(ui, "Duplicate", "Ctrl+D", has_selection) {
+            wishes.push(Wish::Canvas(Action::Duplicate));
+        }
+    }
+
+    fn view_menu(&mut self, ui: &mut Ui) {
+        if entry(ui, "Show all", "Home", true) {
+            self.session_mut().canvas.fit();
+        }
+        ui.separator();
+        for (middle, label) in [
+            (Middle::Both, "Canvas and viewer"),
+            (Middle::Canvas, "Canvas alone"),
+            (Middle::Viewer, "Viewer alone"),
+        ] {
+            ui.radio_value(&mut self.middle, middle, label);
+        }
+        ui.separator();
+        let canvas = &mut self.settings.canvas;
+        ui.checkbox(&mut canvas.snaps, "Snap to the grid");
+        ui.checkbox(&mut canvas.wheel_zooms, "The wheel zooms")
+            .on_hover_text("Off: it scrolls, and zooms with the control key.");
+        ui.checkbox(&mut canvas.shows_times, "Show where the time goes")
+            .on_hover_text("Colors the title of each node by its part of the seconds.");
+        ui.separator();
+        let before = self.settings.clone();
+        ui.horizontal(|ui| {
+            ui.label("Theme");
+            for (theme, label) in
+                [(Theme::System, "System"), (Theme::Dark, "Dark"), (Theme::Light, "Light")]
+            {
+                ui.selectable_value(&mut self.settings.theme, theme, label);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("Size");
+            for scale in [0.8, 1.0, 1.25, 1.5, 2.0] {
+                let label = format!("{:.0} %", scale * 100.0);
+                ui.selectable_value(&mut self.settings.scale, scale, label);
+            }
+        });
+        if self.settings != before {
+            self.settings.apply(ui.ctx());
+        }
+    }
+
+    fn run_menu(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        let is_running = self.session().runner.is_running();
+        if entry(ui, "Run", "F5", true) {
+            wishes.push(Wish::Command(Command::Run));
+        }
+        if entry(ui, "Stop", "Shift+Esc", is_running) {
+            wishes.push(Wish::Command(Command::Stop));
+        }
+        ui.checkbox(&mut self.settings.runs_on_edit, "Run on edit")
+            .on_hover_text("Runs what a change touches at once. Files are written by Run only.");
+    }
+
+    fn buttons(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        let progress = self.session().runner.progress();
+        match progress {
+            Some((share, elapsed)) => {
+                if ui.button("\u{23f9} Stop").on_hover_text("Stop the run").clicked() {
+                    wishes.push(Wish::Command(Command::Stop));
+                }
+                let text = format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
+                ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
+            }
+            None => {
+                let run = ui.button(RichText::new("\u{25b6} Run").strong());
+                if run.on_hover_text("Run the map (F5)").clicked() {
+                    wishes.push(Wish::Command(Command::Run));
+                }
+            }
+        }
+        ui.checkbox(&mut self.settings.runs_on_edit, "on edit")
+            .on_hover_text("Run what a change touches at once. Files are written by Run only.");
+        if ui.button("+ Module").on_hover_text("Search a module and add it (Tab)").clicked() {
+            self.session_mut().canvas.open_search();
+        }
+        ui.separator();
+        for (lower, label) in [
+            (Lower::Program, "Program"),
+            (Lower::Values, "Values"),
+            (Lower::Console, "Console"),
+        ] {
+            let is_shown = self.is_lower_open && self.lower == lower;
+            if ui.selectable_label(is_shown, label).clicked() {
+                self.is_lower_open = !is_shown;
+                self.lower = lower;
+            }
+        }
+    }
+
+    fn tabs(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        ui.horizontal_wrapped(|ui| {
+            for (place, session) in self.sessions.iter().enumerate() {
+                let mark = if session.document.is_dirty() { " •" } else { "" };
+                let running = if session.runner.is_running() { "\u{25b6} " } else { "" };
+                let label = format!("{running}{}{mark}", session.document.title());
+                let tab = ui.selectable_label(place == self.active, label);
+                let path = session.document.path().map(|path| path.display().to_string());
+                let tab = tab.on_hover_text(path.unwrap_or_else(|| "not saved yet".to_owned()));
+                if tab.clicked() {
+                    self.active = place;
+                }
+                let close = ui.small_button("\u{2715}").on_hover_text("Close this map");
+                let name = format!("close {}", session.document.title());
+                close.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
+                if close.clicked() || tab.middle_clicked() {
+                    wishes.push(Wish::Command(Command::Close(place)));
+                }
+                ui.separator();
+            }
+            let new = ui.small_button("+").on_hover_text("New map (Ctrl+N)");
+            new.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, "new map"));
+            if new.clicked() {
+                wishes.push(Wish::Command(Command::New));
+            }
+        });
+    }
+
+    pub(super) fn status_bar(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        Panel::bottom("status").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let session = self.session();
+                let problems = session.runner.problems();
+                let n_errors = problems.iter().filter(|problem| problem.is_error()).count();
+                if n_errors > 0 {
+                    let first = problems.iter().find(|problem| problem.is_error());
+                    let what = if n_errors == 1 { "1 problem".to_owned() } else { format!("{n_errors} problems") };
+                    let text = first.map_or(what.clone(), |first| format!("{what}: {first}"));
+                    let color = ui.visuals().error_fg_color;
+                    let label = egui::Label::new(RichText::new(&text).color(color)).truncate();
+                    let label = ui.add(label.sense(egui::Sense::click()));
+                    if label.on_hover_text(text).clicked()
+                        && let Some(node) = first.and_then(|first| first.place.node.clone())
+                    {
+                        wishes.push(Wish::ShowNode(node));
+                    }
+                } else if session.runner.is_running() {
+                    ui.label("running");
+                } else if session.document.map().nodes.is_empty() {
+                    ui.weak("The map is empty: press Tab on the canvas to add a module.");
+                } else if session.has_changes_to_run() {
+                    ui.weak("Ready to run (F5).");
+                } else {
+                    let time = session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
+                    ui.weak(match time {
+                        Some(time) => format!("Up to date; the last run took {time}."),
+                        None => "Up to date.".to_owned(),
+                    });
+                }
+            });
+        });
+    }
+}

@@ -1,0 +1,162 @@
+//! Keys that the canvas answers to while the pointer is over it or it has the focus.
+
+use eframe::egui::{Event, Key, Modifiers, Response, Ui};
+use mve_core::NodeMode;
+
+use super::{Action, Canvas, Scene, node_of, toggled};
+use crate::document::{Edit, Item};
+use crate::runner::Part;
+
+/// A key of the canvas, as the list of shortcuts shows it.
+pub struct Shortcut {
+    /// The keys.
+    pub keys: &'static str,
+    /// What they do.
+    pub what: &'static str,
+}
+
+/// All keys and gestures of the canvas.
+pub const SHORTCUTS: &[Shortcut] = &[
+    Shortcut { keys: "Tab, double click", what: "search a module and add it" },
+    Shortcut { keys: "drag a port", what: "link it; on empty canvas, add a module that fits" },
+    Shortcut { keys: "click an output", what: "look at its value" },
+    Shortcut { keys: "middle drag, Space + drag", what: "pan" },
+    Shortcut { keys: "wheel, pinch", what: "zoom" },
+    Shortcut { keys: "F", what: "show the selection, or all" },
+    Shortcut { keys: "Home", what: "show all" },
+    Shortcut { keys: "Delete, Backspace", what: "remove the selection" },
+    Shortcut { keys: "Ctrl + C, X, V", what: "copy, cut, paste" },
+    Shortcut { keys: "Ctrl + D", what: "duplicate with the links into it" },
+    Shortcut { keys: "Ctrl + A", what: "select all nodes" },
+    Shortcut { keys: "F2, double click a title", what: "rename" },
+    Shortcut { keys: "M", what: "mute: do not run" },
+    Shortcut { keys: "B", what: "bypass: pass the input through" },
+    Shortcut { keys: "H", what: "collapse to the title" },
+    Shortcut { keys: "G", what: "put a frame around the selection" },
+    Shortcut { keys: "N", what: "add a note" },
+    Shortcut { keys: "L", what: "arrange the selection, or all" },
+    Shortcut { keys: "Shift + F5", what: "run up to the selected nodes" },
+    Shortcut { keys: "double click a wire", what: "add a point to route it through" },
+];
+
+impl Canvas {
+    pub(super) fn keys(
+        &mut self,
+        ui: &mut Ui,
+        back: &Response,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) {
+        let is_typing = ui.ctx().egui_wants_keyboard_input() && !back.has_focus();
+        let is_busy = self.search.is_some() || self.renaming.is_some() || self.open_param.is_some();
+        let is_here = back.has_focus() || back.contains_pointer() || ui.ctx().memory(|memory| memory.focused().is_none());
+        if is_typing || is_busy || !is_here {
+            return;
+        }
+        let place = self.pointer_place(ui);
+        let events = ui.input(|input| input.events.clone());
+        for event in events {
+            match event {
+                Event::Copy => actions.push(Action::Copy),
+                Event::Cut => actions.push(Action::Cut),
+                Event::Paste(text) => actions.push(Action::Paste(text, place)),
+                Event::Key { key, pressed: true, modifiers, .. } => {
+                    self.key(ui, key, modifiers, scene, actions);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The point of the canvas below the pointer, or in the middle.
+    fn pointer_place(&self, ui: &Ui) -> [f64; 2] {
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        let at = self.view.zip(pointer).filter(|(view, at)| view.screen.contains(*at));
+        at.map_or(self.free_place(), |(view, at)| {
+            let world = view.to_world(at);
+            [f64::from(world.x), f64::from(world.y)]
+        })
+    }
+
+    fn key(
+        &mut self,
+        ui: &mut Ui,
+        key: Key,
+        modifiers: Modifiers,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) {
+        let selection = scene.document.selection();
+        let nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
+        if modifiers.command {
+            match key {
+                Key::D => actions.push(Action::Duplicate),
+                Key::A => {
+                    let all = scene.document.map().nodes.keys().cloned().map(Item::Node);
+                    actions.push(Action::Select(all.collect()));
+                }
+                _ => {}
+            }
+            return;
+        }
+        match key {
+            Key::Tab if modifiers.is_none() => {
+                let pointer = ui.input(|input| input.pointer.hover_pos());
+                match pointer.filter(|at| self.view.is_some_and(|view| view.screen.contains(*at))) {
+                    Some(at) => self.search_at(at, None),
+                    None => self.open_search(),
+                }
+                // Tab would also move the focus on.
+                ui.ctx().memory_mut(|memory| memory.request_focus(super::search_field()));
+            }
+            Key::F => self.fit(),
+            Key::Home => {
+                actions.push(Action::Select(Vec::new()));
+                self.fit();
+            }
+            Key::Delete | Key::Backspace if !selection.is_empty() => {
+                actions.push(Action::Edit(vec![Edit::Remove(selection.iter().cloned().collect())]));
+            }
+            Key::F5 if modifiers.shift && !nodes.is_empty() => {
+                actions.push(Action::Run(Part::UpTo(nodes)));
+            }
+            Key::F2 => {
+                if let [node] = nodes.as_slice() {
+                    self.renaming = Some((Item::Node(node.clone()), node.clone()));
+                }
+            }
+            Key::M if !nodes.is_empty() => {
+                let mode = toggled(scene, &nodes, NodeMode::Muted);
+                actions.push(Action::Edit(vec![Edit::SetMode { nodes, mode }]));
+            }
+            Key::B if !nodes.is_empty() => {
+                let mode = toggled(scene, &nodes, NodeMode::Bypassed);
+                actions.push(Action::Edit(vec![Edit::SetMode { nodes, mode }]));
+            }
+            Key::H if !nodes.is_empty() => {
+                let collapsed = &scene.document.extras().collapsed;
+                let is_collapsed = !nodes.iter().all(|node| collapsed.contains(node));
+                actions.push(Action::Edit(vec![Edit::SetCollapsed { nodes, is_collapsed }]));
+            }
+            Key::G => self.frame_selection(scene, &nodes, actions),
+            Key::N => {
+                let (text, at) = ("A note".to_owned(), self.pointer_place(ui));
+                actions.push(Action::Edit(vec![Edit::AddNote { text, at }]));
+            }
+            Key::L => actions.push(Action::Edit(vec![Edit::Arrange { nodes }])),
+            _ => {}
+        }
+    }
+
+    /// Puts a frame around the selected nodes.
+    fn frame_selection(&self, scene: &Scene, nodes: &[String], actions: &mut Vec<Action>) {
+        let _ = scene;
+        let names = nodes.iter().map(String::as_str);
+        let Some(bounds) = self.shapes.bounds(names).filter(|_| !nodes.is_empty()) else { return };
+        let bounds = bounds.expand(20.0);
+        let at = [f64::from(bounds.min.x), f64::from(bounds.min.y) - 20.0];
+        let size = [f64::from(bounds.width()), f64::from(bounds.height()) + 20.0];
+        let title = "Frame".to_owned();
+        actions.push(Action::Edit(vec![Edit::AddFrame { title, at, size }]));
+    }
+}

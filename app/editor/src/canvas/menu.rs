@@ -1,0 +1,223 @@
+//! Context menus of the canvas, and the field in which things get another name.
+
+use eframe::egui::{self, Area, Frame, Id, Key, Order, TextEdit, Ui};
+use mve_core::{Link, NodeMode, PortRef};
+
+use super::gesture::pos;
+use super::{Action, Canvas, Scene, node_of, toggled};
+use crate::document::{Alignment, Edit, Item};
+use crate::runner::Part;
+
+/// The item that gets another name, and the text so far.
+type Renaming = Option<(Item, String)>;
+
+/// The menu of a node; it is about all selected nodes.
+pub fn of_node(
+    ui: &mut Ui,
+    name: &str,
+    scene: &Scene,
+    actions: &mut Vec<Action>,
+    renaming: &mut Renaming,
+) {
+    let selection = scene.document.selection();
+    let mut nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
+    if !nodes.iter().any(|node| node == name) {
+        nodes = vec![name.to_owned()];
+    }
+    if item(ui, "Run up to here", "Shift+F5") {
+        actions.push(Action::Run(Part::UpTo(nodes.clone())));
+    }
+    let module = scene.document.map().nodes.get(name).and_then(|n| scene.registry.find(&n.module));
+    if let Some(info) = module.filter(|info| !info.module.outputs.is_empty()) {
+        ui.menu_button("Look at", |ui| {
+            for output in info.module.outputs {
+                if ui.button(output.name).on_hover_text(output.doc).clicked() {
+                    let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
+                    actions.push(Action::Pin(port));
+                }
+            }
+        });
+    }
+    ui.separator();
+    if item(ui, "Rename", "F2") {
+        *renaming = Some((Item::Node(name.to_owned()), name.to_owned()));
+    }
+    for (label, keys, mode) in
+        [("Mute", "M", NodeMode::Muted), ("Bypass", "B", NodeMode::Bypassed)]
+    {
+        if item(ui, label, keys) {
+            let mode = toggled(scene, &nodes, mode);
+            actions.push(Action::Edit(vec![Edit::SetMode { nodes: nodes.clone(), mode }]));
+        }
+    }
+    if item(ui, "Collapse", "H") {
+        let is_collapsed = !scene.document.extras().collapsed.contains(name);
+        let nodes = nodes.clone();
+        actions.push(Action::Edit(vec![Edit::SetCollapsed { nodes, is_collapsed }]));
+    }
+    if nodes.len() > 1 {
+        ui.menu_button("Align", |ui| align_menu(ui, &nodes, actions));
+    }
+    if item(ui, "Arrange", "L") {
+        let nodes = if nodes.len() > 1 { nodes.clone() } else { Vec::new() };
+        actions.push(Action::Edit(vec![Edit::Arrange { nodes }]));
+    }
+    ui.separator();
+    clipboard_menu(ui, actions);
+    if item(ui, "Duplicate", "Ctrl+D") {
+        actions.push(Action::Duplicate);
+    }
+    if item(ui, "Delete", "Del") {
+        let items = nodes.into_iter().map(Item::Node).collect();
+        actions.push(Action::Edit(vec![Edit::Remove(items)]));
+    }
+}
+
+fn align_menu(ui: &mut Ui, nodes: &[String], actions: &mut Vec<Action>) {
+    let items: Vec<Item> = nodes.iter().cloned().map(Item::Node).collect();
+    for (label, to) in [
+        ("Left edges", Alignment::Left),
+        ("Centers", Alignment::Center),
+        ("Right edges", Alignment::Right),
+        ("Tops", Alignment::Top),
+        ("Middles", Alignment::Middle),
+        ("Bottoms", Alignment::Bottom),
+    ] {
+        if ui.button(label).clicked() {
+            actions.push(Action::Edit(vec![Edit::Align { items: items.clone(), to }]));
+        }
+    }
+}
+
+fn clipboard_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
+    if item(ui, "Copy", "Ctrl+C") {
+        actions.push(Action::Copy);
+    }
+    if item(ui, "Cut", "Ctrl+X") {
+        actions.push(Action::Cut);
+    }
+}
+
+/// The menu of the empty canvas; whether the search of modules is to open.
+pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Action>) -> bool {
+    let wants_search = item(ui, "Add a module…", "Tab");
+    if item(ui, "Add a note", "N") {
+        actions.push(Action::Edit(vec![Edit::AddNote { text: "A note".to_owned(), at }]));
+    }
+    if item(ui, "Add a frame", "") {
+        let (title, size) = ("Frame".to_owned(), [320.0, 240.0]);
+        actions.push(Action::Edit(vec![Edit::AddFrame { title, at, size }]));
+    }
+    if item(ui, "Paste", "Ctrl+V") {
+        actions.push(Action::RequestPaste);
+    }
+    ui.separator();
+    if item(ui, "Arrange all", "L") {
+        actions.push(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }]));
+    }
+    if item(ui, "Select all", "Ctrl+A") {
+        let all = scene.document.map().nodes.keys().cloned().map(Item::Node);
+        actions.push(Action::Select(all.collect()));
+    }
+    if item(ui, "Run", "F5") {
+        actions.push(Action::Run(Part::All));
+    }
+    wants_search
+}
+
+/// The menu of a wire.
+pub fn of_wire(ui: &mut Ui, link: &Link, at: [f64; 2], actions: &mut Vec<Action>) {
+    ui.weak(link.to_string());
+    if item(ui, "Look at its value", "") {
+        actions.push(Action::Pin(link.from.clone()));
+    }
+    if item(ui, "Add a point to route it through", "") {
+        actions.push(Action::Edit(vec![Edit::AddReroute { link: link.clone(), at }]));
+    }
+    if item(ui, "Delete", "Del") {
+        actions.push(Action::Edit(vec![Edit::Disconnect(link.clone())]));
+    }
+}
+
+/// The menu of a frame, a note or a reroute point.
+pub fn of_box(
+    ui: &mut Ui,
+    boxed: &Item,
+    text: &str,
+    actions: &mut Vec<Action>,
+    renaming: &mut Renaming,
+) {
+    if !matches!(boxed, Item::Reroute(_)) {
+        if item(ui, "Edit the text", "") {
+            *renaming = Some((boxed.clone(), text.to_owned()));
+        }
+        ui.horizontal(|ui| {
+            for color in
+                [[110, 120, 150], [225, 195, 95], [110, 170, 110], [190, 110, 110], [150, 110, 180]]
+            {
+                let fill = egui::Color32::from_rgb(color[0], color[1], color[2]);
+                if ui.add(egui::Button::new("   ").fill(fill)).clicked() {
+                    let edit = Edit::SetColor { item: boxed.clone(), color: Some(color) };
+                    actions.push(Action::Edit(vec![edit]));
+                }
+            }
+        });
+    }
+    if item(ui, "Delete", "Del") {
+        actions.push(Action::Edit(vec![Edit::Remove(vec![boxed.clone()])]));
+    }
+}
+
+/// A line of a menu with its keys.
+fn item(ui: &mut Ui, label: &str, keys: &str) -> bool {
+    ui.add(egui::Button::new(label).shortcut_text(keys)).clicked()
+}
+
+impl Canvas {
+    /// The field in which a node, frame or note gets another text.
+    pub(super) fn rename_popup(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+        let Some((item, text)) = &mut self.renaming else { return };
+        let extras = scene.document.extras();
+        let place = match item {
+            Item::Node(name) => self.shapes.nodes.get(name).map(|shape| shape.at),
+            Item::Frame(name) => extras.frames.get(name).map(|frame| pos(frame.at)),
+            Item::Note(name) => extras.notes.get(name).map(|note| pos(note.at)),
+            Item::Reroute(_) | Item::Link(_) => None,
+        };
+        let (Some(place), Some(view)) = (place, self.view) else {
+            self.renaming = None;
+            return;
+        };
+        let is_note = matches!(item, Item::Note(_));
+        let area = Area::new(Id::new("rename")).order(Order::Foreground).constrain(true);
+        let shown = area.fixed_pos(view.to_screen(place)).show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                let edit = match is_note {
+                    true => TextEdit::multiline(text),
+                    false => TextEdit::singleline(text),
+                };
+                let field = ui.add(edit.desired_width(200.0));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("new name"));
+                field.request_focus();
+            });
+        });
+        let (enter, escape) =
+            ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
+        let is_done = (enter && !is_note) || shown.response.clicked_elsewhere();
+        if !is_done && !escape {
+            return;
+        }
+        let Some((item, text)) = self.renaming.take() else { return };
+        if escape {
+            return;
+        }
+        let edit = match item {
+            Item::Node(node) if node != text && !text.is_empty() => {
+                Edit::Rename { node, to: text }
+            }
+            Item::Node(_) => return,
+            item => Edit::SetText { item, text },
+        };
+        actions.push(Action::Edit(vec![edit]));
+    }
+}

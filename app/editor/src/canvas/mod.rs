@@ -1,0 +1,506 @@
+//! The canvas: nodes and wires of a map, and all that a hand does with them.
+//!
+//! The canvas changes nothing by itself. It reads the document, keeps what is only of the moment
+//! (camera, gesture under way, open search), and answers each frame with [`Action`]s.
+//!
+//! Nodes are drawn with a painter, in the size of the zoom, and what is out of sight is skipped;
+//! `docs/ARCHITECTURE.md` says why, and `benches/canvas.rs` measures it.
+
+mod camera;
+mod gesture;
+mod keys;
+mod menu;
+mod paint;
+mod param;
+mod search;
+mod shape;
+
+use eframe::egui::{self, Color32, Id, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetType};
+use mve_core::{Link, NodeMode, PortRef, Registry};
+
+pub use camera::Camera;
+pub use keys::{SHORTCUTS, Shortcut};
+use camera::View;
+use gesture::{End, Gesture};
+pub use paint::status_color;
+use paint::{Brush, Look, Palette, ROWS_FROM, distance_to_wire};
+use search::Search;
+use shape::{Port, ROW, Shape, Shapes};
+
+use crate::catalog::Catalog;
+use crate::document::{Document, Edit, Item};
+use crate::forms::FormEvent;
+use crate::runner::{Part, Runner, Status};
+
+/// How the canvas answers to hand and eye.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct CanvasSettings {
+    /// Whether nodes come to rest on the grid.
+    pub snaps: bool,
+    /// Whether the wheel zooms; else it scrolls, and zooms with the control key.
+    pub wheel_zooms: bool,
+    /// Whether titles are colored by the seconds of their nodes.
+    pub shows_times: bool,
+}
+
+impl Default for CanvasSettings {
+    fn default() -> Self {
+        Self { snaps: true, wheel_zooms: true, shows_times: false }
+    }
+}
+
+/// What the canvas shows.
+pub struct Scene<'a> {
+    /// The map.
+    pub document: &'a Document,
+    /// The states of its nodes.
+    pub runner: &'a Runner,
+    /// The modules.
+    pub registry: &'a Registry,
+    /// The same, to search in.
+    pub catalog: &'a Catalog,
+    /// How it answers.
+    pub settings: &'a CanvasSettings,
+    /// The ports whose values are shown.
+    pub pinned: &'a [PortRef],
+}
+
+/// What a hand asked for on the canvas.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// Changes of the map, as one.
+    Edit(Vec<Edit>),
+    /// A new selection.
+    Select(Vec<Item>),
+    /// Run this.
+    Run(Part),
+    /// Show or no longer show the value of an output.
+    Pin(PortRef),
+    /// A form of a node's parameters was used.
+    Form(String, FormEvent),
+    /// Take the selection to the clipboard.
+    Copy,
+    /// The same, and remove it.
+    Cut,
+    /// Put this text of the clipboard here.
+    Paste(String, [f64; 2]),
+    /// Ask for the text of the clipboard.
+    RequestPaste,
+    /// Copy the selection beside itself, with the links into it.
+    Duplicate,
+    /// Put a parameter of a node into the map's program.
+    Vary(String, String),
+}
+
+/// What the canvas keeps from one frame to the next.
+#[derive(Default)]
+pub struct Canvas {
+    camera: Option<Camera>,
+    shapes: Shapes,
+    gesture: Gesture,
+    search: Option<Search>,
+    /// The node or frame that is being renamed, and the text so far.
+    renaming: Option<(Item, String)>,
+    /// The parameter whose form is open.
+    open_param: Option<param::OpenParam>,
+    /// What the open menu of the background is about.
+    menu_wire: Option<Link>,
+    menu_at: [f64; 2],
+    wants_fit: bool,
+    /// A node to move into the middle of the view.
+    wants_node: Option<String>,
+    view: Option<View>,
+}
+
+impl Canvas {
+    /// Shows the whole map.
+    pub fn fit(&mut self) {
+        self.wants_fit = true;
+    }
+
+    /// Shows what is in the middle at so many points of the screen for one unit of the canvas.
+    pub fn zoom_to(&mut self, zoom: f32) {
+        let center = self.camera.unwrap_or_default().center;
+        self.camera = Some(Camera { center, zoom });
+    }
+
+    /// Moves a node into the middle of the view.
+    pub fn show_node(&mut self, node: &str) {
+        self.wants_node = Some(node.to_owned());
+    }
+
+    /// Where on the canvas something is put that has no place yet.
+    pub fn free_place(&self) -> [f64; 2] {
+        let center = self.view.map_or(Pos2::new(100.0, 100.0), |view| view.camera.center);
+        [f64::from(center.x), f64::from(center.y)]
+    }
+
+    /// Opens the search of modules in the middle of the view.
+    pub fn open_search(&mut self) {
+        let at = self.view.map_or(Pos2::ZERO, |view| view.screen.center());
+        self.search_at(at, None);
+    }
+
+    fn search_at(&mut self, at: Pos2, end: Option<End>) {
+        let world = self.view.map_or(at, |view| view.to_world(at));
+        self.search = Some(Search::new(at, world, end));
+    }
+
+    /// Shows the canvas in all the room that is left.
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene) -> Vec<Action> {
+        let mut actions = Vec::new();
+        let screen = ui.available_rect_before_wrap();
+        let back = ui.allocate_rect(screen, Sense::click_and_drag());
+        back.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
+        self.shapes.update(scene.document, scene.registry);
+        let view = self.place_camera(screen, scene);
+        let view = View { camera: self.moved_camera(ui, &back, view, scene), ..view };
+        self.camera = Some(view.camera);
+        self.view = Some(view);
+
+        let painter = ui.painter_at(screen);
+        let brush = Brush { painter: &painter, view, palette: Palette::of(ui.visuals()) };
+        brush.background();
+        self.frames_and_notes(ui, &brush, scene, &mut actions);
+        let hovered_wire = self.wires(ui, &brush, &back, scene);
+        self.nodes(ui, &brush, scene, &mut actions);
+        self.background_gestures(ui, &back, &brush, scene, hovered_wire, &mut actions);
+        self.finish_gesture(ui, &brush, scene, &mut actions);
+        self.popups(ui, scene, &mut actions);
+        self.keys(ui, &back, scene, &mut actions);
+        self.hint(&brush, scene);
+        actions
+    }
+
+    fn place_camera(&mut self, screen: Rect, scene: &Scene) -> View {
+        let camera = self.camera.unwrap_or_default();
+        let mut view = View { camera, screen };
+        let is_first = self.camera.is_none() && screen.area() > 0.0;
+        if is_first || std::mem::take(&mut self.wants_fit) {
+            let selected = scene.document.selection().iter().filter_map(node_of);
+            let none = std::iter::empty();
+            let bounds = match is_first {
+                true => self.shapes.bounds(none),
+                false => self.shapes.bounds(selected),
+            };
+            if let Some(bounds) = bounds {
+                view.camera = view.fitting(bounds);
+            }
+        }
+        if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
+            view.camera = Camera { center: shape.rect().center(), ..view.camera };
+        }
+        view
+    }
+
+    /// Wheel, pinch and the middle button.
+    fn moved_camera(&self, ui: &Ui, back: &egui::Response, view: View, scene: &Scene) -> Camera {
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        let Some(pointer) = pointer.filter(|at| view.screen.contains(*at)) else {
+            return view.camera;
+        };
+        // What lies over the canvas, such as the search, keeps its own wheel.
+        let is_covered = ui.ctx().layer_id_at(pointer).is_some_and(|layer| layer != back.layer_id);
+        if is_covered {
+            return view.camera;
+        }
+        let (pinch, scroll, is_panning, moved) = ui.input(|input| {
+            let is_panning = input.pointer.middle_down()
+                || (input.pointer.primary_down() && input.key_down(egui::Key::Space));
+            (input.zoom_delta(), input.smooth_scroll_delta(), is_panning, input.pointer.delta())
+        });
+        let mut view = view;
+        if pinch != 1.0 {
+            view.camera = view.zoomed(pinch, pointer);
+        } else if scroll != egui::Vec2::ZERO {
+            view.camera = match scene.settings.wheel_zooms {
+                true => view.zoomed((scroll.y / 240.0).exp2(), pointer),
+                false => view.panned(scroll),
+            };
+        }
+        if is_panning {
+            view.camera = view.panned(moved);
+        }
+        view.camera
+    }
+
+    /// Draws the wires; the one below the pointer, if there is one.
+    fn wires(
+        &self,
+        ui: &Ui,
+        brush: &Brush,
+        back: &egui::Response,
+        scene: &Scene,
+    ) -> Option<Link> {
+        let pointer = back.hover_pos().filter(|_| matches!(self.gesture, Gesture::Idle));
+        let zoom = brush.view.camera.zoom;
+        let mut hovered: Option<(f32, &Link)> = None;
+        let seen = brush.view.screen.expand(160.0 * zoom);
+        let mut drawn: Vec<(&Link, Vec<Pos2>, Color32)> = Vec::new();
+        for link in &scene.document.map().links {
+            if self.gesture.holds(link) {
+                continue;
+            }
+            let Some((from, to, color)) = self.shapes.ends(link) else { continue };
+            let mut points = vec![self.moved(&link.from.node, from, brush)];
+            for (name, reroute) in &scene.document.extras().reroutes {
+                if reroute.link == *link {
+                    let at = Pos2::new(reroute.at[0] as f32, reroute.at[1] as f32);
+                    points.push(brush.view.to_screen(at + self.gesture.shift(&Item::Reroute(name.clone()))));
+                }
+            }
+            points.push(self.moved(&link.to.node, to, brush));
+            if !Rect::from_points(&points).intersects(seen) {
+                continue;
+            }
+            if let Some(pointer) = pointer {
+                let near = points.windows(2).map(|ends| distance_to_wire(ends[0], ends[1], zoom, pointer));
+                let distance = near.fold(f32::INFINITY, f32::min);
+                if distance < 7.0 && hovered.is_none_or(|(best, _)| distance < best) {
+                    hovered = Some((distance, link));
+                }
+            }
+            drawn.push((link, points, color));
+        }
+        let hovered = hovered.map(|(_, link)| link);
+        for (link, points, color) in drawn {
+            let is_selected = scene.document.selection().contains(&Item::Link(link.clone()));
+            let (color, width) = match (is_selected, hovered == Some(link)) {
+                (true, _) => (brush.palette.selected, 3.5),
+                (_, true) => (color, 4.0),
+                _ => (color.gamma_multiply(0.85), 2.2),
+            };
+            points.windows(2).for_each(|ends| brush.wire(ends[0], ends[1], color, width));
+        }
+        if let Some(link) = hovered {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+            back.clone().on_hover_text_at_pointer(link.to_string());
+        }
+        hovered.cloned()
+    }
+
+    /// Where on the screen a point of a node is, with the drag that is under way.
+    fn moved(&self, node: &str, at: Pos2, brush: &Brush) -> Pos2 {
+        brush.view.to_screen(at + self.gesture.shift_of_node(node))
+    }
+
+    fn nodes(&mut self, ui: &mut Ui, brush: &Brush, scene: &Scene, actions: &mut Vec<Action>) {
+        let seen = brush.view.visible();
+        let total: f64 = match scene.settings.shows_times {
+            true => self.shapes.nodes.keys().filter_map(|name| seconds_of(scene, name)).sum(),
+            false => 0.0,
+        };
+        let shapes = std::mem::take(&mut self.shapes);
+        for (name, shape) in &shapes.nodes {
+            let by = self.gesture.shift_of_node(name);
+            let is_near = seen.expand(16.0).intersects(shape.rect().translate(by));
+            if !is_near {
+                continue;
+            }
+            let moved;
+            let shape = match by == egui::Vec2::ZERO {
+                true => shape,
+                false => {
+                    moved = shape.moved(by);
+                    &moved
+                }
+            };
+            let status = scene.runner.status(name);
+            let is_dimmed = |port: &Port| self.gesture.refuses(port, scene);
+            let look = Look {
+                name,
+                status: &status,
+                is_selected: scene.document.selection().contains(&Item::Node(name.clone())),
+                time_share: seconds_of(scene, name)
+                    .filter(|_| total > 0.0)
+                    .map(|seconds| seconds / total),
+                is_dimmed: &is_dimmed,
+            };
+            brush.node(shape, &look);
+            self.touch_node(ui, brush, scene, shape, &look, actions);
+        }
+        self.shapes = shapes;
+    }
+
+    /// Makes a node, its parameters and its ports react.
+    fn touch_node(
+        &mut self,
+        ui: &mut Ui,
+        brush: &Brush,
+        scene: &Scene,
+        shape: &Shape,
+        look: &Look,
+        actions: &mut Vec<Action>,
+    ) {
+        let name = look.name;
+        let id = ui.id().with(("node", name));
+        let rect = brush.view.rect_to_screen(shape.rect()).intersect(brush.view.screen);
+        let response = ui.interact(rect, id, Sense::click_and_drag());
+        let is_selected = look.is_selected;
+        response.widget_info(|| {
+            WidgetInfo::selected(WidgetType::Button, true, is_selected, format!("node {name}"))
+        });
+        let item = Item::Node(name.to_owned());
+        if response.clicked() || response.secondary_clicked() {
+            self.click_item(ui, &item, response.secondary_clicked(), scene, actions);
+        }
+        if response.double_clicked() {
+            self.renaming = Some((item.clone(), name.to_owned()));
+        }
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            self.start_move(ui, &item, brush, scene, actions);
+        }
+        if response.hovered() && matches!(self.gesture, Gesture::Idle) {
+            let what = shape.summary.unwrap_or("there is no module of this name here");
+            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, look.status.explanation());
+            response.clone().on_hover_text_at_pointer(text);
+        }
+        response.context_menu(|ui| menu::of_node(ui, name, scene, actions, &mut self.renaming));
+        if brush.view.camera.zoom < ROWS_FROM {
+            return;
+        }
+        for row in &shape.params {
+            let top = shape.at + egui::vec2(104.0, row.y + 1.5);
+            let field = Rect::from_min_size(top, egui::vec2(shape.size.x - 112.0, ROW - 3.0));
+            self.touch_param(ui, brush, name, row, field, actions);
+        }
+        for port in &shape.inputs {
+            self.touch_port(ui, brush, scene, shape, port, false, actions);
+        }
+        for port in &shape.outputs {
+            self.touch_port(ui, brush, scene, shape, port, true, actions);
+        }
+    }
+
+    fn touch_param(
+        &mut self,
+        ui: &mut Ui,
+        brush: &Brush,
+        node: &str,
+        row: &shape::ParamRow,
+        field: Rect,
+        actions: &mut Vec<Action>,
+    ) {
+        let rect = brush.view.rect_to_screen(field).intersect(brush.view.screen);
+        let path = row.spec.name;
+        let response = ui.interact(rect, ui.id().with(("param", node, path)), Sense::click());
+        response.widget_info(|| {
+            WidgetInfo::labeled(WidgetType::Button, true, format!("{node}.{path}: {}", row.value))
+        });
+        if response.clicked() && !row.is_linked {
+            self.open_param = Some(param::OpenParam::new(node, path, rect));
+            actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
+        }
+        if response.hovered() {
+            let how = if row.is_linked { "It takes its value from a link." } else { "Click to change it." };
+            response.clone().on_hover_text(format!("{}\n{how}", row.spec.doc));
+        }
+        response.context_menu(|ui| {
+            if ui.button("Vary in the program").clicked() {
+                actions.push(Action::Vary(node.to_owned(), path.to_owned()));
+            }
+            if row.is_set && row.spec.default_setting().is_some() && ui.button("Back to the default").clicked() {
+                let event = FormEvent::Set { path: path.to_owned(), value: None };
+                actions.push(Action::Form(node.to_owned(), event));
+            }
+        });
+    }
+
+    #[expect(clippy::too_many_arguments)] // One caller, and all of it is of the moment.
+    fn touch_port(
+        &mut self,
+        ui: &mut Ui,
+        brush: &Brush,
+        scene: &Scene,
+        shape: &Shape,
+        port: &Port,
+        is_output: bool,
+        actions: &mut Vec<Action>,
+    ) {
+        let at = brush.view.to_screen(shape.at + port.offset);
+        let size = (14.0 * brush.view.camera.zoom).max(8.0);
+        let rect = Rect::from_center_size(at, egui::Vec2::splat(size));
+        if !brush.view.screen.intersects(rect) {
+            return;
+        }
+        let side = if is_output { "output" } else { "input" };
+        let id = ui.id().with((side, &port.at.node, &port.at.port));
+        let response = ui.interact(rect, id, Sense::click_and_drag());
+        response.widget_info(|| {
+            WidgetInfo::labeled(WidgetType::Button, true, format!("{side} {}", port.at))
+        });
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            self.gesture = Gesture::start_link(&port.at, is_output, scene);
+        }
+        if response.clicked() && is_output {
+            actions.push(Action::Pin(port.at.clone()));
+        }
+        if response.hovered() && matches!(self.gesture, Gesture::Idle) {
+            let what = port.data_type;
+            let value = scene.runner.value(&port.at.node, &port.at.port).filter(|_| is_output);
+            let value = value.map(|value| format!("\n\n{}", value.summary())).unwrap_or_default();
+            let need = match (is_output, port.is_required) {
+                (true, _) => "click to look at it, drag to link it",
+                (_, true) => "must be linked",
+                _ => "optional",
+            };
+            let text = format!("{} ({}): {}\n{need}{value}", port.at.port, what.id, port.doc);
+            response.on_hover_text(text);
+        }
+    }
+
+    fn popups(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+        if let Some(search) = &mut self.search
+            && search.show(ui, scene, actions)
+        {
+            self.search = None;
+        }
+        if let Some(open) = &mut self.open_param
+            && open.show(ui, scene, actions)
+        {
+            self.open_param = None;
+        }
+        self.rename_popup(ui, scene, actions);
+    }
+
+    /// What a person who has never seen this can do next.
+    fn hint(&self, brush: &Brush, scene: &Scene) {
+        if scene.document.map().nodes.is_empty() && self.search.is_none() {
+            let text = "Double click, or press Tab, to add a module.\nOr drop a mesh file here.";
+            brush.painter.text(
+                brush.view.screen.center(),
+                egui::Align2::CENTER_CENTER,
+                text,
+                egui::FontId::proportional(16.0),
+                brush.palette.faint,
+            );
+        }
+    }
+}
+
+fn node_of(item: &Item) -> Option<&str> {
+    match item {
+        Item::Node(name) => Some(name),
+        _ => None,
+    }
+}
+
+/// Seconds that a node ran, where its outputs are those of the map as it stands.
+fn seconds_of(scene: &Scene, node: &str) -> Option<f64> {
+    match scene.runner.status(node) {
+        Status::Done(seconds) => seconds,
+        _ => None,
+    }
+}
+
+/// The mode that a key switches some nodes to: off if all of them have it, else on.
+fn toggled(scene: &Scene, nodes: &[String], mode: NodeMode) -> NodeMode {
+    let has = |name: &String| scene.document.map().nodes.get(name).is_some_and(|node| node.mode == mode);
+    if nodes.iter().all(has) { NodeMode::Active } else { mode }
+}
+
+/// The id by which the search's field is focused.
+fn search_field() -> Id {
+    Id::new("search of modules")
+}

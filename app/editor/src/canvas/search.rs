@@ -1,0 +1,141 @@
+//! The search of modules: by Tab, by a double click, or where a link is dropped.
+
+use eframe::egui::text::{LayoutJob, TextFormat};
+use eframe::egui::{self, Area, Frame, Id, Key, Order, Pos2, ScrollArea, TextEdit, Ui};
+use mve_core::{Link, PortRef};
+
+use super::gesture::End;
+use super::{Action, Scene, search_field};
+use crate::catalog::{Fit, Hit};
+use crate::document::{Edit, unique_name};
+
+/// A search while it is open.
+pub struct Search {
+    /// Where on the screen it stands.
+    screen: Pos2,
+    /// Where on the canvas the module comes to stand.
+    world: Pos2,
+    /// The end of the link that was dropped here.
+    end: Option<End>,
+    query: String,
+    chosen: usize,
+    is_new: bool,
+}
+
+impl Search {
+    /// Opens a search.
+    pub fn new(screen: Pos2, world: Pos2, end: Option<End>) -> Self {
+        Self { screen, world, end, query: String::new(), chosen: 0, is_new: true }
+    }
+
+    /// Shows the search; whether it is to be closed.
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) -> bool {
+        let fit = self.end.as_ref().and_then(|end| fit_of(end, scene));
+        let hits = scene.catalog.search(&self.query, fit.as_ref());
+        let (up, down, enter, escape) = ui.input_mut(|input| {
+            let none = egui::Modifiers::NONE;
+            (
+                input.consume_key(none, Key::ArrowUp),
+                input.consume_key(none, Key::ArrowDown),
+                input.consume_key(none, Key::Enter),
+                input.consume_key(none, Key::Escape),
+            )
+        });
+        if down {
+            self.chosen += 1;
+        }
+        self.chosen = self.chosen.saturating_sub(usize::from(up)).min(hits.len().saturating_sub(1));
+        let mut taken = if enter { hits.get(self.chosen) } else { None };
+        let area = Area::new(Id::new("module search")).order(Order::Foreground);
+        let has_moved = up || down;
+        let shown = area.fixed_pos(self.screen).constrain(true).show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_width(340.0);
+                let field = TextEdit::singleline(&mut self.query).id(search_field());
+                let hint = match &self.end {
+                    Some(_) => "search modules that fit",
+                    None => "search modules",
+                };
+                let field = ui.add(field.hint_text(hint).desired_width(f32::INFINITY));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("search modules"));
+                if field.changed() {
+                    self.chosen = 0;
+                }
+                field.request_focus();
+                ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+                    for (place, hit) in hits.iter().enumerate() {
+                        let row = ui.selectable_label(place == self.chosen, text_of(hit, ui));
+                        if has_moved && place == self.chosen {
+                            row.scroll_to_me(None);
+                        }
+                        if row.clicked() {
+                            taken = Some(hit);
+                        }
+                    }
+                    if hits.is_empty() {
+                        ui.weak("No module fits these letters.");
+                    }
+                });
+            });
+        });
+        let is_new = std::mem::take(&mut self.is_new);
+        if let Some(hit) = taken {
+            actions.push(Action::Edit(self.edits(hit, scene)));
+            return true;
+        }
+        escape || (!is_new && shown.response.clicked_elsewhere())
+    }
+
+    /// Adds the module, and links it to the end that was dropped.
+    fn edits(&self, hit: &Hit, scene: &Scene) -> Vec<Edit> {
+        let name = unique_name(scene.document.map(), hit.info.module.id);
+        let module = hit.info.module.id.to_owned();
+        let across = if matches!(self.end, Some(End::To(_))) { super::shape::WIDTH } else { 0.0 };
+        let at = [f64::from(self.world.x - across), f64::from(self.world.y - 20.0)];
+        let at = at.map(|x| if scene.settings.snaps { (x / 10.0).round() * 10.0 } else { x });
+        let mut edits = vec![Edit::AddNode { module, name: Some(name.clone()), at }];
+        if let (Some(end), Some(port)) = (&self.end, &hit.port) {
+            let port = PortRef { node: name, port: port.clone() };
+            edits.push(Edit::Connect(match end {
+                End::From(from) => Link { from: from.clone(), to: port },
+                End::To(to) => Link { from: port, to: to.clone() },
+            }));
+        }
+        edits
+    }
+}
+
+/// What a module must have to fit the end of a link.
+fn fit_of(end: &End, scene: &Scene) -> Option<Fit> {
+    let (port, is_output) = match end {
+        End::From(port) => (port, true),
+        End::To(port) => (port, false),
+    };
+    let node = scene.document.map().nodes.get(&port.node)?;
+    let module = scene.registry.find(&node.module)?.module;
+    if is_output {
+        let spec = module.outputs.iter().find(|spec| spec.name == port.port)?;
+        return Some(Fit::Output(spec.data_type));
+    }
+    let input = module.inputs.iter().find(|spec| spec.name == port.port);
+    let param = || module.params.iter().find(|spec| spec.name == port.port)?.link_type();
+    input.map(|spec| spec.data_type).or_else(param).map(Fit::Input)
+}
+
+/// The module's id with the letters that were found, and its summary.
+fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
+    let visuals = ui.visuals();
+    let body = egui::TextStyle::Body.resolve(ui.style());
+    let small = egui::TextStyle::Small.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    for (place, letter) in hit.info.module.id.chars().enumerate() {
+        let is_found = hit.letters.contains(&place);
+        let color = if is_found { visuals.warn_fg_color } else { visuals.strong_text_color() };
+        job.append(&letter.to_string(), 0.0, TextFormat::simple(body.clone(), color));
+    }
+    let weak = TextFormat::simple(small.clone(), visuals.weak_text_color());
+    job.append(&format!("  {}", hit.info.category), 0.0, weak.clone());
+    job.append(&format!("\n{}", hit.info.module.summary), 0.0, weak);
+    job.wrap.max_width = 320.0;
+    job
+}

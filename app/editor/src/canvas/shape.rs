@@ -1,0 +1,257 @@
+//! Size and parts of each node as it is drawn, from the map and the declarations.
+
+use std::collections::HashSet;
+
+use eframe::egui::{Color32, Pos2, Rect, Vec2};
+use indexmap::IndexMap;
+use mve_core::{DataType, Link, Node, NodeMode, ParamSpec, PortRef, Registry};
+
+use crate::catalog;
+use crate::document::{Document, arrange};
+use crate::forms::{name_of, value_text};
+
+/// Width of a node, in units of the canvas.
+pub const WIDTH: f32 = 200.0;
+/// Height of its title.
+pub const TITLE: f32 = 28.0;
+/// Height of a row of ports or of a parameter.
+pub const ROW: f32 = 20.0;
+/// Height of the line that says its state.
+pub const FOOT: f32 = 18.0;
+
+/// A port of a node as it is drawn.
+#[derive(Clone)]
+pub struct Port {
+    /// Node and name.
+    pub at: PortRef,
+    /// What it takes or gives.
+    pub data_type: DataType,
+    /// What it is for.
+    pub doc: &'static str,
+    /// Whether the node runs only with it.
+    pub is_required: bool,
+    /// From the node's corner to its middle.
+    pub offset: Vec2,
+    /// Whether it is a parameter.
+    pub is_param: bool,
+}
+
+/// A parameter of a node as it is drawn.
+#[derive(Clone)]
+pub struct ParamRow {
+    /// Its declaration.
+    pub spec: &'static ParamSpec,
+    /// Its name for a person.
+    pub name: String,
+    /// Its value in short.
+    pub value: String,
+    /// Whether the map sets it.
+    pub is_set: bool,
+    /// Whether a link gives its value.
+    pub is_linked: bool,
+    /// From the node's top to the row's.
+    pub y: f32,
+}
+
+/// A node as it is drawn.
+#[derive(Clone)]
+pub struct Shape {
+    /// Its upper left corner on the canvas.
+    pub at: Pos2,
+    /// Its size.
+    pub size: Vec2,
+    /// Id of its module.
+    pub module: String,
+    /// What its module does; none if there is no such module.
+    pub summary: Option<&'static str>,
+    /// Color of its title.
+    pub color: Color32,
+    /// Whether it runs.
+    pub mode: NodeMode,
+    /// Whether only its title is drawn.
+    pub is_collapsed: bool,
+    /// Ports on its left, parameters that take links among them.
+    pub inputs: Vec<Port>,
+    /// Ports on its right.
+    pub outputs: Vec<Port>,
+    /// Its parameters.
+    pub params: Vec<ParamRow>,
+}
+
+impl Shape {
+    /// Where it is on the canvas.
+    pub fn rect(&self) -> Rect {
+        Rect::from_min_size(self.at, self.size)
+    }
+
+    /// The same node somewhere else.
+    pub fn moved(&self, by: Vec2) -> Self {
+        Self { at: self.at + by, ..self.clone() }
+    }
+}
+
+/// All nodes of a map as they are drawn.
+#[derive(Default)]
+pub struct Shapes {
+    /// By name, in the order of the map: later ones are drawn over earlier ones.
+    pub nodes: IndexMap<String, Shape>,
+    revision: Option<u64>,
+}
+
+impl Shapes {
+    /// Makes the shapes anew where the map has changed.
+    pub fn update(&mut self, document: &Document, registry: &Registry) {
+        if self.revision == Some(document.revision()) {
+            return;
+        }
+        let map = document.map();
+        let linked: HashSet<(&str, &str)> =
+            map.links.iter().map(|link| (link.to.node.as_str(), link.to.port.as_str())).collect();
+        let by_hand = |name: &str| map.layout.get(name).copied();
+        // Nodes without a place of their own get one, which is not written to the map.
+        let made_up = match map.nodes.keys().all(|name| by_hand(name).is_some()) {
+            true => IndexMap::new(),
+            false => arrange::arranged(map, registry),
+        };
+        self.nodes = map
+            .nodes
+            .iter()
+            .map(|(name, node)| {
+                let at = by_hand(name).or_else(|| made_up.get(name).copied()).unwrap_or_default();
+                let is_collapsed = document.extras().collapsed.contains(name);
+                (name.clone(), shape(name, node, at, is_collapsed, registry, &linked))
+            })
+            .collect();
+        self.revision = Some(document.revision());
+    }
+
+    /// The smallest rectangle around some nodes, or around all where `names` is empty.
+    pub fn bounds<'a>(&self, names: impl Iterator<Item = &'a str>) -> Option<Rect> {
+        let mut names = names.peekable();
+        let rects: Vec<Rect> = match names.peek() {
+            Some(_) => names.filter_map(|name| self.nodes.get(name)).map(Shape::rect).collect(),
+            None => self.nodes.values().map(Shape::rect).collect(),
+        };
+        rects.into_iter().reduce(Rect::union)
+    }
+
+    /// Where on the canvas an output is.
+    pub fn output(&self, at: &PortRef) -> Option<(Pos2, &Port)> {
+        let shape = self.nodes.get(&at.node)?;
+        let port = shape.outputs.iter().find(|port| port.at.port == at.port)?;
+        Some((shape.at + port.offset, port))
+    }
+
+    /// Where on the canvas an input is.
+    pub fn input(&self, at: &PortRef) -> Option<(Pos2, &Port)> {
+        let shape = self.nodes.get(&at.node)?;
+        let port = shape.inputs.iter().find(|port| port.at.port == at.port)?;
+        Some((shape.at + port.offset, port))
+    }
+
+    /// Both ends of a link.
+    pub fn ends(&self, link: &Link) -> Option<(Pos2, Pos2, Color32)> {
+        let (from, port) = self.output(&link.from)?;
+        let (to, _) = self.input(&link.to)?;
+        Some((from, to, color_of(port.data_type)))
+    }
+}
+
+/// Color of the ports and wires of a data type.
+pub fn color_of(data_type: DataType) -> Color32 {
+    let [r, g, b] = data_type.color;
+    Color32::from_rgb(r, g, b)
+}
+
+fn shape(
+    name: &str,
+    node: &Node,
+    at: [f64; 2],
+    is_collapsed: bool,
+    registry: &Registry,
+    linked: &HashSet<(&str, &str)>,
+) -> Shape {
+    let info = registry.find(&node.module);
+    let mut shape = Shape {
+        at: Pos2::new(at[0] as f32, at[1] as f32),
+        size: Vec2::new(WIDTH, TITLE),
+        module: node.module.clone(),
+        summary: info.map(|info| info.module.summary),
+        color: info.map_or(Color32::from_rgb(150, 60, 60), |info| catalog::category_color(info.category, registry)),
+        mode: node.mode,
+        is_collapsed,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        params: Vec::new(),
+    };
+    let Some(info) = info else {
+        shape.size.y = TITLE + ROW + FOOT;
+        return shape;
+    };
+    let module = info.module;
+    let port_of = |port: &str| PortRef { node: name.to_owned(), port: port.to_owned() };
+    for (row, spec) in module.outputs.iter().enumerate() {
+        shape.outputs.push(Port {
+            at: port_of(spec.name),
+            data_type: spec.data_type,
+            doc: spec.doc,
+            is_required: false,
+            offset: Vec2::new(WIDTH, row_middle(row)),
+            is_param: false,
+        });
+    }
+    let mut row = 0;
+    for spec in module.inputs {
+        shape.inputs.push(Port {
+            at: port_of(spec.name),
+            data_type: spec.data_type,
+            doc: spec.doc,
+            is_required: spec.is_required,
+            offset: Vec2::new(0.0, row_middle(row)),
+            is_param: false,
+        });
+        row += 1;
+    }
+    row = row.max(module.outputs.len());
+    for spec in module.params {
+        let is_linked = linked.contains(&(name, spec.name));
+        if let Some(data_type) = spec.link_type() {
+            shape.inputs.push(Port {
+                at: port_of(spec.name),
+                data_type,
+                doc: spec.doc,
+                is_required: false,
+                offset: Vec2::new(0.0, row_middle(row)),
+                is_param: true,
+            });
+        }
+        let given = node.params.get(spec.name);
+        shape.params.push(ParamRow {
+            spec,
+            name: name_of(spec),
+            value: if is_linked { "linked".to_owned() } else { value_text(spec, given) },
+            is_set: given.is_some(),
+            is_linked,
+            y: TITLE + row as f32 * ROW,
+        });
+        row += 1;
+    }
+    shape.size.y = TITLE + row as f32 * ROW + FOOT;
+    if is_collapsed {
+        collapse(&mut shape);
+    }
+    shape
+}
+
+fn row_middle(row: usize) -> f32 {
+    TITLE + (row as f32 + 0.5) * ROW
+}
+
+/// Draws all ports of a collapsed node at the ends of its title.
+fn collapse(shape: &mut Shape) {
+    shape.size.y = TITLE + FOOT;
+    shape.params.clear();
+    let middle = TITLE / 2.0;
+    shape.inputs.iter_mut().for_each(|port| port.offset.y = middle);
+    shape.outputs.iter_mut().for_each(|port| port.offset.y = middle);
+}

@@ -1,0 +1,333 @@
+//! Forms of parameters, drawn from their declarations alone.
+
+use eframe::egui::{self, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui};
+use mve_core::{ChoiceList, Kind, ParamSpec};
+use serde_json::{Map as JsonMap, Value as Json};
+
+/// Width of the names in front of the fields, in points.
+const NAME_WIDTH: f32 = 118.0;
+
+/// What a person did in a form.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FormEvent {
+    /// A parameter got a value; `None` is back to its default.
+    Set {
+        /// Dotted path of the parameter within its node.
+        path: String,
+        /// The value.
+        value: Option<Json>,
+    },
+    /// A file is to be looked for.
+    Browse {
+        /// Dotted path of the parameter within its node.
+        path: String,
+        /// Extensions that fit, without dots.
+        extensions: &'static [&'static str],
+    },
+}
+
+/// A form for some parameters.
+pub struct Form<'a> {
+    /// Tells one form from another that is shown at the same time.
+    pub id: &'a str,
+    /// What the map says of the parameters.
+    pub given: &'a JsonMap<String, Json>,
+    /// For a parameter with a link, the output that it comes from.
+    pub link_of: &'a dyn Fn(&str) -> Option<String>,
+}
+
+impl Form<'_> {
+    /// Shows a row for each parameter.
+    pub fn show(&self, ui: &mut Ui, specs: &[ParamSpec]) -> Vec<FormEvent> {
+        let mut events = Vec::new();
+        for spec in specs {
+            self.row(ui, spec, spec.name, self.given.get(spec.name), &mut events);
+        }
+        events
+    }
+
+    /// Shows the row of one parameter, and below a choice those of its entry.
+    fn row(
+        &self,
+        ui: &mut Ui,
+        spec: &ParamSpec,
+        path: &str,
+        given: Option<&Json>,
+        events: &mut Vec<FormEvent>,
+    ) {
+        let mut set = |value| events.push(FormEvent::Set { path: path.to_owned(), value });
+        ui.horizontal(|ui| {
+            let name = name_of(spec);
+            let color = if given.is_some() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+            let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
+            ui.add_sized([NAME_WIDTH, ui.spacing().interact_size.y], label).on_hover_text(doc_of(spec));
+            if let Some(from) = (self.link_of)(path) {
+                ui.label(RichText::new(format!("\u{2190} {from}")).weak())
+                    .on_hover_text("This parameter takes its value from a link.");
+                return;
+            }
+            if spec.can_be_off {
+                let mut is_on = !is_off(spec, given);
+                if ui.checkbox(&mut is_on, "").on_hover_text(format!("whether {name} is on")).changed() {
+                    set(if is_on { Some(some_value(spec)) } else { Some(Json::Null) });
+                }
+                if !is_on {
+                    ui.weak("off");
+                    return;
+                }
+            }
+            let salt = format!("{}/{path}", self.id);
+            field(ui, spec, &salt, given, &mut set);
+            if let Kind::InputFile { extensions, .. } = spec.kind
+                && ui.button("\u{1f4c2}").on_hover_text("Browse for a file").clicked()
+            {
+                events.push(FormEvent::Browse { path: path.to_owned(), extensions });
+                return;
+            }
+            if given.is_some() && spec.default_setting().is_some() {
+                let back = ui.small_button("\u{27f2}").on_hover_text(format!("{name}: back to the default"));
+                if back.clicked() {
+                    events.push(FormEvent::Set { path: path.to_owned(), value: None });
+                }
+            }
+        });
+        self.entry_rows(ui, spec, path, given, events);
+    }
+
+    /// The parameters of the entry that a choice names.
+    fn entry_rows(
+        &self,
+        ui: &mut Ui,
+        spec: &ParamSpec,
+        path: &str,
+        given: Option<&Json>,
+        events: &mut Vec<FormEvent>,
+    ) {
+        let Kind::Choice { default, list } = spec.kind else { return };
+        let id = given.and_then(chosen_id).unwrap_or(default);
+        let Some(entry) = list.find(id).filter(|entry| !entry.params.is_empty()) else { return };
+        let nested = given.and_then(|json| json.get(id));
+        ui.indent((self.id, path), |ui| {
+            for spec in entry.params {
+                let path = format!("{path}.{}", spec.name);
+                let given = nested.and_then(|params| params.get(spec.name));
+                self.row(ui, spec, &path, given, events);
+            }
+        });
+    }
+}
+
+/// The field that edits a parameter's value.
+fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &mut dyn FnMut(Option<Json>)) {
+    let name = name_of(spec);
+    match spec.kind {
+        Kind::Flag { default } => {
+            let mut flag = given.and_then(Json::as_bool).unwrap_or(default);
+            if ui.checkbox(&mut flag, "").on_hover_text(&name).changed() {
+                set(Some(Json::from(flag)));
+            }
+        }
+        Kind::Integer { default, hard, soft } => {
+            let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
+            let mut changed = number;
+            let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed_of(soft.map(|(a, b)| (a as f64, b as f64)), number as f64).max(0.05));
+            let response = ui.add(field.suffix(suffix(spec)));
+            let response = response.on_hover_text(range_text(hard.0 as f64, hard.1 as f64, spec));
+            name_it(&response, &name);
+            if let Some((from, to)) = soft {
+                let slider = Slider::new(&mut changed, from..=to).show_value(false).clamping(SliderClamping::Never);
+                ui.add(slider);
+            }
+            if changed != number {
+                set(Some(Json::from(changed.clamp(hard.0, hard.1))));
+            }
+        }
+        Kind::Number { default, hard, soft } => {
+            let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
+            let mut changed = number;
+            let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed_of(soft, number)).max_decimals(12);
+            let response = ui.add(field.suffix(suffix(spec)));
+            let response = response.on_hover_text(range_text(hard.0, hard.1, spec));
+            name_it(&response, &name);
+            if let Some((from, to)) = soft {
+                let slider = Slider::new(&mut changed, from..=to).show_value(false).clamping(SliderClamping::Never);
+                ui.add(slider);
+            }
+            if changed.to_bits() != number.to_bits() && changed.is_finite() {
+                set(Some(Json::from(changed.clamp(hard.0, hard.1))));
+            }
+        }
+        Kind::Seed { default } => {
+            let seed = given.and_then(Json::as_u64).unwrap_or(u64::from(default));
+            let mut changed = seed;
+            let response = ui.add(DragValue::new(&mut changed).range(0..=u64::from(u32::MAX)));
+            name_it(&response, &name);
+            if changed != seed {
+                set(Some(Json::from(changed)));
+            }
+        }
+        Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. } => text_field(ui, spec, salt, given, set),
+        Kind::Enumeration { default, names } => {
+            let current = given.and_then(Json::as_str).unwrap_or(default);
+            let all = names.iter().copied();
+            combo(ui, salt, &name, current, all, &mut |chosen| set(Some(Json::from(chosen))));
+        }
+        Kind::Choice { default, list } => {
+            let current = given.and_then(chosen_id).unwrap_or(default);
+            combo(ui, salt, &name, current, entries(list), &mut |chosen| set(Some(Json::from(chosen))));
+        }
+    }
+}
+
+/// The entries of a list, each with its summary.
+fn entries(list: &'static dyn ChoiceList) -> impl Iterator<Item = (&'static str, &'static str)> {
+    (0..list.len()).map(|place| list.spec(place)).map(|entry| (entry.id, entry.summary))
+}
+
+fn combo<'a>(
+    ui: &mut Ui,
+    salt: &str,
+    name: &str,
+    current: &str,
+    all: impl Iterator<Item = (&'a str, &'a str)>,
+    choose: &mut dyn FnMut(&str),
+) {
+    let combo = ComboBox::from_id_salt(salt).selected_text(current).width(ui.available_width().clamp(60.0, 150.0));
+    let shown = combo.show_ui(ui, |ui| {
+        for (id, summary) in all {
+            if ui.selectable_label(id == current, id).on_hover_text(summary).clicked() {
+                choose(id);
+            }
+        }
+    });
+    let selected = format!("{name}: {current}");
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
+}
+
+/// A line of text; what is typed counts once the field is left or Enter is pressed.
+fn text_field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &mut dyn FnMut(Option<Json>)) {
+    let written = given.and_then(Json::as_str).unwrap_or(match spec.kind {
+        Kind::Text { default } => default,
+        _ => "",
+    });
+    let id = ui.id().with(salt);
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
+    let hint = match spec.kind {
+        Kind::InputFile { .. } => "path of a file",
+        Kind::OutputFile { .. } => "name, or {node.parameter}",
+        _ => "",
+    };
+    let room = if matches!(spec.kind, Kind::InputFile { .. }) { 58.0 } else { 26.0 };
+    let width = (ui.available_width() - room).max(60.0);
+    let response = ui.add(egui::TextEdit::singleline(&mut text).id(id).hint_text(hint).desired_width(width));
+    name_it(&response, &name_of(spec));
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+        return;
+    }
+    if response.lost_focus() && text != written {
+        set(Some(Json::from(text)));
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+}
+
+/// Gives a field the name that a screen reader says.
+fn name_it(response: &egui::Response, name: &str) {
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// `target_faces` as a person reads it.
+pub fn name_of(spec: &ParamSpec) -> String {
+    spec.name.replace('_', " ")
+}
+
+fn doc_of(spec: &ParamSpec) -> String {
+    let unit = if spec.unit.is_empty() { String::new() } else { format!("\nUnit: {}", spec.unit) };
+    format!("{}{unit}\nIn maps: {}", spec.doc, spec.name)
+}
+
+fn suffix(spec: &ParamSpec) -> String {
+    if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) }
+}
+
+fn range_text(from: f64, to: f64, spec: &ParamSpec) -> String {
+    let end = |x: f64| if x.abs() < 1e15 { format!("{x}") } else { "any".to_owned() };
+    format!("{} ({} to {}); drag, or click to type", spec.doc, end(from), end(to))
+}
+
+fn speed_of(soft: Option<(f64, f64)>, number: f64) -> f64 {
+    match soft {
+        Some((from, to)) => (to - from) / 400.0,
+        None => (number.abs() / 100.0).max(1e-3),
+    }
+}
+
+fn is_off(spec: &ParamSpec, given: Option<&Json>) -> bool {
+    let is_off_by_default = match spec.kind {
+        Kind::Integer { default, .. } => default.is_none(),
+        Kind::Number { default, .. } => default.is_none(),
+        _ => false,
+    };
+    given.map_or(is_off_by_default, Json::is_null)
+}
+
+/// A value for a parameter that is switched on: its default, or the middle of what a slider shows.
+fn some_value(spec: &ParamSpec) -> Json {
+    match spec.kind {
+        Kind::Integer { default, hard, soft } => {
+            let (from, to) = soft.unwrap_or((hard.0.max(0), hard.1.min(1000)));
+            Json::from(default.unwrap_or(from + (to - from) / 2))
+        }
+        Kind::Number { default, hard, soft } => {
+            let (from, to) = soft.unwrap_or((hard.0.max(0.0), hard.1.min(1.0)));
+            Json::from(default.unwrap_or(from + (to - from) / 2.0))
+        }
+        _ => Json::Null,
+    }
+}
+
+/// The id in the JSON of a choice.
+pub fn chosen_id(json: &Json) -> Option<&str> {
+    match json {
+        Json::String(id) => Some(id),
+        Json::Object(object) => object.keys().next().map(String::as_str),
+        _ => None,
+    }
+}
+
+/// A parameter's value in a few characters, as a node shows it.
+pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
+    if is_off(spec, given) {
+        return "off".to_owned();
+    }
+    let number = |x: f64| mve_core::brief(x);
+    let text = match spec.kind {
+        Kind::Flag { default } => {
+            let flag = given.and_then(Json::as_bool).unwrap_or(default);
+            if flag { "yes" } else { "no" }.to_owned()
+        }
+        Kind::Integer { default, .. } => {
+            given.and_then(Json::as_i64).or(default).map(|n| n.to_string()).unwrap_or_default()
+        }
+        Kind::Number { default, .. } => {
+            given.and_then(Json::as_f64).or(default).map(number).unwrap_or_default()
+        }
+        Kind::Seed { default } => {
+            given.and_then(Json::as_u64).unwrap_or(u64::from(default)).to_string()
+        }
+        Kind::Text { default } => given.and_then(Json::as_str).unwrap_or(default).to_owned(),
+        Kind::Enumeration { default, .. } => {
+            given.and_then(Json::as_str).unwrap_or(default).to_owned()
+        }
+        Kind::Choice { default, .. } => given.and_then(chosen_id).unwrap_or(default).to_owned(),
+        Kind::InputFile { .. } | Kind::OutputFile { .. } => {
+            let path = given.and_then(Json::as_str).unwrap_or("");
+            path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
+        }
+    };
+    // What does not fit its declaration is shown as it stands.
+    match given {
+        Some(json) if text.is_empty() && !json.is_string() => json.to_string(),
+        _ => text,
+    }
+}

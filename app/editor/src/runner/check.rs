@@ -1,0 +1,133 @@
+//! Checks a map, and finds the part of it that can run while the rest is unfinished.
+
+use std::collections::{HashMap, HashSet};
+
+use indexmap::IndexMap;
+use mve_core::{Fingerprint, Map, OutputScope, Plan, PlanOptions, Problem};
+
+use super::{Shared, Subject};
+
+/// Which nodes of a map are to run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All.
+    All,
+    /// These and what they need.
+    UpTo(Vec<String>),
+    /// All but those that write files: for runs that a person has not asked for.
+    Quiet,
+}
+
+/// What a check found.
+#[derive(Default)]
+pub struct Checked {
+    /// Number of the state that was checked.
+    pub revision: u64,
+    /// Everything that is wrong with the map, and what is odd about it.
+    pub problems: Vec<Problem>,
+    /// Keys of the nodes that can run.
+    pub keys: HashMap<String, Fingerprint>,
+    /// Nodes that cannot run only because of others, each with the reason.
+    pub left_out: IndexMap<String, String>,
+}
+
+/// Checks a map. Where some nodes have problems, the plan is of those that do not need them.
+pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option<Plan>) {
+    let mut map = Map { programs: IndexMap::new(), ..(*subject.map).clone() };
+    restrict(&mut map, &part, shared);
+    let options = PlanOptions {
+        map_folder: &subject.folder,
+        output_folder: Some(&shared.output_folder),
+        output_scope: OutputScope::Folder,
+        repeat: 0,
+        files: &shared.files,
+    };
+    let mut checked = Checked { revision: subject.revision, ..Checked::default() };
+    let plan = loop {
+        if map.nodes.is_empty() {
+            break None;
+        }
+        match Plan::new(&map, &shared.registry, &options) {
+            Ok(plan) => {
+                checked.add(&plan.warnings);
+                break Some(plan);
+            }
+            Err(found) => {
+                checked.add(&found);
+                let errors = found.iter().filter(|problem| problem.is_error());
+                let faulty = errors.filter_map(|problem| problem.place.node.clone());
+                if checked.leave_out(&mut map, faulty.collect()) == 0 {
+                    break None;
+                }
+            }
+        }
+    };
+    if let Some(plan) = &plan {
+        checked.keys = plan.nodes.iter().map(|node| (node.name.clone(), node.key)).collect();
+    }
+    (checked, plan)
+}
+
+impl Checked {
+    fn add(&mut self, problems: &[Problem]) {
+        for problem in problems {
+            if !self.problems.contains(problem) {
+                self.problems.push(problem.clone());
+            }
+        }
+    }
+
+    /// Takes nodes and all that hang on them out of the map; how many.
+    fn leave_out(&mut self, map: &mut Map, faulty: HashSet<String>) -> usize {
+        let before = map.nodes.len();
+        let mut gone = faulty.clone();
+        let mut open: Vec<String> = faulty.into_iter().collect();
+        while let Some(name) = open.pop() {
+            for link in map.links.iter().filter(|link| link.from.node == name) {
+                if gone.insert(link.to.node.clone()) {
+                    let why = format!("needs {name}, which cannot run");
+                    self.left_out.insert(link.to.node.clone(), why);
+                    open.push(link.to.node.clone());
+                }
+            }
+        }
+        keep_nodes(map, |name| !gone.contains(name));
+        before - map.nodes.len()
+    }
+}
+
+/// Keeps the nodes that are to run.
+fn restrict(map: &mut Map, part: &Part, shared: &Shared) {
+    match part {
+        Part::All => {}
+        Part::UpTo(ends) => {
+            let mut needed: HashSet<String> = ends.iter().cloned().collect();
+            let mut open = ends.clone();
+            while let Some(name) = open.pop() {
+                for link in map.links.iter().filter(|link| link.to.node == name) {
+                    if needed.insert(link.from.node.clone()) {
+                        open.push(link.from.node.clone());
+                    }
+                }
+            }
+            keep_nodes(map, |name| needed.contains(name));
+        }
+        Part::Quiet => {
+            let writes = |id: &str| {
+                shared.registry.find(id).is_some_and(|info| info.module.writes_files())
+            };
+            let writers: HashSet<String> = map
+                .nodes
+                .iter()
+                .filter(|(_, node)| writes(&node.module))
+                .map(|(name, _)| name.clone())
+                .collect();
+            keep_nodes(map, |name| !writers.contains(name));
+        }
+    }
+}
+
+fn keep_nodes(map: &mut Map, keep: impl Fn(&str) -> bool) {
+    map.nodes.retain(|name, _| keep(name));
+    map.links.retain(|link| keep(&link.from.node) && keep(&link.to.node));
+}

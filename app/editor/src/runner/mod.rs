@@ -1,0 +1,299 @@
+//! Runs a map beside the window, which never waits: checks and runs happen on threads of their own,
+//! and what they find arrives as messages that the window takes in once a frame.
+
+mod check;
+mod job;
+mod log;
+mod status;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+use indexmap::IndexMap;
+use mve_core::{
+    Cache, CancelToken, FileHashes, Fingerprint, Map, NodeRecord, NodeStatus, Problem, Registry,
+    Value,
+};
+
+pub use check::{Checked, Part};
+pub use log::{Line, Log, Loudness};
+pub use status::{Status, seconds_text};
+
+/// What all runs of the window share.
+pub struct Shared {
+    /// The modules.
+    pub registry: Registry,
+    /// Values made before, by any tab.
+    pub cache: Cache,
+    /// Fingerprints of input files.
+    pub files: FileHashes,
+    /// The folder that savers write to, as `mve run` has it.
+    pub output_folder: PathBuf,
+    /// Asks the window to draw itself again; called from any thread.
+    pub wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Shared {
+    /// What runs share, with a cache of at most `cache_bytes`; savers write to `mve-out` where no
+    /// folder is named.
+    pub fn new(
+        registry: Registry,
+        cache_bytes: usize,
+        wake: Box<dyn Fn() + Send + Sync>,
+        output_folder: Option<PathBuf>,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            registry,
+            cache: Cache::new(cache_bytes, None),
+            files: FileHashes::new(),
+            output_folder: output_folder.unwrap_or_else(|| PathBuf::from("mve-out")),
+            wake,
+        })
+    }
+}
+
+/// A map as the runner takes it.
+#[derive(Clone)]
+pub struct Subject {
+    /// The map.
+    pub map: Arc<Map>,
+    /// Number of its state, as [`crate::document::Document::revision`] counts them.
+    pub revision: u64,
+    /// The folder that its input paths are relative to.
+    pub folder: PathBuf,
+}
+
+/// What the threads tell.
+enum Message {
+    Checked(Box<Checked>),
+    /// A run begins, with the keys of the nodes that take part.
+    Planned(IndexMap<String, Fingerprint>),
+    Started(String),
+    Progress(String, f64),
+    Said(Line),
+    Ended(String, Box<Ended>),
+    Finished,
+}
+
+/// What came of a node.
+pub struct Ended {
+    /// How it ended.
+    pub record: NodeRecord,
+    /// Values of its outputs, in the order of their declarations.
+    pub outputs: Vec<Value>,
+}
+
+/// A run under way.
+struct Job {
+    cancel: CancelToken,
+    started: Instant,
+    /// Nodes that take part, and how far each is: none before it starts, 1 when it has ended.
+    nodes: IndexMap<String, Option<f64>>,
+}
+
+/// Runs one map, and knows what became of each of its nodes.
+pub struct Runner {
+    shared: Arc<Shared>,
+    inbox: Receiver<Message>,
+    outbox: Sender<Message>,
+    job: Option<Job>,
+    /// The state that is asked to be checked, and whether a thread is at it.
+    to_check: Option<Subject>,
+    is_checking: bool,
+    checked: Checked,
+    ended: IndexMap<String, Ended>,
+    /// Seconds that the last run took.
+    last_run: Option<Duration>,
+    /// Everything that was said.
+    pub log: Log,
+}
+
+impl Runner {
+    /// A runner that has not run anything.
+    pub fn new(shared: &Arc<Shared>) -> Self {
+        let (outbox, inbox) = channel();
+        Self {
+            shared: Arc::clone(shared),
+            inbox,
+            outbox,
+            job: None,
+            to_check: None,
+            is_checking: false,
+            checked: Checked::default(),
+            ended: IndexMap::new(),
+            last_run: None,
+            log: Log::default(),
+        }
+    }
+
+    /// Checks a map soon, in place of one that still waits to be checked.
+    pub fn check(&mut self, subject: Subject) {
+        self.to_check = Some(subject);
+        self.check_next();
+    }
+
+    fn check_next(&mut self) {
+        if self.is_checking {
+            return;
+        }
+        let Some(subject) = self.to_check.take() else { return };
+        self.is_checking = true;
+        let (shared, outbox) = (Arc::clone(&self.shared), self.outbox.clone());
+        std::thread::spawn(move || {
+            let (checked, _) = check::check(&subject, Part::All, &shared);
+            // The window may be gone; then nobody needs to know.
+            let _ = outbox.send(Message::Checked(Box::new(checked)));
+            (shared.wake)();
+        });
+    }
+
+    /// Runs a part of a map. What runs already is stopped first.
+    pub fn run(&mut self, subject: Subject, part: Part) {
+        self.stop();
+        let cancel = CancelToken::new();
+        let job = Job { cancel: cancel.clone(), started: Instant::now(), nodes: IndexMap::new() };
+        // What an older run still has to say goes nowhere.
+        let (outbox, inbox) = channel();
+        self.drain();
+        (self.outbox, self.inbox) = (outbox.clone(), inbox);
+        self.is_checking = false;
+        self.job = Some(job);
+        let shared = Arc::clone(&self.shared);
+        std::thread::spawn(move || job::run_job(&subject, &part, &shared, &outbox, &cancel));
+    }
+
+    /// Asks the run to stop; it ends within a moment.
+    pub fn stop(&mut self) {
+        if let Some(job) = &self.job {
+            job.cancel.cancel();
+        }
+    }
+
+    /// Whether something runs.
+    pub fn is_running(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// How far the run is, 0 to 1, and for how long it has been under way.
+    pub fn progress(&self) -> Option<(f64, Duration)> {
+        let job = self.job.as_ref()?;
+        let done: f64 = job.nodes.values().map(|share| share.unwrap_or(0.0)).sum();
+        Some((done / job.nodes.len().max(1) as f64, job.started.elapsed()))
+    }
+
+    /// How long the last run took.
+    pub fn last_run(&self) -> Option<Duration> {
+        self.last_run
+    }
+
+    /// The modules.
+    pub fn registry(&self) -> &Registry {
+        &self.shared.registry
+    }
+
+    /// What the last check found.
+    pub fn checked(&self) -> &Checked {
+        &self.checked
+    }
+
+    /// What is wrong with the map.
+    pub fn problems(&self) -> &[Problem] {
+        &self.checked.problems
+    }
+
+    /// What became of a node when it ran last.
+    pub fn ended(&self, node: &str) -> Option<&Ended> {
+        self.ended.get(node)
+    }
+
+    /// The value of an output, from the last run of its node.
+    pub fn value(&self, node: &str, output: &str) -> Option<Value> {
+        let ended = self.ended.get(node)?;
+        let module = self.shared.registry.find(&ended.record.module)?.module;
+        let place = module.outputs.iter().position(|spec| spec.name == output)?;
+        ended.outputs.get(place).cloned()
+    }
+
+    /// Takes in what the threads have told since the last call. Whether a run came to its end.
+    pub fn take_in(&mut self) -> bool {
+        let mut is_finished = false;
+        while let Ok(message) = self.inbox.try_recv() {
+            is_finished |= matches!(message, Message::Finished);
+            self.hear(message);
+        }
+        is_finished
+    }
+
+    fn drain(&mut self) {
+        while let Ok(message) = self.inbox.try_recv() {
+            self.hear(message);
+        }
+    }
+
+    fn hear(&mut self, message: Message) {
+        match message {
+            Message::Checked(checked) => {
+                self.checked = *checked;
+                self.is_checking = false;
+                self.check_next();
+            }
+            Message::Planned(keys) => {
+                if let Some(job) = &mut self.job {
+                    job.nodes = keys.into_keys().map(|name| (name, None)).collect();
+                }
+            }
+            Message::Started(node) => self.set_share(&node, 0.0),
+            Message::Progress(node, share) => self.set_share(&node, share),
+            Message::Said(line) => self.log.add(line),
+            Message::Ended(node, ended) => {
+                self.set_share(&node, 1.0);
+                self.end(node, *ended);
+            }
+            Message::Finished => {
+                self.last_run = self.job.take().map(|job| job.started.elapsed());
+            }
+        }
+    }
+
+    fn set_share(&mut self, node: &str, share: f64) {
+        let known = self.job.as_mut().and_then(|job| job.nodes.get_mut(node));
+        if let Some(known) = known {
+            *known = Some(share);
+        }
+    }
+
+    fn end(&mut self, node: String, ended: Ended) {
+        match &ended.record.status {
+            NodeStatus::Failed { error } => {
+                self.log.add(Line::of(Some(&node), Loudness::Error, error));
+            }
+            // A node that was stopped keeps what it had before.
+            NodeStatus::Stopped if self.ended.contains_key(&node) => return,
+            _ => {}
+        }
+        self.ended.insert(node, ended);
+    }
+
+    /// Takes over what is known of a node under its new name.
+    pub fn rename(&mut self, from: &str, to: &str) {
+        if let Some(ended) = self.ended.shift_remove(from) {
+            self.ended.insert(to.to_owned(), ended);
+        }
+    }
+
+    /// Drops what is known of nodes that are no longer there, and the values that it holds.
+    pub fn forget_all_but(&mut self, map: &Map) {
+        self.ended.retain(|name, _| map.nodes.contains_key(name));
+    }
+}
+
+impl Drop for Runner {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! Runs of small maps, waited for as the window waits for them.
+
+use std::time::{Duration, Instant};
+
+use super::*;
+
+const MAP: &str = r#"{ "mve": 1,
+    "nodes": {
+        "box": { "module": "Box" },
+        "info": { "module": "MeshInfo" },
+        "load": { "module": "ObjLoader", "params": { "path": "no-such-file.obj" } },
+        "normals": { "module": "NormalComputer" } },
+    "links": ["box.mesh -> info.mesh", "load.mesh -> normals.mesh"] }"#;
+
+fn shared() -> Arc<Shared> {
+    let folder = std::env::temp_dir().join("mve-editor-runner");
+    Shared::new(mve_modules::registry(), 1 << 26, Box::new(|| {}), Some(folder))
+}
+
+fn subject(text: &str, revision: u64) -> Subject {
+    let map = Arc::new(Map::parse(text).expect("is a map"));
+    Subject { map, revision, folder: PathBuf::new() }
+}
+
+fn wait(runner: &mut Runner, is_there: impl Fn(&Runner) -> bool) {
+    let start = Instant::now();
+    loop {
+        runner.take_in();
+        if is_there(runner) {
+            return;
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "it does not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn what_can_run_runs_and_the_rest_says_why_not() {
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(MAP, 1), Part::All);
+    assert!(runner.is_running());
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(matches!(runner.status("box"), Status::Done(Some(_))));
+    assert!(matches!(runner.status("info"), Status::Done(_)));
+    assert!(runner.value("box", "mesh").is_some());
+    let Status::Refused(why) = runner.status("load") else { panic!("it has no file") };
+    assert!(why.contains("no-such-file.obj"), "{why}");
+    let Status::Refused(why) = runner.status("normals") else { panic!("it has no mesh") };
+    assert_eq!(why, "needs load, which cannot run");
+}
+
+#[test]
+fn a_change_makes_old_what_hangs_on_it_and_undoing_it_makes_it_new_again() {
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(MAP, 1), Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    let changed = MAP.replace(r#""module": "Box""#, r#""module": "Box", "params": { "faces": 48 }"#);
+    runner.check(subject(&changed, 2));
+    wait(&mut runner, |runner| runner.checked().revision == 2);
+    assert!(matches!(runner.status("box"), Status::Dirty | Status::Refused(_)));
+    assert!(!matches!(runner.status("info"), Status::Done(_)));
+    runner.check(subject(MAP, 3));
+    wait(&mut runner, |runner| runner.checked().revision == 3);
+    assert!(matches!(runner.status("info"), Status::Done(_)));
+}
+
+#[test]
+fn up_to_here_runs_only_what_is_needed() {
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(MAP, 1), Part::UpTo(vec!["box".to_owned()]));
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(matches!(runner.status("box"), Status::Done(_)));
+    assert_eq!(runner.status("info"), Status::New);
+}
+
+#[test]
+fn a_run_that_is_stopped_ends_soon_and_a_new_one_takes_its_place() {
+    let text = r#"{ "mve": 1, "nodes": {
+        "vase": { "module": "Vase" },
+        "simplify": { "module": "Simplificator",
+            "params": { "cost": "ImageSsim", "target_faces": 100 } } },
+        "links": ["vase.mesh -> simplify.mesh"] }"#;
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(text, 1), Part::All);
+    wait(&mut runner, |runner| matches!(runner.status("simplify"), Status::Running(_)));
+    let start = Instant::now();
+    runner.stop();
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(start.elapsed() < Duration::from_secs(5));
+    assert_eq!(runner.status("simplify"), Status::Stopped);
+    runner.run(subject(MAP, 2), Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(matches!(runner.status("info"), Status::Done(_)));
+}

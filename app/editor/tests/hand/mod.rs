@@ -1,0 +1,135 @@
+//! A hand at the window: it knows things by their accessible names, and nothing else.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Key, Modifiers, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use mve_core::Map;
+use mve_editor::app::{Editor, Start};
+
+/// How long a run of a test may take.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A hand at a window without a display.
+pub struct Hand {
+    harness: Harness<'static, Option<Editor>>,
+    output_folder: PathBuf,
+}
+
+impl Hand {
+    /// A window on an empty map, whose savers write below `folder`.
+    pub fn new(folder: &Path) -> Self {
+        let output_folder = folder.join("out");
+        let out = output_folder.clone();
+        let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
+            let start = || Start { output_folder: Some(out.clone()), ..Start::default() };
+            let new = || Editor::new(ui.ctx(), mve_modules::registry(), start());
+            editor.get_or_insert_with(new).show(ui);
+        };
+        let size = Vec2::new(1500.0, 950.0);
+        let harness = Harness::builder().with_size(size).build_ui_state(draw, None);
+        Self { harness, output_folder }
+    }
+
+    /// The window.
+    pub fn editor(&self) -> &Editor {
+        self.harness.state().as_ref().expect("the first frame makes it")
+    }
+
+    /// The map that is shown.
+    pub fn map(&self) -> Arc<Map> {
+        Arc::clone(self.editor().session().document.map())
+    }
+
+    /// Where savers write.
+    pub fn output_folder(&self) -> &Path {
+        &self.output_folder
+    }
+
+    /// Draws a few frames.
+    pub fn step(&mut self) {
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks what has this name.
+    pub fn click(&mut self, name: &str) {
+        self.harness.get_by_label(name).click();
+        self.step();
+    }
+
+    /// Whether something has this name.
+    pub fn sees(&self, name: &str) -> bool {
+        self.harness.query_all_by_label(name).next().is_some()
+    }
+
+    /// Presses a key.
+    pub fn press(&mut self, key: Key) {
+        self.press_with(Modifiers::NONE, key);
+    }
+
+    /// Presses a key with others held.
+    pub fn press_with(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.step();
+    }
+
+    /// Adds a module by its search.
+    pub fn add(&mut self, module: &str) {
+        self.click("+ Module");
+        self.harness.get_by_label("search modules").type_text(module);
+        self.step();
+        self.press(Key::Enter);
+    }
+
+    /// Types into a field and leaves it.
+    pub fn type_into(&mut self, name: &str, text: &str) {
+        self.harness.get_by_label(name).click();
+        self.step();
+        self.harness.get_by_label(name).type_text(text);
+        self.step();
+        self.press(Key::Enter);
+    }
+
+    /// Drags from one thing to another.
+    pub fn link(&mut self, from: &str, to: &str) {
+        let center = |name: &str| self.harness.get_by_label(name).rect().center();
+        let (from, to) = (center(from), center(to));
+        self.harness.hover_at(from);
+        self.step();
+        self.harness.drag_at(from);
+        self.step();
+        self.harness.hover_at(from + (to - from) * 0.5);
+        self.step();
+        self.harness.hover_at(to);
+        self.step();
+        self.harness.drop_at(to);
+        self.step();
+    }
+
+    /// Draws frames until the run has come to its end.
+    pub fn wait_for_the_run(&mut self) {
+        let start = Instant::now();
+        while self.editor().session().runner.is_running() {
+            assert!(start.elapsed() < PATIENCE, "the run takes too long");
+            std::thread::sleep(Duration::from_millis(5));
+            self.step();
+        }
+    }
+
+    /// What is wrong with the map, once it has been checked.
+    pub fn problems(&mut self) -> Vec<String> {
+        let start = Instant::now();
+        loop {
+            self.step();
+            let session = self.editor().session();
+            if session.runner.checked().revision == session.document.revision() {
+                return session.runner.problems().iter().map(ToString::to_string).collect();
+            }
+            assert!(start.elapsed() < PATIENCE, "the check takes too long");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}

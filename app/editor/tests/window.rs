@@ -1,0 +1,59 @@
+//! Drives the window by the names that a screen reader says.
+
+mod hand;
+
+use hand::Hand;
+use mve_core::NodeStatus;
+
+/// A cube of twelve triangles, in a file.
+fn cube(folder: &std::path::Path) -> std::path::PathBuf {
+    let path = folder.join("cube.obj");
+    let corners = (0..8).map(|i| format!("v {} {} {}\n", i & 1, (i >> 1) & 1, (i >> 2) & 1));
+    let faces = [
+        [1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6],
+    ];
+    let faces = faces.map(|[a, b, c, d]| format!("f {a} {b} {c}\nf {a} {c} {d}\n"));
+    let text: String = corners.chain(faces).collect();
+    std::fs::write(&path, text).expect("the folder takes files");
+    path
+}
+
+#[test]
+fn the_map_is_built_by_hand_run_read_and_undone() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let path = cube(folder.path());
+    let mut hand = Hand::new(folder.path());
+    hand.add("ObjLoader");
+    hand.type_into("path", &path.display().to_string());
+    hand.add("Simplificator");
+    hand.add("MeshComparer");
+    hand.add("ObjSaver");
+    hand.type_into("path", "small.obj");
+    hand.click("canvas");
+    hand.press(eframe::egui::Key::L);
+    hand.link("output obj-loader.mesh", "input simplificator.mesh");
+    hand.link("output obj-loader.mesh", "input mesh-comparer.original");
+    hand.link("output simplificator.mesh", "input mesh-comparer.simplified");
+    hand.link("output simplificator.mesh", "input obj-saver.mesh");
+    let map = hand.map();
+    assert_eq!(map.nodes.len(), 4);
+    assert_eq!(map.links.len(), 4, "{:?}", map.links);
+    assert_eq!(hand.problems(), Vec::<String>::new());
+
+    hand.click("\u{25b6} Run");
+    hand.wait_for_the_run();
+    for name in map.nodes.keys() {
+        let ended = hand.editor().session().runner.ended(name);
+        let status = ended.map(|ended| ended.record.status.clone());
+        assert_eq!(status, Some(NodeStatus::Done), "{name}");
+    }
+    assert!(hand.output_folder().join("small.obj").is_file());
+    hand.click("Values");
+    assert!(hand.sees("mesh-comparer.hausdorff"), "the table of values names the distance");
+
+    hand.click("canvas");
+    while hand.editor().session().document.undo_label().is_some() {
+        hand.press_with(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Z);
+    }
+    assert!(hand.map().nodes.is_empty());
+}
