@@ -42,7 +42,7 @@ pub use disk_cache::DiskCache;
 pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
 pub use machine::Machine;
-pub use map::{Link, Map, MapError, Node, PortRef, ProgramSpec};
+pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
 pub use module::{Io, Module, ModuleError, Reporter};
 pub use panics::contain_panics;
 pub use param::{

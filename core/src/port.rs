@@ -31,6 +31,13 @@ pub struct AnyIn {
 pub(crate) const ANY: DataType =
     DataType { id: "Any", doc: "A value of any type.", color: [200, 200, 200] };
 
+impl DataType {
+    /// Whether an input of this type takes a value of the type `given`.
+    pub fn takes(self, given: Self) -> bool {
+        self == given || self == ANY
+    }
+}
+
 /// An output. A module that finishes has put a value into each.
 #[derive(Debug)]
 pub struct Out<T> {

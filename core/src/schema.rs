@@ -35,7 +35,10 @@ pub fn schema(registry: &Registry) -> Json {
                 "additionalProperties": {
                     "type": "object",
                     "required": ["module"],
-                    "properties": { "module": { "type": "string", "examples": ids } },
+                    "properties": {
+                        "module": { "type": "string", "examples": ids },
+                        "mode": mode()
+                    },
                     "anyOf": modules
                 }
             },
@@ -54,8 +57,22 @@ pub fn schema(registry: &Registry) -> Json {
                     "maxItems": 2
                 }
             },
+            "canvas": {
+                "description": "Frames, notes and the like, drawn by the editor; no run reads them.",
+                "type": "object"
+            },
             "programs": programs()
         }
+    })
+}
+
+/// The schema of whether a node runs.
+fn mode() -> Json {
+    json!({
+        "description": "Active nodes run. A muted node does not, nor do those that need it; a \
+                        bypassed one passes on what comes to its inputs.",
+        "enum": ["active", "muted", "bypassed"],
+        "default": "active"
     })
 }
 

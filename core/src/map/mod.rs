@@ -71,12 +71,35 @@ struct Source {
 pub struct Node {
     /// Id of the module.
     pub module: String,
+    /// Whether it runs.
+    #[serde(default, skip_serializing_if = "NodeMode::is_active")]
+    pub mode: NodeMode,
     /// Parameters that differ from their defaults.
     #[serde(default, skip_serializing_if = "JsonMap::is_empty")]
     pub params: JsonMap<String, Json>,
     /// Fields that this version does not know.
     #[serde(flatten)]
     pub extra: JsonMap<String, Json>,
+}
+
+/// Whether a node runs, and what becomes of those that need it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NodeMode {
+    /// It runs.
+    #[default]
+    Active,
+    /// It does not run, and neither does any node that needs a value of it.
+    Muted,
+    /// It does not run; each output passes on what comes to the first input of the same type.
+    Bypassed,
+}
+
+impl NodeMode {
+    /// Whether the node runs.
+    pub fn is_active(&self) -> bool {
+        *self == Self::Active
+    }
 }
 
 /// A port of a node: `load.mesh`.
@@ -184,6 +207,13 @@ impl Map {
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
+    }
+
+    /// Whether a node may have this name: the signs that links, paths and templates are made of
+    /// are not for names.
+    pub fn can_name_a_node(name: &str) -> bool {
+        let is_bad = |c: char| c.is_whitespace() || c.is_control() || ".{}>/\\".contains(c);
+        !(name.is_empty() || name.contains(is_bad))
     }
 
     /// What the file says that could not be understood.

@@ -55,8 +55,7 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
 }
 
 fn check_name(name: &str, problems: &mut Vec<Problem>) {
-    let is_bad = |c: char| c.is_whitespace() || c.is_control() || ".{}>/\\".contains(c);
-    if name.is_empty() || name.contains(is_bad) {
+    if !Map::can_name_a_node(name) {
         let message = "a node's name cannot be empty or hold spaces, slashes or any of . { } >";
         problems.push(Problem::error(message).at(name));
     }
@@ -89,7 +88,7 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
         found
     });
     let (Some((output, given)), Some((target, wanted))) = (output, target) else { return };
-    if given != wanted && wanted != ANY {
+    if !wanted.takes(given) {
         let message = format!(
             "takes {}, but \"{}\" gives {}; link an output that gives {}",
             wanted.id, link.from, given.id, wanted.id

@@ -1,0 +1,225 @@
+//! The search for modules: by what they are called, what they do, and what they link to.
+
+use mve_core::{DataType, Module, ModuleInfo, Registry};
+use nucleo_matcher::pattern::{Atom, AtomKind, CaseMatching, Normalization};
+use nucleo_matcher::{Config, Matcher, Utf32Str};
+
+/// What a word of the query is worth by where it is found: in the id first, then in the category,
+/// then in the summary, last by its beginning alone.
+const IN_ID: u32 = 4000;
+const IN_CATEGORY: u32 = 3000;
+const IN_SUMMARY: u32 = 2000;
+const BY_STEM: u32 = 1000;
+
+/// Shortest beginning that two words of one stem have in common, and the most letters that the
+/// word of the query may have behind it: `simplify` finds the Simplificator.
+const SHORTEST_STEM: usize = 4;
+const LONGEST_ENDING: usize = 3;
+
+/// What a link into a parameter takes off, so that modules with a fitting input come first.
+const FOR_PARAM: u32 = 500;
+
+/// What a module must link to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// An output that gives this type: the module must have an input that takes it.
+    Output(DataType),
+    /// An input that takes this type: the module must have an output that gives it.
+    Input(DataType),
+}
+
+/// A module that was found.
+#[derive(Clone)]
+pub struct Hit {
+    /// The module.
+    pub info: ModuleInfo,
+    /// The port to link to, where one was asked for.
+    pub port: Option<&'static str>,
+    /// The characters of the id that match, by place, sorted.
+    pub id_matches: Vec<u32>,
+    /// The characters of the summary that match, by place, sorted.
+    pub summary_matches: Vec<u32>,
+}
+
+/// All modules, to be searched.
+pub struct Catalog {
+    modules: Vec<ModuleInfo>,
+}
+
+impl Catalog {
+    /// The modules of a registry.
+    pub fn new(registry: &Registry) -> Self {
+        Self { modules: registry.modules().to_vec() }
+    }
+
+    /// The modules that have all words of the query and fit, the best first; without a query, all
+    /// that fit, sorted by id.
+    pub fn search(&self, query: &str, fit: Option<&Fit>) -> Vec<Hit> {
+        let mut matcher = Matcher::new(Config::DEFAULT);
+        let words: Vec<Word> = query.split_whitespace().map(Word::new).collect();
+        let mut scored: Vec<(u32, Hit)> = Vec::new();
+        'modules: for info in &self.modules {
+            let mut score = FOR_PARAM;
+            let mut port = None;
+            if let Some(fit) = fit {
+                let Some((name, is_param)) = fit.port(info.module) else { continue };
+                port = Some(name);
+                score -= if is_param { FOR_PARAM } else { 0 };
+            }
+            let mut hit =
+                Hit { info: *info, port, id_matches: Vec::new(), summary_matches: Vec::new() };
+            for word in &words {
+                match word.find(&mut hit, &mut matcher) {
+                    Some(found) => score += found,
+                    None => continue 'modules,
+                }
+            }
+            for matches in [&mut hit.id_matches, &mut hit.summary_matches] {
+                matches.sort_unstable();
+                matches.dedup();
+            }
+            scored.push((score, hit));
+        }
+        // The registry is sorted by id, and the sort keeps that order among equals.
+        scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+        scored.into_iter().map(|(_, hit)| hit).collect()
+    }
+}
+
+impl Fit {
+    /// The first port of the module that fits, and whether it is a parameter.
+    fn port(&self, module: &Module) -> Option<(&'static str, bool)> {
+        match self {
+            Self::Output(given) => {
+                // An input of the very type is meant rather than one that takes anything.
+                let same = module.inputs.iter().find(|input| input.data_type == *given);
+                let takes = || module.inputs.iter().find(|input| input.data_type.takes(*given));
+                let input = same.or_else(takes).map(|input| (input.name, false));
+                let takes = |wanted: Option<DataType>| wanted.is_some_and(|w| w.takes(*given));
+                let param = || module.params.iter().find(|param| takes(param.link_type()));
+                input.or_else(|| param().map(|param| (param.name, true)))
+            }
+            Self::Input(wanted) => {
+                let output = module.outputs.iter().find(|output| wanted.takes(output.data_type));
+                output.map(|output| (output.name, false))
+            }
+        }
+    }
+}
+
+/// A word of a query.
+struct Word {
+    letters: Vec<char>,
+    fuzzy: Atom,
+    whole: Atom,
+}
+
+impl Word {
+    fn new(word: &str) -> Self {
+        let atom = |kind| Atom::new(word, CaseMatching::Ignore, Normalization::Smart, kind, false);
+        Self {
+            letters: word.to_lowercase().chars().collect(),
+            fuzzy: atom(AtomKind::Fuzzy),
+            whole: atom(AtomKind::Substring),
+        }
+    }
+
+    /// What the word is worth in a module; marks where it was found.
+    fn find(&self, hit: &mut Hit, matcher: &mut Matcher) -> Option<u32> {
+        let (module, mut buffer) = (hit.info.module, Vec::new());
+        let id = Utf32Str::new(module.id, &mut buffer);
+        if let Some(score) = self.fuzzy.indices(id, matcher, &mut hit.id_matches) {
+            return Some(IN_ID + u32::from(score));
+        }
+        let category = Utf32Str::new(hit.info.category, &mut buffer);
+        if let Some(score) = self.whole.score(category, matcher) {
+            return Some(IN_CATEGORY + u32::from(score));
+        }
+        let summary = Utf32Str::new(module.summary, &mut buffer);
+        if let Some(score) = self.whole.indices(summary, matcher, &mut hit.summary_matches) {
+            return Some(IN_SUMMARY + u32::from(score));
+        }
+        let in_id = self.stem(module.id, &mut hit.id_matches);
+        in_id.or_else(|| self.stem(module.summary, &mut hit.summary_matches))
+    }
+
+    /// Finds the beginning of the word at the beginning of a word of the text.
+    fn stem(&self, text: &str, matches: &mut Vec<u32>) -> Option<u32> {
+        let letters: Vec<char> = text.chars().collect();
+        let begins = |place: usize| {
+            let before = place.checked_sub(1).map(|before| letters[before]);
+            before.is_none_or(|before| {
+                !before.is_alphanumeric()
+                    || (before.is_lowercase() && letters[place].is_uppercase())
+            })
+        };
+        let needed = SHORTEST_STEM.max(self.letters.len().saturating_sub(LONGEST_ENDING));
+        for place in (0..letters.len()).filter(|place| begins(*place)) {
+            let pairs = letters[place..].iter().zip(&self.letters);
+            let n_common = pairs.take_while(|(a, b)| a.to_lowercase().eq([**b])).count();
+            if n_common >= needed {
+                matches.extend((place..place + n_common).map(|place| place as u32));
+                return Some(BY_STEM + n_common as u32);
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mve_core::{Data, testing::registry};
+
+    use super::*;
+
+    fn ids(query: &str, fit: Option<Fit>) -> Vec<&'static str> {
+        let hits = Catalog::new(&registry()).search(query, fit.as_ref());
+        hits.iter().map(|hit| hit.info.module.id).collect()
+    }
+
+    #[test]
+    fn ids_come_first_and_all_words_count() {
+        assert_eq!(ids("", None), ["Add", "Echo", "Pick", "Read", "Write"]);
+        // In the id of Read, in the summaries of Echo ("a text") and Write.
+        assert_eq!(ids("rea", None), ["Read"]);
+        assert_eq!(ids("text", None), ["Echo", "Read", "Write"]);
+        assert_eq!(ids("text wri", None), ["Write"]);
+        assert_eq!(ids("test", None).len(), 5); // the category
+        assert_eq!(ids("wrt", None), ["Write"]);
+        assert_eq!(ids("zzz", None), [""; 0]);
+    }
+
+    #[test]
+    fn words_of_one_stem_are_found() {
+        assert_eq!(ids("writing", None), ["Write"]);
+        assert_eq!(ids("numbering", None), ["Pick"]);
+        let hits = Catalog::new(&registry()).search("writing", None);
+        assert_eq!(hits[0].id_matches, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn matches_are_marked() {
+        let hits = Catalog::new(&registry()).search("wt tex", None);
+        assert_eq!(hits[0].id_matches, [0, 3]);
+        let summary = hits[0].info.module.summary;
+        let marked: String = hits[0]
+            .summary_matches
+            .iter()
+            .filter_map(|i| summary.chars().nth(*i as usize))
+            .collect();
+        assert_eq!(marked, "tex");
+    }
+
+    #[test]
+    fn modules_that_fit_tell_their_port() {
+        let hits = |fit| {
+            let hits = Catalog::new(&registry()).search("", Some(&fit));
+            hits.iter().map(|hit| (hit.info.module.id, hit.port.unwrap())).collect::<Vec<_>>()
+        };
+        assert_eq!(hits(Fit::Output(f64::TYPE)), [("Add", "a")]);
+        // A real input before a parameter.
+        assert_eq!(hits(Fit::Output(String::TYPE)), [("Write", "text"), ("Echo", "say")]);
+        assert_eq!(hits(Fit::Input(f64::TYPE)), [("Add", "sum"), ("Pick", "number")]);
+        assert!(hits(Fit::Input(bool::TYPE)).is_empty());
+    }
+}

@@ -1,0 +1,94 @@
+//! What was done, to be undone: snapshots of the map, with the label of each step.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use mve_core::Map;
+
+/// Steps that can be undone.
+const LONGEST: usize = 300;
+
+/// Edits of one thing that come within this time are one step.
+const TOGETHER: Duration = Duration::from_secs(1);
+
+/// One step: what it was, and the map on its other side.
+#[derive(Clone, Debug)]
+struct Step {
+    label: String,
+    map: Arc<Map>,
+}
+
+/// Steps back and steps forth.
+#[derive(Clone, Debug, Default)]
+pub(super) struct History {
+    past: VecDeque<Step>,
+    future: Vec<Step>,
+    /// What the last step edits, and when it did so last.
+    last: Option<(String, Instant)>,
+}
+
+impl History {
+    /// Remembers that `before` became `after` at the time `now`. A step of the same `target` that
+    /// follows closely joins the one before it.
+    pub fn push(
+        &mut self,
+        label: String,
+        target: Option<String>,
+        now: Instant,
+        maps: [&Arc<Map>; 2],
+    ) {
+        let [before, after] = maps;
+        self.future.clear();
+        let joins = match (&self.last, &target) {
+            (Some((last, time)), Some(target)) => {
+                last == target && now.saturating_duration_since(*time) < TOGETHER
+            }
+            _ => false,
+        };
+        self.last = target.map(|target| (target, now));
+        match self.past.back() {
+            // A slider that was dragged to where it was: nothing is left to undo.
+            Some(step) if joins && step.map == *after => {
+                self.past.pop_back();
+                self.last = None;
+            }
+            Some(_) if joins => {}
+            _ => self.past.push_back(Step { label, map: Arc::clone(before) }),
+        }
+        if self.past.len() > LONGEST {
+            self.past.pop_front();
+        }
+    }
+
+    /// Ends the step: what comes next is one of its own.
+    pub fn seal(&mut self) {
+        self.last = None;
+    }
+
+    /// Takes one step back from the map `now`.
+    pub fn undo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
+        let step = self.past.pop_back()?;
+        self.seal();
+        self.future.push(Step { label: step.label, map: Arc::clone(now) });
+        Some(step.map)
+    }
+
+    /// Takes one step forth from the map `now`.
+    pub fn redo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
+        let step = self.future.pop()?;
+        self.seal();
+        self.past.push_back(Step { label: step.label, map: Arc::clone(now) });
+        Some(step.map)
+    }
+
+    /// What the next step back would undo.
+    pub fn undo_label(&self) -> Option<&str> {
+        self.past.back().map(|step| step.label.as_str())
+    }
+
+    /// What the next step forth would do again.
+    pub fn redo_label(&self) -> Option<&str> {
+        self.future.last().map(|step| step.label.as_str())
+    }
+}
