@@ -23,15 +23,13 @@ impl<K, T> Default for Slot<K, T> {
 
 impl<K: PartialEq, T: Send + 'static> Slot<K, T> {
     /// Looks after the task, and starts one when the wanted key differs from what is there. At
-    /// most one runs at a time. `work` may start from the latest result.
-    pub fn want<W>(
+    /// most one runs at a time.
+    pub fn want(
         &mut self,
         context: &egui::Context,
         key: K,
-        work: impl FnOnce(Option<Arc<T>>) -> W,
-    ) where
-        W: FnOnce() -> T + Send + 'static,
-    {
+        work: impl FnOnce() -> T + Send + 'static,
+    ) {
         if let Some((made_for, task)) = self.task.take() {
             match task.poll() {
                 Progress::Running => {
@@ -44,8 +42,7 @@ impl<K: PartialEq, T: Send + 'static> Slot<K, T> {
         }
         let is_made = self.made.as_ref().is_some_and(|(made_for, _)| *made_for == key);
         if !is_made && self.lost.as_ref() != Some(&key) {
-            let task = Task::spawn(context, work(self.latest()));
-            self.task = Some((key, task));
+            self.task = Some((key, Task::spawn(context, work)));
         }
     }
 
@@ -70,6 +67,23 @@ impl<K: PartialEq, T: Send + 'static> Slot<K, T> {
     }
 }
 
+/// A shared value as a key: equal to itself only. It keeps the value, so that no other can take
+/// its address.
+#[derive(Debug)]
+pub struct Same<T>(pub Arc<T>);
+
+impl<T> Clone for Same<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> PartialEq for Same<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,19 +93,17 @@ mod tests {
         let context = egui::Context::default();
         let mut slot = Slot::default();
         let settle = |slot: &mut Slot<i32, i32>, key: i32| loop {
-            slot.want(&context, key, |old| {
-                let from = old.map_or(0, |old| *old);
-                move || from + key
-            });
+            let from = slot.latest().map_or(0, |old| *old);
+            slot.want(&context, key, move || from + key);
             if !slot.is_busy() {
                 break slot.latest().map(|made| *made);
             }
         };
         assert_eq!(settle(&mut slot, 5), Some(5));
-        slot.want(&context, 7, |_| || 100);
+        slot.want(&context, 7, || 100);
         assert_eq!(slot.latest().as_deref(), Some(&5));
         assert_eq!(settle(&mut slot, 7), Some(100));
-        slot.want(&context, 8, |_| || std::panic::panic_any("expected in this test"));
+        slot.want(&context, 8, || std::panic::panic_any("expected in this test"));
         assert_eq!(settle(&mut slot, 8), Some(100), "a loss keeps the old one");
         assert!(slot.is_lost());
     }
