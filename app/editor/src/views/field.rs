@@ -8,7 +8,7 @@ use mve_modules::data::{Domain, Field};
 
 use super::number::{count_text, number_text};
 use super::slot::{Same, Slot};
-use super::table_plot::bars;
+use super::table_plot::Spread;
 
 /// What is said about the values of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub struct Statistics {
     pub rms: f64,
     /// Standard deviation.
     pub deviation: f64,
+    /// How often values are.
+    pub spread: Spread,
 }
 
 impl Statistics {
@@ -52,6 +54,7 @@ impl Statistics {
             mean,
             rms: mean_square.sqrt(),
             deviation: variance.sqrt(),
+            spread: Spread::of(&finite),
         }
     }
 }
@@ -90,7 +93,7 @@ impl FieldView {
             .x_axis_label(format!("{}{unit}", field.name))
             .y_axis_label(elements)
             .height(ui.available_height().clamp(80.0, 400.0));
-        plot.show(ui, |plot| plot.bar_chart(bars(&field.name, &field.values)));
+        plot.show(ui, |plot| plot.bar_chart(statistics.spread.chart(&field.name)));
     }
 }
 

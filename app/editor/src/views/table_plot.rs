@@ -76,7 +76,7 @@ impl TablePlot {
             Kind::Histogram => {
                 let values: Vec<f64> =
                     order.iter().filter_map(|&row| table.number(row, column)).collect();
-                plot.bar_chart(bars(&name, &values));
+                plot.bar_chart(Spread::of(&values).chart(&name));
             }
             kind => {
                 let points = points(table, order, column, over);
@@ -140,20 +140,40 @@ fn points(
     points
 }
 
-/// The bars of a histogram over all finite values.
-pub fn bars(name: &str, values: &[f64]) -> BarChart {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(f64::NEG_INFINITY, f64::max);
-    // Values that are all the same make one bar of some width.
-    let pad = if low < high { 0.0 } else { 0.5 * low.abs().max(1.0) };
-    let [low, high] = [low - pad, high + pad];
-    let width = (high - low) / N_BARS as f64;
-    let counts = if width.is_finite() { histogram(values, [low, high], N_BARS) } else { Vec::new() };
-    let bar = |(k, &count): (usize, &usize)| {
-        Bar::new(low + (k as f64 + 0.5) * width, count as f64).width(width)
-    };
-    BarChart::new(name, counts.iter().enumerate().map(bar).collect())
+/// How often values are in each of some equal parts of their range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    low: f64,
+    /// Of a part.
+    width: f64,
+    counts: Vec<usize>,
+}
+
+impl Spread {
+    /// Counts the finite values, O(n).
+    pub fn of(values: &[f64]) -> Self {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        // Values that are all the same make one bar of some width.
+        let pad = if low < high { 0.0 } else { 0.5 * low.abs().max(1.0) };
+        let [low, high] = [low - pad, high + pad];
+        let width = (high - low) / N_BARS as f64;
+        let counts = match width.is_finite() {
+            true => histogram(values, [low, high], N_BARS),
+            false => Vec::new(),
+        };
+        Self { low, width, counts }
+    }
+
+    /// The counts as bars.
+    pub fn chart(&self, name: &str) -> BarChart {
+        let bar = |(k, &count): (usize, &usize)| {
+            let middle = self.low + (k as f64 + 0.5) * self.width;
+            Bar::new(middle, count as f64).width(self.width)
+        };
+        BarChart::new(name, self.counts.iter().enumerate().map(bar).collect())
+    }
 }
 
 #[cfg(test)]
@@ -172,5 +192,12 @@ mod tests {
         let table = Table { columns, rows };
         assert_eq!(points(&table, &[0, 1, 2, 3], 1, Some(0)), [[1.0, 2.0], [3.0, 1.0]]);
         assert_eq!(points(&table, &[2, 1, 0], 1, None), [[0.0, 5.0], [1.0, 2.0], [2.0, 1.0]]);
+    }
+    #[test]
+    fn a_spread_holds_every_finite_value_once() {
+        for values in [vec![1.0, 2.0, 3.0], vec![5.0; 4], vec![0.0, f64::NAN], vec![]] {
+            let n_finite = values.iter().filter(|value: &&f64| value.is_finite()).count();
+            assert_eq!(Spread::of(&values).counts.iter().sum::<usize>(), n_finite);
+        }
     }
 }
