@@ -98,6 +98,11 @@ impl MeshView {
         self.items.iter().any(Item::is_busy)
     }
 
+    /// Lets go of all meshes.
+    pub fn forget_meshes(&mut self) {
+        self.items.clear();
+    }
+
     /// How many pictures were drawn so far.
     pub fn n_drawn(&self) -> u64 {
         self.items.iter().map(|item| item.n_drawn).sum()
