@@ -33,7 +33,8 @@ pub struct Statistics {
 impl Statistics {
     /// Looks at all values, O(n log n).
     pub fn of(values: &[f64]) -> Self {
-        let mut finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let mut finite: Vec<f64> =
+            values.iter().copied().filter(|value| value.is_finite()).collect();
         finite.sort_unstable_by(f64::total_cmp);
         let n = finite.len() as f64;
         let mean = finite.iter().map(|value| value / n).sum::<f64>();

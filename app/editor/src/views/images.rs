@@ -123,7 +123,11 @@ impl ImagesView {
             if ui.button("Fit").on_hover_text("Show all of it (double click)").clicked() {
                 self.zoom.fit();
             }
-            if ui.button("1:1").on_hover_text("One pixel of the picture a pixel of the screen").clicked() {
+            if ui
+                .button("1:1")
+                .on_hover_text("One pixel of the picture a pixel of the screen")
+                .clicked()
+            {
                 self.zoom.one_to_one();
             }
             if most > 1 {
@@ -219,7 +223,9 @@ impl ImagesView {
         let mut tiles = Vec::new();
         for (set, input) in sets.iter().enumerate() {
             let Some((key, image)) = self.image_of(input) else { continue };
-            let Some(loaded) = self.loaded.iter().find(|loaded| loaded.key == key) else { continue };
+            let Some(loaded) = self.loaded.iter().find(|loaded| loaded.key == key) else {
+                continue;
+            };
             let title = format!("{}: {}", input.title, image.name);
             tiles.push(Tile { title, image, texture: loaded.texture.id(), set: Some(set) });
         }
@@ -295,20 +301,23 @@ fn show_tile(
     let mut child = ui.new_child(egui::UiBuilder::new().max_rect(caption));
     child.set_clip_rect(rect);
     let mut is_unpinned = false;
-    egui::Frame::new().fill(child.visuals().window_fill().gamma_multiply(0.75)).show(&mut child, |ui| {
-        ui.horizontal(|ui| {
-            if tile.set.is_some() {
-                let button = ui.small_button("×").on_hover_text("Take it out of this view");
-                let label = format!("Unpin {}", tile.title);
-                button.widget_info(|| {
-                    egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
-                });
-                is_unpinned = button.clicked();
-            }
-            let text = format!("{}, {} × {}", tile.title, tile.image.width, tile.image.height);
-            ui.add(egui::Label::new(text).selectable(false).truncate());
-        });
-    });
+    egui::Frame::new().fill(child.visuals().window_fill().gamma_multiply(0.75)).show(
+        &mut child,
+        |ui| {
+            ui.horizontal(|ui| {
+                if tile.set.is_some() {
+                    let button = ui.small_button("×").on_hover_text("Take it out of this view");
+                    let label = format!("Unpin {}", tile.title);
+                    button.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
+                    });
+                    is_unpinned = button.clicked();
+                }
+                let text = format!("{}, {} × {}", tile.title, tile.image.width, tile.image.height);
+                ui.add(egui::Label::new(text).selectable(false).truncate());
+            });
+        },
+    );
     is_unpinned
 }
 

@@ -50,7 +50,8 @@ pub fn round_numbers([low, high]: [f64; 2]) -> Vec<f64> {
     let rough = (0.5 * high - 0.5 * low) / 2.5;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|digit| digit * power);
-    let Some(step) = step.into_iter().find(|step| *step >= 0.999 * rough && step.is_normal()) else {
+    let Some(step) = step.into_iter().find(|step| *step >= 0.999 * rough && step.is_normal())
+    else {
         return if low < high { vec![low, high] } else { vec![low] };
     };
     let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());

@@ -70,8 +70,9 @@ impl Table {
         let head = self.columns.iter().map(|column| plain(title_of(column)));
         let mut text = head.collect::<Vec<_>>().join("\t") + "\n";
         for &row in order {
-            let cells = (0..self.columns.len())
-                .map(|column| self.cell(row, column).map_or(String::new(), |c| plain(c.to_string())));
+            let cells = (0..self.columns.len()).map(|column| {
+                self.cell(row, column).map_or(String::new(), |c| plain(c.to_string()))
+            });
             text += &(cells.collect::<Vec<_>>().join("\t") + "\n");
         }
         text
@@ -252,7 +253,8 @@ impl TableView {
                 response.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
                 });
-                if response.on_hover_text("Sort; again for the other way, again for none").clicked() {
+                if response.on_hover_text("Sort; again for the other way, again for none").clicked()
+                {
                     self.sort = match self.sort {
                         Some((by, Direction::Up)) if by == at => Some((at, Direction::Down)),
                         Some((by, Direction::Down)) if by == at => None,
@@ -297,7 +299,9 @@ fn rows(ui: &mut egui::Ui, table: &Table, arranged: &Arrangement) -> Option<usiz
 /// A cell in few letters.
 pub fn cell_text(cell: &Scalar) -> String {
     match cell {
-        Scalar::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => number.to_string(),
+        Scalar::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
+            number.to_string()
+        }
         Scalar::Number(number) => number_text(*number),
         other => other.to_string(),
     }

@@ -46,11 +46,14 @@ impl TablePlot {
         if self.column.is_none() {
             return;
         }
-        egui::ComboBox::new("plot kind", "as").selected_text(name_of(self.kind)).show_ui(ui, |ui| {
-            for kind in [Kind::Line, Kind::Points, Kind::Histogram] {
-                ui.selectable_value(&mut self.kind, kind, name_of(kind));
-            }
-        });
+        egui::ComboBox::new("plot kind", "as").selected_text(name_of(self.kind)).show_ui(
+            ui,
+            |ui| {
+                for kind in [Kind::Line, Kind::Points, Kind::Histogram] {
+                    ui.selectable_value(&mut self.kind, kind, name_of(kind));
+                }
+            },
+        );
         if self.kind != Kind::Histogram {
             choose(ui, "over", "row", &mut self.over, &numeric, table);
         }
@@ -119,12 +122,7 @@ fn choose(
 }
 
 /// The points of a line. Over a column they are in its order, else in that of the rows.
-fn points(
-    table: &Table,
-    order: &[usize],
-    column: usize,
-    over: Option<usize>,
-) -> Vec<[f64; 2]> {
+fn points(table: &Table, order: &[usize], column: usize, over: Option<usize>) -> Vec<[f64; 2]> {
     let point = |(at, &row): (usize, &usize)| {
         let y = table.number(row, column)?;
         let x = match over {

@@ -117,14 +117,10 @@ fn squares(near_color: DVec3, far_color: DVec3) -> TriMesh {
 fn the_nearer_of_two_squares_hides_the_other() {
     let mesh = squares(DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 0.0));
     let mut harness = harness(vec![pinned("squares.mesh", Value::new(mesh))]);
-    for (view, expected_middle) in
-        [(StandardView::Front, [false, true]), (StandardView::Front, [false, true])]
-    {
-        harness.state_mut().viewer.meshes.camera.look_from(view);
-        let image = picture(&mut harness);
-        let [r, g, _] = color_at(&image, 0.5, 0.58);
-        assert_eq!([r > 100, g > 100], expected_middle, "front: {r} {g}");
-    }
+    harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+    let image = picture(&mut harness);
+    let [r, g, _] = color_at(&image, 0.5, 0.58);
+    assert!(g > 100 && r < 60, "front: {r} {g}");
     // From behind, the far square is the nearer one.
     harness.state_mut().viewer.meshes.camera.yaw_rad = std::f64::consts::PI;
     harness.state_mut().viewer.meshes.settings.back_faces = BackFaces::Same;
@@ -310,7 +306,7 @@ fn values_of_other_types_are_shown() {
     settle(&mut harness);
     harness.get_by_label("Difference").click();
     settle(&mut harness);
-    harness.get_by_label_contains("difference × 4");
+    harness.get_by_label_contains("Picture difference × 4");
     harness.get_by_label("Sort by measure").click();
     settle(&mut harness);
 }

@@ -87,8 +87,7 @@ pub fn arrays(mesh: &Arc<TriMesh>, crease_angle_rad: f32, sharing: Sharing) -> O
     let local: Vec<Vec3> =
         mesh.positions.par_iter().map(|&p| ((p - center) / scale).as_vec3()).collect();
     let fans = CornersOfVertices::new(mesh, &faces);
-    let face_normals: Vec<Vec3> =
-        faces.par_iter().map(|&f| face_normal(mesh, &local, f)).collect();
+    let face_normals: Vec<Vec3> = faces.par_iter().map(|&f| face_normal(mesh, &local, f)).collect();
     let surface = LocalSurface { mesh, local: &local, faces: &faces, face_normals: &face_normals };
     let wedges = surface.wedges(&fans, crease_angle_rad);
     let mut arrays = Arrays {
@@ -189,9 +188,11 @@ impl LocalSurface<'_> {
         wedges: &mut Wedges,
     ) {
         weighted.clear();
-        weighted.extend(places.iter().map(|&place| {
-            (self.face_normals[place as usize / 3], self.angle_at(place).max(1e-6))
-        }));
+        weighted.extend(
+            places.iter().map(|&place| {
+                (self.face_normals[place as usize / 3], self.angle_at(place).max(1e-6))
+            }),
+        );
         let first = wedges.places.len();
         let whole = unit(weighted.iter().map(|(normal, weight)| *normal * *weight).sum());
         // Half of the angle to the mean on each side: then no two are farther apart.
@@ -240,7 +241,8 @@ impl LocalSurface<'_> {
             }
             first += run.places.len() as u32;
         }
-        let normals: Vec<PackedNormal> = runs.iter().flat_map(|run| &run.normals).copied().collect();
+        let normals: Vec<PackedNormal> =
+            runs.iter().flat_map(|run| &run.normals).copied().collect();
         let places: Vec<u32> = match sharing {
             Sharing::Wedges => runs.iter().flat_map(|run| &run.places).copied().collect(),
             Sharing::Corners => (0..indices.len() as u32).collect(),

@@ -279,7 +279,8 @@ fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) 
 /// Lowest and highest finite value; 0 and 1 without one.
 pub fn extent_of(values: &[f64]) -> [f64; 2] {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
+    let (low, high) =
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
     if low <= high { [low, high] } else { [0.0, 1.0] }
 }
 

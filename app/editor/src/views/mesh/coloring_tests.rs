@@ -97,7 +97,12 @@ fn layers_with_holes_and_numbers_that_are_none_are_marked() {
         let expected = [(0.0, 1.0), (1.0, 1.0), (0.0, 0.0), (0.0, 1.0)][vertex];
         assert_eq!((value, is_there), expected);
     }
-    let logs = attribute(&mesh, &drawn, &Source::Field(field(Domain::Vertex, &[0.0, 10.0, 1000.0, -1.0])), Spacing::Logarithmic);
+    let logs = attribute(
+        &mesh,
+        &drawn,
+        &Source::Field(field(Domain::Vertex, &[0.0, 10.0, 1000.0, -1.0])),
+        Spacing::Logarithmic,
+    );
     assert_eq!(logs.values.unwrap().extent, [1.0, 3.0]);
 }
 

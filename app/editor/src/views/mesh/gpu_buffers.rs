@@ -39,7 +39,10 @@ fn buffer(
     let descriptor =
         wgpu::BufferDescriptor { label: Some("mesh"), size, usage, mapped_at_creation: true };
     let buffer = device.create_buffer(&descriptor);
-    if let Ok(mut mapped) = buffer.slice(..bytes.len() as u64).get_mapped_range_mut() {
+    // A part without length cannot be mapped.
+    if !bytes.is_empty()
+        && let Ok(mut mapped) = buffer.slice(..bytes.len() as u64).get_mapped_range_mut()
+    {
         mapped.copy_from_slice(bytes);
     }
     buffer.unmap();

@@ -40,7 +40,7 @@ pub fn by_pointer(
         camera.pan(drag, screen.aspect());
     } else if response.dragged_by(PointerButton::Primary) {
         // By the height in both directions, so that equal moves are equal turns.
-        camera.orbit(0.5 * drag * DVec2::new(screen.aspect(), -1.0));
+        camera.orbit(0.5 * drag * DVec2::new(screen.aspect(), 1.0));
     }
     moved.is_moving = drag != DVec2::ZERO;
     if let Some(place) = response.hover_pos() {
@@ -80,9 +80,7 @@ pub fn by_keys(
     if focused.is_none() && !is_pointed_at {
         return moved;
     }
-    let pressed = |key: Key| {
-        ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key))
-    };
+    let pressed = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
     let views = [
         (Key::Num1, StandardView::Front),
         (Key::Num3, StandardView::Side),

@@ -209,13 +209,14 @@ fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
 
 /// The scale and the ends of its range.
 fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings) {
-    egui::ComboBox::new("color scale", "scale")
-        .selected_text(name_of(scale.scale))
-        .show_ui(ui, |ui| {
+    egui::ComboBox::new("color scale", "scale").selected_text(name_of(scale.scale)).show_ui(
+        ui,
+        |ui| {
             for (&value, (name, doc)) in Scale::VALUES.iter().zip(Scale::NAMES) {
                 ui.selectable_value(&mut scale.scale, value, *name).on_hover_text(*doc);
             }
-        });
+        },
+    );
     end_of_range(ui, &mut scale.low, "Low end by hand", 0.0);
     end_of_range(ui, &mut scale.high, "High end by hand", 1.0);
     ui.checkbox(&mut scale.is_symmetric, "Symmetric around 0");

@@ -6,15 +6,16 @@ use eframe::egui::{self, Color32, Rect, Sense, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use mve_modules::data::{Image, TriMesh};
 
-use super::coloring::{ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of};
+use super::coloring::{
+    ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of,
+};
 use super::gpu::{FINE, Gpu, Texture};
 use super::hover::Hover;
 use super::item::{Colors, Frame, Item};
 use super::layout::{Tile, caption, layout, part_of};
 use super::navigation::{by_keys, by_pointer};
 use super::overlay::{
-    BoxPart, Screen, histogram, paint_axes, paint_background, paint_box,
-    paint_color_bar,
+    BoxPart, Screen, histogram, paint_axes, paint_background, paint_box, paint_color_bar,
 };
 use super::pick::describe;
 use super::settings::{Arrangement, Offers, Settings, controls};
@@ -53,8 +54,8 @@ pub struct MeshView {
     /// What is shown and how.
     pub settings: Settings,
     items: Vec<Item>,
-    /// What was fitted last, and whether the user has moved since.
-    fitted: Option<Bounds>,
+    /// What was fitted last into which aspect, and whether the user has moved since.
+    fitted: Option<(Bounds, f64)>,
     has_moved: bool,
     table: Option<(ScaleSettings, Texture, u64)>,
     picture: Option<(Arc<mve_modules::data::Images>, Texture, u64)>,
@@ -174,10 +175,12 @@ impl MeshView {
             let text = format!("Texture {}", picture.title);
             color_by.push((ColorBy::Picture(picture.title.clone()), text));
         }
-        color_by.dedup_by(|a, b| a.0 == b.0);
+        let mut known: Vec<ColorBy> = Vec::new();
         color_by.retain(|(by, _)| {
-            *by == ColorBy::Auto
-                || meshes.iter().any(|input| source_of(&input.mesh, by, fields).is_some())
+            let is_first = !known.contains(by);
+            known.push(by.clone());
+            let has = |input: &MeshInput| source_of(&input.mesh, by, fields).is_some();
+            is_first && (*by == ColorBy::Auto || meshes.iter().any(has))
         });
         Offers {
             titles: meshes.iter().map(|input| input.title.clone()).collect(),
@@ -196,6 +199,8 @@ impl MeshView {
     ) -> Option<usize> {
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
+        // On whole pixels, as the pictures are.
+        let whole = whole.round_to_pixels(ui.pixels_per_point());
         if !(whole.width() >= 4.0 && whole.height() >= 4.0) || meshes.is_empty() {
             return None;
         }
@@ -203,14 +208,15 @@ impl MeshView {
         paint_background(&ui.painter_at(whole), whole, is_dark);
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(values_of).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
-        let (tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
+        let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
+        for tile in &mut tiles {
+            tile.rect = tile.rect.round_to_pixels(ui.pixels_per_point());
+        }
         let is_overlaid = self.settings.arrangement != Arrangement::SideBySide && tiles.len() == 2;
         let bounds = self.items.iter().filter_map(Item::bounds).reduce(Bounds::with);
         let responses = self.responses(ui, meshes, &tiles, is_overlaid);
         let is_moving = match (bounds, tiles.first()) {
-            (Some(bounds), Some(tile)) => {
-                self.navigate(ui, &responses, tile.rect, &bounds, is_fit)
-            }
+            (Some(bounds), Some(tile)) => self.navigate(ui, &responses, tile.rect, &bounds, is_fit),
             _ => false,
         };
         if let Some(bounds) = &bounds {
@@ -239,12 +245,7 @@ impl MeshView {
         is_fit: bool,
     ) -> bool {
         let aspect = Screen { rect }.aspect();
-        let is_other_scene = self.fitted.is_none_or(|fitted| {
-            let (old, new) = (fitted.radius(), bounds.radius());
-            let is_near = fitted.center().distance(bounds.center()) < old;
-            !(is_near && new < 2.0 * old && old < 2.0 * new) || (!self.has_moved && fitted != *bounds)
-        });
-        if is_other_scene {
+        if self.is_other_scene(bounds, aspect) {
             self.fit(bounds, aspect);
         }
         let before = self.camera;
@@ -265,12 +266,24 @@ impl MeshView {
 
     fn fit(&mut self, bounds: &Bounds, aspect: f64) {
         self.camera.fit(bounds, aspect);
-        self.fitted = Some(*bounds);
+        self.fitted = Some((*bounds, aspect));
         self.has_moved = false;
     }
 
+    /// Whether what is shown is too different from what was fitted for the camera to stay. One
+    /// that the user has placed stays for results of another run.
+    fn is_other_scene(&self, bounds: &Bounds, aspect: f64) -> bool {
+        let Some((fitted, fitted_aspect)) = &self.fitted else { return true };
+        if !self.has_moved {
+            return fitted != bounds || *fitted_aspect != aspect;
+        }
+        let (old, new) = (fitted.radius(), bounds.radius());
+        let moved = (fitted.center() - bounds.center()).abs().max_element();
+        moved > old || new > 2.0 * old || old > 2.0 * new
+    }
+
     fn responses(
-        &mut self,
+        &self,
         ui: &egui::Ui,
         meshes: &[MeshInput],
         tiles: &[Tile],
@@ -281,10 +294,10 @@ impl MeshView {
             let id = ui.id().with(("mesh picture", tile.item));
             let response = ui.interact(tile.rect, id, Sense::click_and_drag());
             let title = &meshes[tile.item].title;
-            let label = format!("3D view of {title}: drag turns, shift and drag moves, wheel zooms");
-            response.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::WidgetType::Image, true, &label)
-            });
+            let label =
+                format!("3D view of {title}: drag turns, shift and drag moves, wheel zooms");
+            response
+                .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, &label));
             response
         };
         shown.iter().map(respond).collect()
@@ -293,9 +306,8 @@ impl MeshView {
     /// Uploads the color scale and the texture when they have changed.
     fn content(&mut self, gpu: &Gpu, pictures: &[PinnedPicture]) {
         let scale = self.settings.scale;
-        let same_colors = |old: &ScaleSettings| {
-            (old.scale, old.is_reversed) == (scale.scale, scale.is_reversed)
-        };
+        let same_colors =
+            |old: &ScaleSettings| (old.scale, old.is_reversed) == (scale.scale, scale.is_reversed);
         if !self.table.as_ref().is_some_and(|(old, ..)| same_colors(old)) {
             let table = scale.table();
             let size = [table.len() as u32, 1];
