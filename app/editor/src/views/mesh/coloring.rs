@@ -7,11 +7,12 @@
 use std::sync::Arc;
 
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
-use mve_modules::geometry::color_map::{ColorMapOptions, Outside, range_of};
+use mve_modules::geometry::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
 use mve_modules::geometry::color_scale::{ColorTable, Scale};
 use rayon::prelude::*;
 
 use super::arrays::{Arrays, Sharing};
+use super::palette::{colors_of_labels, label_layers};
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +26,8 @@ pub enum ColorBy {
     Colors,
     /// A layer of numbers, by name.
     Layer(String),
+    /// A layer of names, by name: materials, groups.
+    Labels(String),
     /// A field that is pinned too, by title.
     Field(String),
     /// Squares in texture space.
@@ -51,6 +54,8 @@ pub enum Source {
     Colors,
     /// A layer of numbers.
     Layer(String),
+    /// A layer of names.
+    Labels(String),
     /// A field.
     Field(Arc<Field>),
     /// The layer of texture coordinates.
@@ -63,7 +68,7 @@ impl PartialEq for Source {
             (Self::Plain, Self::Plain)
             | (Self::Colors, Self::Colors)
             | (Self::TexCoords, Self::TexCoords) => true,
-            (Self::Layer(a), Self::Layer(b)) => a == b,
+            (Self::Layer(a), Self::Layer(b)) | (Self::Labels(a), Self::Labels(b)) => a == b,
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
@@ -94,6 +99,10 @@ pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option
             let layer = number_layers(mesh).find(|layer| layer.name == *name)?;
             Some(Source::Layer(layer.name.clone()))
         }
+        ColorBy::Labels(name) => {
+            let layer = label_layers(mesh).find(|layer| layer.name == *name)?;
+            Some(Source::Labels(layer.name.clone()))
+        }
         ColorBy::Field(title) => {
             let pinned = fitting().find(|pinned| pinned.title == *title)?;
             Some(Source::Field(Arc::clone(&pinned.field)))
@@ -122,7 +131,7 @@ impl Source {
             Self::Plain => None,
             Self::Colors => colors_of(mesh).map(|layer| layer.domain),
             Self::TexCoords => texcoords_of(mesh).map(|layer| layer.domain),
-            Self::Layer(name) => mesh.layer(name).map(|layer| layer.domain),
+            Self::Layer(name) | Self::Labels(name) => mesh.layer(name).map(|layer| layer.domain),
             Self::Field(field) => Some(field.domain),
         }
     }
@@ -218,18 +227,15 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
     };
     match source {
         Source::Plain => nothing(),
-        Source::Colors => match colors_of(mesh) {
-            Some(Layer { values: LayerValues::Vec3(colors), index, .. }) => {
-                let color = |at: usize| colors.get(*index.get(at)? as usize);
-                let word = |at: usize| {
-                    let bytes = color(at).map(|&c| mve_modules::geometry::color_map::bytes_of(c));
-                    let [r, g, b] = bytes.unwrap_or_default();
-                    [u32::from_le_bytes([r, g, b, if bytes.is_some() { 255 } else { 0 }]), 0]
-                };
-                Attribute { reading: Reading::Color, words: words(&word), values: None }
-            }
-            _ => nothing(),
-        },
+        Source::Colors | Source::Labels(_) => {
+            let Some((colors, index)) = color_list(mesh, source) else { return nothing() };
+            let word = |at: usize| {
+                let color = index.get(at).and_then(|&value| colors.get(value as usize));
+                let [r, g, b] = color.copied().unwrap_or_default();
+                [u32::from_le_bytes([r, g, b, if color.is_some() { 255 } else { 0 }]), 0]
+            };
+            Attribute { reading: Reading::Color, words: words(&word), values: None }
+        }
         Source::TexCoords => match texcoords_of(mesh) {
             Some(Layer { values: LayerValues::Vec2(coords), index, .. }) => {
                 let coord = |at: usize| coords.get(*index.get(at)? as usize);
@@ -253,6 +259,19 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
             Attribute { reading: Reading::Value, words, values: Some(Arc::new(values)) }
         }
     }
+}
+
+/// The colors of a source, and which of them each element has.
+fn color_list<'a>(mesh: &'a TriMesh, source: &Source) -> Option<(Vec<[u8; 3]>, &'a [u32])> {
+    let layer = match source {
+        Source::Labels(name) => mesh.layer(name)?,
+        _ => colors_of(mesh)?,
+    };
+    let colors = match &layer.values {
+        LayerValues::Vec3(colors) => colors.iter().map(|&color| bytes_of(color)).collect(),
+        _ => colors_of_labels(mesh, layer),
+    };
+    Some((colors, &layer.index))
 }
 
 fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) -> Option<Values> {
@@ -365,7 +384,7 @@ impl ScaleSettings {
         let color = |i: usize| {
             let t = i as f64 / last;
             let t = if self.is_reversed { 1.0 - t } else { t };
-            let [r, g, b] = mve_modules::geometry::color_map::bytes_of(table.color(t));
+            let [r, g, b] = bytes_of(table.color(t));
             [r, g, b, 255]
         };
         (0..TABLE_LENGTH).map(color).collect()

@@ -10,6 +10,7 @@ mod item;
 mod layout;
 mod navigation;
 mod overlay;
+mod palette;
 mod pick;
 mod settings;
 mod view;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Color32, Rect, Sense, pos2, vec2};
+use eframe::egui::emath::GuiRounding;
+use eframe::egui::{self, Rect, Sense, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use mve_modules::data::{Image, TriMesh};
 
@@ -17,6 +18,7 @@ use super::navigation::{by_keys, by_pointer};
 use super::overlay::{
     BoxPart, Screen, histogram, paint_axes, paint_background, paint_box, paint_color_bar,
 };
+use super::palette::label_layers;
 use super::pick::describe;
 use super::settings::{Arrangement, Offers, Settings, controls};
 use crate::views::camera::{Bounds, Camera};
@@ -169,6 +171,9 @@ impl MeshView {
         }
         for layer in meshes.iter().flat_map(|input| number_layers(&input.mesh)) {
             color_by.push((ColorBy::Layer(layer.name.clone()), format!("Layer {}", layer.name)));
+        }
+        for layer in meshes.iter().flat_map(|input| label_layers(&input.mesh)) {
+            color_by.push((ColorBy::Labels(layer.name.clone()), format!("By {}", layer.name)));
         }
         color_by.push((ColorBy::Checker, "Squares in texture space".to_owned()));
         for picture in pictures {
