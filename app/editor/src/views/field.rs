@@ -1,0 +1,136 @@
+//! Fields by themselves: statistics and how often values are.
+
+use std::sync::Arc;
+
+use eframe::egui;
+use egui_plot::Plot;
+use mve_modules::data::{Domain, Field};
+
+use super::number::{count_text, number_text};
+use super::slot::{Same, Slot};
+use super::table_plot::Spread;
+
+/// What is said about the values of a field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistics {
+    /// Finite values.
+    pub n_finite: usize,
+    /// Values that are not finite.
+    pub n_other: usize,
+    /// Lowest, lower quartile, median, upper quartile and highest of the finite values; `None`
+    /// without one.
+    pub quartiles: Option<[f64; 5]>,
+    /// Mean of the finite values.
+    pub mean: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Standard deviation.
+    pub deviation: f64,
+    /// How often values are.
+    pub spread: Spread,
+}
+
+impl Statistics {
+    /// Looks at all values, O(n log n).
+    pub fn of(values: &[f64]) -> Self {
+        let mut finite: Vec<f64> =
+            values.iter().copied().filter(|value| value.is_finite()).collect();
+        finite.sort_unstable_by(f64::total_cmp);
+        let n = finite.len() as f64;
+        let mean = finite.iter().map(|value| value / n).sum::<f64>();
+        let mean_square = finite.iter().map(|value| value * value / n).sum::<f64>();
+        let variance = finite.iter().map(|value| (value - mean).powi(2) / n).sum::<f64>();
+        let at = |part: usize| {
+            // Between neighbors, as most programs do.
+            let place = part as f64 / 4.0 * (n - 1.0);
+            let (below, share) = (place.floor() as usize, place.fract());
+            let above = (below + 1).min(finite.len() - 1);
+            finite[below] * (1.0 - share) + finite[above] * share
+        };
+        let quartiles = (!finite.is_empty()).then(|| [0, 1, 2, 3, 4].map(at));
+        Self {
+            n_finite: finite.len(),
+            n_other: values.len() - finite.len(),
+            quartiles,
+            mean,
+            rms: mean_square.sqrt(),
+            deviation: variance.sqrt(),
+            spread: Spread::of(&finite),
+        }
+    }
+}
+
+/// The state of one field on the screen.
+#[derive(Default)]
+pub struct FieldView {
+    statistics: Slot<Same<Field>, Statistics>,
+}
+
+impl FieldView {
+    /// Whether something is in the making.
+    pub fn is_busy(&self) -> bool {
+        self.statistics.is_busy()
+    }
+
+    /// Shows a field.
+    pub fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>) {
+        let job = Arc::clone(field);
+        let key = Same(Arc::clone(field));
+        self.statistics.want(ui.ctx(), key, move || Statistics::of(&job.values));
+        let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };
+        ui.strong(format!("{}{unit}", field.name));
+        let elements = match field.domain {
+            Domain::Vertex => "vertices",
+            Domain::Corner => "corners",
+            Domain::Face => "faces",
+        };
+        ui.weak(format!("over {} {elements}", count_text(field.values.len())));
+        let Some(statistics) = self.statistics.latest() else {
+            ui.weak("counting…");
+            return;
+        };
+        table(ui, &statistics);
+        let plot = Plot::new(("field histogram", title))
+            .x_axis_label(format!("{}{unit}", field.name))
+            .y_axis_label(elements)
+            .height(ui.available_height().clamp(80.0, 400.0));
+        plot.show(ui, |plot| plot.bar_chart(statistics.spread.chart(&field.name)));
+    }
+}
+
+fn table(ui: &mut egui::Ui, statistics: &Statistics) {
+    let mut rows = Vec::new();
+    if let Some(quartiles) = statistics.quartiles {
+        let names = ["lowest", "lower quartile", "median", "upper quartile", "highest"];
+        rows.extend(names.into_iter().zip(quartiles.map(number_text)));
+        rows.push(("mean", number_text(statistics.mean)));
+        rows.push(("root mean square", number_text(statistics.rms)));
+        rows.push(("standard deviation", number_text(statistics.deviation)));
+    }
+    if statistics.n_other > 0 {
+        rows.push(("not finite", count_text(statistics.n_other)));
+    }
+    egui::Grid::new("statistics").striped(true).show(ui, |ui| {
+        for (name, value) in rows {
+            ui.label(name);
+            ui.monospace(value);
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_by_hand() {
+        let found = Statistics::of(&[4.0, f64::NAN, 1.0, 3.0, 2.0, f64::INFINITY]);
+        assert_eq!((found.n_finite, found.n_other), (4, 2));
+        assert_eq!(found.quartiles, Some([1.0, 1.75, 2.5, 3.25, 4.0]));
+        assert_eq!((found.mean, found.rms), (2.5, 7.5f64.sqrt()));
+        assert!((found.deviation - 1.25f64.sqrt()).abs() < 1e-15);
+        assert_eq!(Statistics::of(&[]).quartiles, None);
+        assert_eq!(Statistics::of(&[f64::NAN]).n_other, 1);
+    }
+}

@@ -1,0 +1,120 @@
+//! Where pictures of meshes are on the panel, and what is written over them.
+
+use eframe::egui::{Color32, Rect, pos2, vec2};
+
+use super::item::{Item, Undrawable};
+use super::overlay::BAR_SPACE;
+use super::settings::{Arrangement, Settings};
+use crate::views::number::counted;
+
+/// One picture on the screen.
+pub struct Tile {
+    /// What it shows, by place.
+    pub item: usize,
+    /// Where it is.
+    pub rect: Rect,
+}
+
+/// Where the pictures and the color bar are.
+pub fn layout(
+    whole: Rect,
+    settings: &Settings,
+    n_meshes: usize,
+    has_bar: bool,
+) -> (Vec<Tile>, Option<Rect>) {
+    let has_bar = has_bar && whole.width() > 2.5 * BAR_SPACE && whole.height() > 120.0;
+    let (mut rest, mut bar) = (whole, None);
+    if has_bar {
+        rest.max.x -= BAR_SPACE;
+        bar = Some(Rect::from_min_max(pos2(rest.max.x, whole.min.y), whole.max));
+    }
+    let is_overlaid = settings.arrangement != Arrangement::SideBySide && n_meshes > 1;
+    if is_overlaid {
+        let tile = |&item: &usize| Tile { item, rect: rest };
+        return (settings.pair.iter().map(tile).collect(), bar);
+    }
+    let n_columns = best_columns(rest.width() / rest.height(), n_meshes);
+    let n_rows = n_meshes.div_ceil(n_columns);
+    let size = vec2(rest.width() / n_columns as f32, rest.height() / n_rows as f32);
+    let tile = |item: usize| {
+        let at = vec2((item % n_columns) as f32, (item / n_columns) as f32);
+        // A line stays free between pictures.
+        Tile { item, rect: Rect::from_min_size(rest.min + at * size, size).shrink(0.5) }
+    };
+    ((0..n_meshes).map(tile).collect(), bar)
+}
+
+/// The number of columns that makes the smaller side of the tiles largest.
+fn best_columns(aspect: f32, n_tiles: usize) -> usize {
+    let smaller_side = |columns: &usize| {
+        let rows = n_tiles.div_ceil(*columns);
+        (aspect / *columns as f32).min(1.0 / rows as f32)
+    };
+    let all = 1..=n_tiles.max(1);
+    all.max_by(|a, b| smaller_side(a).total_cmp(&smaller_side(b)).then(b.cmp(a))).unwrap_or(1)
+}
+
+/// The part of a picture that is seen, and how much of it.
+pub fn part_of(rect: Rect, settings: &Settings, at: usize) -> (Rect, Color32) {
+    let x = rect.left() + settings.balance * rect.width();
+    match (settings.arrangement, at) {
+        (Arrangement::Wipe, 0) => (rect.with_max_x(x), Color32::WHITE),
+        (Arrangement::Wipe, _) => (rect.with_min_x(x), Color32::WHITE),
+        (Arrangement::Blend, 1) => {
+            (rect, Color32::from_white_alpha((255.0 * settings.balance).round() as u8))
+        }
+        _ => (rect, Color32::WHITE),
+    }
+}
+
+/// Name, counts, and what is going on.
+pub fn caption(title: &str, item: &Item) -> String {
+    let mesh = &item.mesh;
+    let counts = format!(
+        "{title}: {}, {}",
+        counted(mesh.faces.len(), "face", "faces"),
+        counted(mesh.positions.len(), "vertex", "vertices"),
+    );
+    let state = match item.prepared().as_deref() {
+        _ if item.is_lost() => ", cannot be shown: preparing it failed".to_owned(),
+        None => ", preparing…".to_owned(),
+        Some(Err(Undrawable::Empty)) => ", nothing to draw".to_owned(),
+        Some(Err(Undrawable::TooLarge)) => ", larger than the GPU takes".to_owned(),
+        Some(Ok(prepared)) => match prepared.arrays.n_left_out(mesh) {
+            0 => String::new(),
+            n => format!(", {} not drawn: not finite", counted(n, "face", "faces")),
+        },
+    };
+    let edges = item.edges().map_or(String::new(), |edges| {
+        let bad = match edges.n_non_manifold {
+            0 => String::new(),
+            n => format!(", {}", counted(n, "non-manifold edge", "non-manifold edges")),
+        };
+        match edges.n_border {
+            0 => format!(", closed{bad}"),
+            n => format!(", {}{bad}", counted(n, "border edge", "border edges")),
+        }
+    });
+    counts + &edges + &state
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_as_large_as_they_can_be() {
+        assert_eq!([1, 2, 3, 4, 6].map(|n| best_columns(1.6, n)), [1, 2, 2, 2, 3]);
+        assert_eq!(best_columns(0.4, 3), 1);
+        assert_eq!(best_columns(f32::NAN, 3), 1);
+    }
+
+    #[test]
+    fn the_parts_of_a_wipe_meet() {
+        let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 50.0));
+        let settings =
+            Settings { arrangement: Arrangement::Wipe, balance: 0.25, ..Settings::default() };
+        let [left, right] = [0, 1].map(|at| part_of(rect, &settings, at).0);
+        assert_eq!((left.right(), right.left(), right.right()), (25.0, 25.0, 100.0));
+    }
+}

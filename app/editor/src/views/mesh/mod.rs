@@ -1,0 +1,21 @@
+//! The view of meshes: several side by side or over each other, with one camera.
+
+mod arrays;
+mod coloring;
+mod edges;
+mod gpu;
+mod gpu_buffers;
+mod hover;
+mod item;
+mod layout;
+mod navigation;
+mod overlay;
+mod palette;
+mod pick;
+mod settings;
+mod view;
+
+pub use coloring::{ColorBy, PinnedField, ScaleSettings, Spacing};
+pub use overlay::histogram;
+pub use settings::{Arrangement, BackFaces, Settings};
+pub use view::{MeshInput, MeshView, PinnedPicture};

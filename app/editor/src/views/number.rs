@@ -1,0 +1,100 @@
+//! Numbers as people read them.
+
+/// A number in at most six digits, by powers of ten where it is very large or small.
+pub fn number_text(value: f64) -> String {
+    if value.is_nan() {
+        return "not a number".to_owned();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "-∞" }.to_owned();
+    }
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e7).contains(&size) {
+        let text = format!("{value:.4e}");
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{power}", trimmed(digits));
+    }
+    let whole_digits = size.log10().floor() as i32 + 1;
+    let decimals = (6 - whole_digits).clamp(0, 9) as usize;
+    trimmed(&format!("{value:.decimals$}")).to_owned()
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// A count with its digits in groups of three: `35,947`.
+pub fn count_text(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A count with its noun: `1 face`, `2 faces`.
+pub fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{} {}", count_text(n), if n == 1 { one } else { many })
+}
+
+/// Round numbers within a range: three to eight multiples of 1, 2 or 5 times a power of ten. The
+/// ends of a range that has none.
+pub fn round_numbers([low, high]: [f64; 2]) -> Vec<f64> {
+    let rough = (0.5 * high - 0.5 * low) / 2.5;
+    let power = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|digit| digit * power);
+    let Some(step) = step.into_iter().find(|step| *step >= 0.999 * rough && step.is_normal())
+    else {
+        return if low < high { vec![low, high] } else { vec![low] };
+    };
+    let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
+    if !(last - first >= 1.0 && last - first <= 20.0) {
+        return if low < high { vec![low, high] } else { vec![low] };
+    }
+    // Adding 0 takes the sign of a zero away.
+    (0..=(last - first) as usize).map(|k| (first + k as f64) * step + 0.0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_right() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (0.1 + 0.2, "0.3"),
+            (123_456.789, "123457"),
+            (1e9, "1e9"),
+            (-2.5e-7, "-2.5e-7"),
+            (1200.0, "1200"),
+            (f64::NAN, "not a number"),
+            (f64::NEG_INFINITY, "-∞"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(number_text(value), expected);
+        }
+        assert_eq!(count_text(1_234_567), "1,234,567");
+        assert_eq!(counted(1, "face", "faces"), "1 face");
+        assert_eq!(counted(1000, "face", "faces"), "1,000 faces");
+    }
+
+    #[test]
+    fn round_numbers_lie_within_the_range() {
+        assert_eq!(round_numbers([0.0, 1.0]), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        assert_eq!(round_numbers([-3.0, 7.0]), [-2.0, 0.0, 2.0, 4.0, 6.0]);
+        assert_eq!(round_numbers([5.0, 5.0]), [5.0]);
+        for range in [[f64::NAN; 2], [-1e308, 1e308], [1.0, 1.0 + 1e-16], [0.0, 5e-324]] {
+            assert!(round_numbers(range).len() < 25);
+        }
+    }
+}

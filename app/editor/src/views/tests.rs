@@ -1,0 +1,312 @@
+//! Tests of whole views, drawn by software: what is where in the picture.
+
+use std::path::Path;
+
+use eframe::egui;
+use eframe::egui_wgpu::{RenderState, RendererOptions};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use glam::DVec3;
+use image::RgbaImage;
+use mve_modules::data::{Domain, Image, Measure, PixelKind, VertexId};
+use mve_modules::mesh::fixtures::{cube, mesh_of};
+
+use super::*;
+
+struct Shown {
+    viewer: Viewer,
+    pinned: Vec<Pinned>,
+    action: Option<ViewerAction>,
+}
+
+fn pinned(title: &str, value: Value) -> Pinned {
+    Pinned { title: title.to_owned(), value: Some(value), state: PortState::Ready }
+}
+
+fn harness(pinned: Vec<Pinned>) -> Harness<'static, Shown> {
+    let render = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    harness_with(pinned, render, egui::vec2(400.0, 300.0))
+}
+
+fn harness_with(
+    pinned: Vec<Pinned>,
+    render: RenderState,
+    size: egui::Vec2,
+) -> Harness<'static, Shown> {
+    let renderer = WgpuTestRenderer::from_render_state(render.clone());
+    let shown = Shown { viewer: Viewer::new(), pinned, action: None };
+    let show = move |ui: &mut egui::Ui, shown: &mut Shown| {
+        let action = shown.viewer.show(ui, &shown.pinned, Some(&render));
+        shown.action = action.or(shown.action.take());
+    };
+    let builder = Harness::builder().with_size(size).renderer(renderer);
+    builder.build_ui_state(show, shown)
+}
+
+/// Runs frames until nothing is in the making, and three more.
+fn settle(harness: &mut Harness<Shown>) {
+    for _ in 0..2000 {
+        harness.step();
+        if !harness.state().viewer.is_busy() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    for _ in 0..3 {
+        harness.step();
+    }
+}
+
+fn picture(harness: &mut Harness<Shown>) -> RgbaImage {
+    settle(harness);
+    let image = harness.render().unwrap();
+    if let Ok(folder) = std::env::var("MVE_TEST_PICTURES") {
+        let name = std::thread::current().name().unwrap_or("test").replace("::", "-");
+        image.save(Path::new(&folder).join(name + ".png")).unwrap();
+    }
+    image
+}
+
+/// The panel of the mesh: below the row of controls, without caption and axes.
+fn color_at(image: &RgbaImage, x: f32, y: f32) -> [i32; 3] {
+    let (width, height) = (image.width() as f32, image.height() as f32);
+    let [r, g, b, _] = image.get_pixel((x * width) as u32, (y * height) as u32).0;
+    [r, g, b].map(i32::from)
+}
+
+fn brightness([r, g, b]: [i32; 3]) -> i32 {
+    (r + g + b) / 3
+}
+
+#[test]
+fn a_box_is_in_the_middle_of_a_quiet_background() {
+    let mesh = Value::new(cube(DVec3::splat(1.0)));
+    let mut harness = harness(vec![pinned("box.mesh", mesh)]);
+    let image = picture(&mut harness);
+    let middle = color_at(&image, 0.5, 0.55);
+    let corners = [(0.97, 0.3), (0.97, 0.97), (0.03, 0.35)];
+    for (x, y) in corners {
+        let corner = color_at(&image, x, y);
+        let apart = (brightness(middle) - brightness(corner)).abs();
+        assert!(apart > 25, "middle {middle:?}, corner {corner:?}");
+    }
+    let [r, g, b] = middle;
+    assert!((r - g).abs() < 12 && (g - b).abs() < 12, "neutral: {middle:?}");
+    harness.get_by_label_contains("box.mesh: 12 faces, 8 vertices, closed");
+}
+
+/// Two squares, the first at z = 1 and smaller, the second at 0.
+fn squares(near_color: DVec3, far_color: DVec3) -> TriMesh {
+    let square = |half: f64, z: f64| {
+        [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]]
+    };
+    let positions = [square(0.5, 1.0), square(1.0, 0.0)].concat();
+    // The far one is drawn last.
+    let mut mesh = mesh_of(&positions, &[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
+    mesh.set_layer(mve_modules::data::Layer {
+        name: mve_modules::data::Layer::COLOR.to_owned(),
+        domain: Domain::Face,
+        values: mve_modules::data::LayerValues::Vec3(vec![near_color, far_color]),
+        index: vec![0, 0, 1, 1],
+    });
+    mesh
+}
+
+#[test]
+fn the_nearer_of_two_squares_hides_the_other() {
+    let mesh = squares(DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 0.0));
+    let mut harness = harness(vec![pinned("squares.mesh", Value::new(mesh))]);
+    harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+    let image = picture(&mut harness);
+    let [r, g, _] = color_at(&image, 0.5, 0.58);
+    assert!(g > 100 && r < 60, "front: {r} {g}");
+    // From behind, the far square is the nearer one.
+    harness.state_mut().viewer.meshes.camera.yaw_rad = std::f64::consts::PI;
+    harness.state_mut().viewer.meshes.settings.back_faces = BackFaces::Same;
+    let image = picture(&mut harness);
+    let [r, g, _] = color_at(&image, 0.5, 0.58);
+    assert!(r > 100 && g < 60, "behind: {r} {g}");
+    harness.state_mut().viewer.meshes.settings.back_faces = BackFaces::Hidden;
+    let image = picture(&mut harness);
+    let [r, g, b] = color_at(&image, 0.5, 0.58);
+    assert!((r - g).abs() < 25 && (g - b).abs() < 25, "culled: {r} {g} {b}");
+}
+
+#[test]
+fn a_wire_darkens_the_surface_along_edges_only() {
+    let mesh = squares(DVec3::ONE, DVec3::ONE);
+    let mut harness = harness(vec![pinned("squares.mesh", Value::new(mesh))]);
+    harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+    let dark_on = |image: &RgbaImage, y: f32| {
+        let row = (0..100).map(|i| brightness(color_at(image, 0.4 + 0.002 * i as f32, y)));
+        row.filter(|&value| value < 170).count()
+    };
+    let plain = picture(&mut harness);
+    harness.state_mut().viewer.meshes.settings.lines.has_wire = true;
+    let wired = picture(&mut harness);
+    for y in [0.5, 0.55, 0.65] {
+        assert_eq!(dark_on(&plain, y), 0);
+        let dark = dark_on(&wired, y);
+        assert!((1..=12).contains(&dark), "a diagonal, one pixel wide: {dark}");
+    }
+}
+
+#[test]
+fn a_pinned_field_colors_its_mesh_and_has_a_bar() {
+    let mesh = squares(DVec3::ONE, DVec3::ONE);
+    let field = Field {
+        name: "depth".to_owned(),
+        unit: "mm".to_owned(),
+        domain: Domain::Face,
+        values: vec![1.0, 1.0, 0.0, 0.0],
+    };
+    let list = vec![pinned("a.mesh", Value::new(mesh)), pinned("a.field", Value::new(field))];
+    let mut harness = harness(list);
+    harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+    let image = picture(&mut harness);
+    // Viridis ends in yellow, and begins in a dark violet.
+    let [r, g, b] = color_at(&image, 0.36, 0.6);
+    assert!(r > 140 && g > 130 && b < 90, "{r} {g} {b}");
+    let bar = color_at(&image, 0.74 + 0.09, 0.9);
+    assert!(bar[1] < 80, "the low end of the bar: {bar:?}");
+}
+
+#[test]
+fn nothing_is_drawn_anew_while_nothing_changes() {
+    let mut harness = harness(vec![pinned("box.mesh", Value::new(cube(DVec3::ONE)))]);
+    settle(&mut harness);
+    let n_drawn = harness.state().viewer.meshes.n_drawn();
+    for _ in 0..5 {
+        harness.step();
+    }
+    assert_eq!(harness.state().viewer.meshes.n_drawn(), n_drawn);
+    harness.state_mut().viewer.meshes.camera.yaw_rad += 0.1;
+    harness.step();
+    assert_eq!(harness.state().viewer.meshes.n_drawn(), n_drawn + 1);
+}
+
+#[test]
+fn meshes_over_each_other_and_side_by_side() {
+    let red = squares(DVec3::X, DVec3::X);
+    let green = squares(DVec3::Y, DVec3::Y);
+    let list = vec![pinned("a.mesh", Value::new(red)), pinned("b.mesh", Value::new(green))];
+    let mut harness = harness(list);
+    harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+    harness.state_mut().viewer.meshes.settings.arrangement = Arrangement::Wipe;
+    let is_red = |[r, g, _]: [i32; 3]| r > 100 && g < 60;
+    let is_green = |[r, g, _]: [i32; 3]| g > 100 && r < 60;
+    let image = picture(&mut harness);
+    assert!(is_red(color_at(&image, 0.45, 0.6)) && is_green(color_at(&image, 0.55, 0.6)));
+    harness.state_mut().viewer.meshes.settings.arrangement = Arrangement::Blend;
+    let [r, g, _] = color_at(&picture(&mut harness), 0.5, 0.6);
+    assert!((r - g).abs() < 20 && r > 60, "half of each: {r} {g}");
+    harness.state_mut().viewer.meshes.settings.arrangement = Arrangement::SideBySide;
+    let image = picture(&mut harness);
+    assert!(is_red(color_at(&image, 0.25, 0.6)) && is_green(color_at(&image, 0.75, 0.6)));
+    harness.get_by_label("Unpin b.mesh").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().action, Some(ViewerAction::Unpin(1)));
+}
+
+#[test]
+fn keys_and_pointer_move_the_camera() {
+    let mut harness = harness(vec![pinned("box.mesh", Value::new(cube(DVec3::ONE)))]);
+    settle(&mut harness);
+    let fitted = harness.state().viewer.meshes.camera;
+    let at = egui::pos2(200.0, 180.0);
+    harness.drag_at(at);
+    harness.step();
+    harness.hover_at(at + egui::vec2(60.0, 20.0));
+    harness.step();
+    harness.drop_at(at + egui::vec2(60.0, 20.0));
+    settle(&mut harness);
+    let turned = harness.state().viewer.meshes.camera;
+    assert!(turned.yaw_rad != fitted.yaw_rad && turned.pitch_rad > fitted.pitch_rad);
+    assert_eq!(turned.distance, fitted.distance);
+    harness.key_press(egui::Key::Num1);
+    settle(&mut harness);
+    let front = harness.state().viewer.meshes.camera;
+    assert_eq!((front.yaw_rad, front.pitch_rad), (0.0, 0.0));
+    harness.key_press(egui::Key::W);
+    settle(&mut harness);
+    assert!(harness.state().viewer.meshes.settings.lines.has_wire);
+}
+
+#[test]
+fn strange_meshes_and_sizes_are_shown_or_explained() {
+    let mut broken = cube(DVec3::ONE);
+    broken.positions[0].x = f64::NAN;
+    broken.faces.push([VertexId(7), VertexId(7), VertexId(99)]);
+    let point = mesh_of(&[[5.0; 3]; 3], &[[0, 1, 2]]);
+    let huge = mesh_of(&[[1e300, 0.0, 0.0], [0.0, -1e300, 0.0], [0.0, 0.0, 1e300]], &[[0, 1, 2]]);
+    let list = vec![
+        pinned("empty.mesh", Value::new(TriMesh::default())),
+        pinned("broken.mesh", Value::new(broken)),
+        pinned("point.mesh", Value::new(point)),
+        pinned("huge.mesh", Value::new(huge)),
+    ];
+    let render = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    for size in [egui::vec2(500.0, 400.0), egui::vec2(3.0, 300.0), egui::vec2(40.0, 1.0)] {
+        let render = match size.x as i32 {
+            500 => render.clone(),
+            _ => create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE),
+        };
+        let mut harness = harness_with(list.clone(), render, size);
+        harness.state_mut().viewer.meshes.settings.lines.has_wire = true;
+        harness.state_mut().viewer.meshes.settings.has_box = true;
+        for arrangement in [Arrangement::SideBySide, Arrangement::Wipe] {
+            harness.state_mut().viewer.meshes.settings.arrangement = arrangement;
+            settle(&mut harness);
+        }
+        if size.x > 400.0 {
+            harness.state_mut().viewer.meshes.settings.arrangement = Arrangement::SideBySide;
+            settle(&mut harness);
+            harness.get_by_label_contains("nothing to draw");
+            harness.get_by_label_contains("faces not drawn");
+        }
+    }
+}
+
+#[test]
+fn values_of_other_types_are_shown() {
+    let images = Images(vec![
+        Image::filled("camera 0", [40, 30], PixelKind::Gray, 200),
+        Image::filled("camera 1", [20_000, 3], PixelKind::Rgb, 90),
+    ]);
+    let measures = Measures(vec![Measure::new("max", 0.25, "mm", "The largest distance.")]);
+    let field = Field {
+        name: "distance".to_owned(),
+        unit: String::new(),
+        domain: Domain::Vertex,
+        values: vec![0.0, 1.0, f64::NAN],
+    };
+    let absent = Pinned {
+        title: "save.file".to_owned(),
+        value: None,
+        state: PortState::Absent("not run yet".to_owned()),
+    };
+    let list = vec![
+        pinned("count.number", Value::new(1234.5)),
+        pinned("name.text", Value::new("cow".to_owned())),
+        pinned("render.images", Value::new(images.clone())),
+        pinned("other.images", Value::new(images)),
+        pinned("compare.measures", Value::new(measures)),
+        pinned("compare.field", Value::new(field)),
+        absent,
+    ];
+    let render = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let mut harness = harness_with(list, render, egui::vec2(1000.0, 700.0));
+    let image = picture(&mut harness);
+    assert_eq!(image.width(), 1000);
+    harness.get_by_label("1234.5");
+    harness.get_by_label("not run yet");
+    harness.get_by_label("The largest distance.");
+    harness.get_by_label("Show camera 1").click();
+    settle(&mut harness);
+    harness.get_by_label("Difference").click();
+    settle(&mut harness);
+    harness.get_by_label_contains("Picture difference × 4");
+    harness.get_by_label("Sort by measure").click();
+    settle(&mut harness);
+}
