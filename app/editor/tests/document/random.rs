@@ -102,7 +102,7 @@ fn any_edit(document: &Document, registry: &Registry, dice: Dice) -> Option<Edit
         },
         22 => Edit::Arrange { nodes: Vec::new() },
         _ if a % 3 == 0 => Edit::SetTitle(format!("title {b}")),
-        _ if a % 3 == 1 => Edit::ReplaceText(document.text().replace("Number", "Numeral")),
+        _ if a % 3 == 1 => Edit::ReplaceText(document.text().replace("\n  ", "\n ")),
         _ => any_program(document, b)?,
     })
 }
