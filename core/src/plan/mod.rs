@@ -2,6 +2,7 @@
 
 mod assign;
 mod keys;
+mod modes;
 mod outputs;
 mod wiring;
 
@@ -108,6 +109,11 @@ impl Plan {
         if map.nodes.is_empty() && problems.is_empty() {
             problems.push(Problem::error("the map has no nodes: there is nothing to run"));
         }
+        let whole = map;
+        let settled = modes::settle(whole, registry, &mut problems);
+        let map = settled.as_ref().map_or(whole, |settled| &settled.map);
+        let left_out = settled.as_ref().map_or(&[][..], |settled| &settled.left_out);
+        let left_out = quoted(whole, left_out, registry, options);
         let wiring = wiring::wire(map, registry, &mut problems);
         let mut nodes = Vec::with_capacity(map.nodes.len());
         for (place, (name, _)) in map.nodes.iter().enumerate() {
@@ -122,7 +128,7 @@ impl Plan {
         let order = wiring::order(map, &wiring, &mut problems);
         let has_errors = |problems: &[Problem]| problems.iter().any(Problem::is_error);
         // Names of output files quote the parameters of other nodes, so they wait for all of them.
-        let names = outputs::names(map, &nodes, options, &mut problems);
+        let names = outputs::names(whole, &nodes, &left_out, options, &mut problems);
         if has_errors(&problems) {
             return Err(problems);
         }
@@ -140,6 +146,21 @@ impl Plan {
     pub fn find(&self, name: &str) -> Option<&PlanNode> {
         self.nodes.iter().find(|node| node.name == name)
     }
+}
+
+/// Nodes that do not run, with their parameters, which names of output files may quote. Whatever
+/// is wrong with them stops no run.
+fn quoted(
+    map: &Map,
+    names: &[String],
+    registry: &Registry,
+    options: &PlanOptions,
+) -> Vec<PlanNode> {
+    let node = |name: &String| {
+        let info = registry.find(&map.nodes.get(name)?.module)?;
+        Some(prepare(map, name, info, &[], options, &mut Vec::new()))
+    };
+    names.iter().filter_map(node).collect()
 }
 
 /// Reads a node's parameters and fingerprints its input files.

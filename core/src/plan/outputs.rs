@@ -36,14 +36,20 @@ impl Names {
     }
 }
 
-/// Puts parameters into the templates of all output files.
+/// Puts parameters into the templates of all output files. `map` is the whole map, with the nodes
+/// that are left out of the plan, which may be quoted as well.
 pub(super) fn names(
     map: &Map,
     nodes: &[Option<PlanNode>],
+    left_out: &[PlanNode],
     options: &PlanOptions,
     problems: &mut Vec<Problem>,
 ) -> Names {
     let mut names = Vec::new();
+    let find = |name: &str| {
+        let mut known = nodes.iter().flatten().chain(left_out);
+        known.find(|node| node.name == name)
+    };
     for node in nodes.iter().flatten() {
         for (spec, (_, setting)) in node.info.module.params.iter().zip(&node.settings.0) {
             let (Kind::OutputFile { also_writes, .. }, Setting::File { written, .. }) =
@@ -51,7 +57,7 @@ pub(super) fn names(
             else {
                 continue;
             };
-            match expand(written, map, nodes, options.repeat) {
+            match expand(written, map, &find, options.repeat) {
                 Ok(text) => {
                     let (node, param) = (node.name.clone(), spec.name);
                     names.push(Name { node, param, text, also_writes });
@@ -65,10 +71,10 @@ pub(super) fn names(
     Names(names)
 }
 
-fn expand(
+fn expand<'a>(
     template: &str,
     map: &Map,
-    nodes: &[Option<PlanNode>],
+    find: &dyn Fn(&str) -> Option<&'a PlanNode>,
     repeat: u32,
 ) -> Result<String, String> {
     let mut text = String::new();
@@ -81,7 +87,7 @@ fn expand(
             Piece::Reference("step") => text.push(STEP),
             Piece::Reference("repeat") => text.push_str(&repeat.to_string()),
             Piece::Reference(name) => {
-                let word = resolve(name, map, nodes).map_err(|why| format!("{{{name}}}: {why}"))?;
+                let word = resolve(name, map, find).map_err(|why| format!("{{{name}}}: {why}"))?;
                 text.push_str(&as_name(&word));
             }
         }
@@ -90,12 +96,18 @@ fn expand(
 }
 
 /// The value that a reference such as `load.path.stem` or `simplify.cost` stands for.
-fn resolve(name: &str, map: &Map, nodes: &[Option<PlanNode>]) -> Result<String, String> {
+fn resolve<'a>(
+    name: &str,
+    map: &Map,
+    find: &dyn Fn(&str) -> Option<&'a PlanNode>,
+) -> Result<String, String> {
     let form = "write {node.param}, {node.source}, {step} or {repeat}";
     let PortRef { node, port } = name.parse().map_err(|()| form.to_owned())?;
-    let place = map.nodes.get_index_of(&node).ok_or_else(|| no_such_node(map, &node))?;
+    if !map.nodes.contains_key(&node) {
+        return Err(no_such_node(map, &node));
+    }
     // A node of an unknown module has been reported.
-    let Some(Some(found)) = nodes.get(place) else { return Ok(String::new()) };
+    let Some(found) = find(&node) else { return Ok(String::new()) };
     if port == MODULE {
         return Ok(found.info.module.id.to_owned());
     }

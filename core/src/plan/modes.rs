@@ -1,0 +1,141 @@
+//! Muted and bypassed nodes: the map as if they were not there.
+//!
+//! Everything else in a plan is made from the map that comes out of here, so keys, names and
+//! orders know nothing of modes.
+
+use std::collections::HashMap;
+
+use crate::data::DataType;
+use crate::map::{Link, Map, NodeMode, PortRef};
+use crate::problem::Problem;
+use crate::registry::Registry;
+
+/// A map without the nodes that do not run.
+pub(super) struct Settled {
+    /// What runs.
+    pub map: Map,
+    /// The names of the nodes that do not.
+    pub left_out: Vec<String>,
+}
+
+/// Takes the nodes out that do not run; `None` where all do. Each is told as a warning.
+pub(super) fn settle(
+    map: &Map,
+    registry: &Registry,
+    problems: &mut Vec<Problem>,
+) -> Option<Settled> {
+    if map.nodes.values().all(|node| node.mode.is_active()) {
+        return None;
+    }
+    let wires = Wires::of(map, registry);
+    let left_out = wires.left_out();
+    for name in map.nodes.keys() {
+        if let Some(problem) = left_out.get(name.as_str()) {
+            problems.push(problem.clone());
+        }
+    }
+    let mut settled = map.without_programs();
+    settled.nodes.retain(|name, _| !left_out.contains_key(name.as_str()));
+    settled.links.retain_mut(|link| {
+        if !left_out.contains_key(link.to.node.as_str())
+            && let Ok(from) = wires.source(&link.from, &left_out)
+        {
+            link.from = from.clone();
+            return true;
+        }
+        false
+    });
+    if settled.nodes.is_empty() {
+        let message = "no node runs: each is muted or bypassed, or needs one that is";
+        problems.push(Problem::error(message));
+    }
+    let left_out = map.nodes.keys().filter(|name| left_out.contains_key(name.as_str()));
+    Some(Settled { map: settled, left_out: left_out.cloned().collect() })
+}
+
+/// Nodes that do not run, each with the reason.
+type LeftOut<'a> = HashMap<&'a str, Problem>;
+
+/// The links of a map by their ends.
+struct Wires<'a> {
+    map: &'a Map,
+    registry: &'a Registry,
+    into: HashMap<(&'a str, &'a str), &'a PortRef>,
+}
+
+impl<'a> Wires<'a> {
+    fn of(map: &'a Map, registry: &'a Registry) -> Self {
+        let ends = |link: &'a Link| ((link.to.node.as_str(), link.to.port.as_str()), &link.from);
+        Self { map, registry, into: map.links.iter().map(ends).collect() }
+    }
+
+    /// The nodes that do not run: those that are set so, and then, until there are no more, those
+    /// with a required input that comes from one of them.
+    fn left_out(&self) -> LeftOut<'a> {
+        let mut left_out = LeftOut::new();
+        for (name, node) in &self.map.nodes {
+            let message = match node.mode {
+                NodeMode::Active => continue,
+                NodeMode::Muted => "is muted",
+                NodeMode::Bypassed => "is bypassed",
+            };
+            left_out.insert(name, Problem::warning(message).at(name));
+        }
+        loop {
+            let n_before = left_out.len();
+            for name in self.map.nodes.keys() {
+                if !left_out.contains_key(name.as_str())
+                    && let Some(problem) = self.lack(name, &left_out)
+                {
+                    left_out.insert(name, problem);
+                }
+            }
+            if left_out.len() == n_before {
+                return left_out;
+            }
+        }
+    }
+
+    /// What a node needs and does not get.
+    fn lack(&self, name: &str, left_out: &LeftOut) -> Option<Problem> {
+        let info = self.registry.find(&self.map.nodes.get(name)?.module)?;
+        let required = info.module.inputs.iter().filter(|input| input.is_required);
+        required.into_iter().find_map(|input| {
+            let from = self.into.get(&(name, input.name))?;
+            let missing = self.source(from, left_out).err()?;
+            let why = match self.map.nodes.get(&missing.node).map(|node| node.mode) {
+                Some(NodeMode::Muted) => "is muted",
+                Some(NodeMode::Bypassed) => "is bypassed and has nothing to pass on",
+                _ => "does not run either",
+            };
+            let message = format!("is left out: needs {missing}, which {why}");
+            Some(Problem::warning(message).at(name).port(input.name))
+        })
+    }
+
+    /// Where the value of an output comes from: behind bypassed nodes, what they pass on. The error
+    /// is the output that has no value.
+    fn source(&self, from: &'a PortRef, left_out: &LeftOut) -> Result<&'a PortRef, &'a PortRef> {
+        let mut from = from;
+        // A way that is longer than the map runs in a circle of bypassed nodes.
+        for _ in 0..=self.map.nodes.len() {
+            if !left_out.contains_key(from.node.as_str()) {
+                return Ok(from);
+            }
+            from = self.passed_on(from).ok_or(from)?;
+        }
+        Err(from)
+    }
+
+    /// What a bypassed node passes on at an output: what is linked to its first input of that type.
+    fn passed_on(&self, output: &PortRef) -> Option<&'a PortRef> {
+        let node = self.map.nodes.get(&output.node)?;
+        if node.mode != NodeMode::Bypassed {
+            return None;
+        }
+        let module = self.registry.find(&node.module)?.module;
+        let given: DataType = module.outputs.iter().find(|o| o.name == output.port)?.data_type;
+        let input = module.inputs.iter().find(|input| input.data_type == given)?;
+        self.into.get(&(output.node.as_str(), input.name)).copied()
+    }
+}
