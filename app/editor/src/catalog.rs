@@ -46,6 +46,27 @@ pub struct Catalog {
     modules: Vec<ModuleInfo>,
 }
 
+/// Colors of categories, in the order of their names: dark enough for white text on them.
+const COLORS: [[u8; 3]; 8] = [
+    [52, 94, 140],
+    [46, 112, 96],
+    [128, 84, 42],
+    [112, 70, 128],
+    [132, 62, 72],
+    [86, 104, 52],
+    [64, 108, 124],
+    [104, 92, 72],
+];
+
+/// The color that stands for a category of modules: red, green, blue.
+pub fn category_color(category: &str, registry: &Registry) -> [u8; 3] {
+    let mut names: Vec<&str> = registry.modules().iter().map(|info| info.category).collect();
+    names.sort_unstable();
+    names.dedup();
+    let place = names.iter().position(|name| *name == category).unwrap_or_default();
+    COLORS[place % COLORS.len()]
+}
+
 impl Catalog {
     /// The modules of a registry.
     pub fn new(registry: &Registry) -> Self {

@@ -31,10 +31,10 @@ fn the_map_is_built_by_hand_run_read_and_undone() {
     hand.type_into("path", "small.obj");
     hand.click("canvas");
     hand.press(eframe::egui::Key::L);
-    hand.link("output obj-loader.mesh", "input simplificator.mesh");
-    hand.link("output obj-loader.mesh", "input mesh-comparer.original");
-    hand.link("output simplificator.mesh", "input mesh-comparer.simplified");
-    hand.link("output simplificator.mesh", "input obj-saver.mesh");
+    hand.link("output obj_loader.mesh", "input simplificator.mesh");
+    hand.link("output obj_loader.mesh", "input mesh_comparer.original");
+    hand.link("output simplificator.mesh", "input mesh_comparer.simplified");
+    hand.link("output simplificator.mesh", "input obj_saver.mesh");
     let map = hand.map();
     assert_eq!(map.nodes.len(), 4);
     assert_eq!(map.links.len(), 4, "{:?}", map.links);
@@ -49,7 +49,7 @@ fn the_map_is_built_by_hand_run_read_and_undone() {
     }
     assert!(hand.output_folder().join("small.obj").is_file());
     hand.click("Values");
-    assert!(hand.sees("mesh-comparer.hausdorff"), "the table of values names the distance");
+    assert!(hand.sees("mesh_comparer.hausdorff"), "the table of values names the distance");
 
     hand.click("canvas");
     while hand.editor().session().document.undo_label().is_some() {

@@ -193,7 +193,7 @@ impl Editor {
             return;
         };
         let session = self.session();
-        let name = crate::document::unique_name(session.document.map(), module);
+        let name = session.document.free_name(module);
         let value = Some(Json::from(session.written_path(path)));
         let at = session.canvas.free_place();
         self.edit(&[

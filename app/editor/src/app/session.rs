@@ -140,8 +140,9 @@ impl Session {
     pub fn pinned_values(&self) -> Vec<Pinned> {
         let value_of = |port: &PortRef| self.runner.value(&port.node, &port.port);
         let state_of = |port: &PortRef| match self.runner.status(&port.node) {
-            Status::Done(_) | Status::Cached => PortState::Current,
-            status => PortState::Other(status.explanation()),
+            Status::Done(_) | Status::Cached => PortState::Ready,
+            _ if value_of(port).is_some() => PortState::Outdated,
+            status => PortState::Absent(status.explanation()),
         };
         let pinned = self.pinned.iter().map(|port| Pinned {
             title: port.to_string(),

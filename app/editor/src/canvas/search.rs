@@ -7,7 +7,7 @@ use mve_core::{Link, PortRef};
 use super::gesture::End;
 use super::{Action, Scene, search_field};
 use crate::catalog::{Fit, Hit};
-use crate::document::{Edit, unique_name};
+use crate::document::Edit;
 
 /// A search while it is open.
 pub struct Search {
@@ -88,14 +88,14 @@ impl Search {
 
     /// Adds the module, and links it to the end that was dropped.
     fn edits(&self, hit: &Hit, scene: &Scene) -> Vec<Edit> {
-        let name = unique_name(scene.document.map(), hit.info.module.id);
+        let name = scene.document.free_name(hit.info.module.id);
         let module = hit.info.module.id.to_owned();
         let across = if matches!(self.end, Some(End::To(_))) { super::shape::WIDTH } else { 0.0 };
         let at = [f64::from(self.world.x - across), f64::from(self.world.y - 20.0)];
         let at = at.map(|x| if scene.settings.snaps { (x / 10.0).round() * 10.0 } else { x });
         let mut edits = vec![Edit::AddNode { module, name: Some(name.clone()), at }];
-        if let (Some(end), Some(port)) = (&self.end, &hit.port) {
-            let port = PortRef { node: name, port: port.clone() };
+        if let (Some(end), Some(port)) = (&self.end, hit.port) {
+            let port = PortRef { node: name, port: port.to_owned() };
             edits.push(Edit::Connect(match end {
                 End::From(from) => Link { from: from.clone(), to: port },
                 End::To(to) => Link { from: port, to: to.clone() },
@@ -129,7 +129,7 @@ fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
     let small = egui::TextStyle::Small.resolve(ui.style());
     let mut job = LayoutJob::default();
     for (place, letter) in hit.info.module.id.chars().enumerate() {
-        let is_found = hit.letters.contains(&place);
+        let is_found = hit.id_matches.contains(&(place as u32));
         let color = if is_found { visuals.warn_fg_color } else { visuals.strong_text_color() };
         job.append(&letter.to_string(), 0.0, TextFormat::simple(body.clone(), color));
     }

@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use mve_core::{DataType, Link, Node, NodeMode, ParamSpec, PortRef, Registry};
 
 use crate::catalog;
-use crate::document::{Document, arrange};
+use crate::document::{Document, Item};
 use crate::forms::{name_of, value_text};
 
 /// Width of a node, in units of the canvas.
@@ -18,6 +18,9 @@ pub const TITLE: f32 = 28.0;
 pub const ROW: f32 = 20.0;
 /// Height of the line that says its state.
 pub const FOOT: f32 = 18.0;
+
+/// Color of the title of a node whose module is not there.
+const NO_MODULE: Color32 = Color32::from_rgb(150, 60, 60);
 
 /// A port of a node as it is drawn.
 #[derive(Clone)]
@@ -95,34 +98,30 @@ impl Shape {
 pub struct Shapes {
     /// By name, in the order of the map: later ones are drawn over earlier ones.
     pub nodes: IndexMap<String, Shape>,
-    revision: Option<u64>,
+    /// Which document it is, and which of its states.
+    state: Option<(u64, u64)>,
 }
 
 impl Shapes {
     /// Makes the shapes anew where the map has changed.
     pub fn update(&mut self, document: &Document, registry: &Registry) {
-        if self.revision == Some(document.revision()) {
+        let state = Some((document.id(), document.revision()));
+        if self.state == state {
             return;
         }
         let map = document.map();
         let linked: HashSet<(&str, &str)> =
             map.links.iter().map(|link| (link.to.node.as_str(), link.to.port.as_str())).collect();
-        let by_hand = |name: &str| map.layout.get(name).copied();
-        // Nodes without a place of their own get one, which is not written to the map.
-        let made_up = match map.nodes.keys().all(|name| by_hand(name).is_some()) {
-            true => IndexMap::new(),
-            false => arrange::arranged(map, registry),
-        };
         self.nodes = map
             .nodes
             .iter()
             .map(|(name, node)| {
-                let at = by_hand(name).or_else(|| made_up.get(name).copied()).unwrap_or_default();
+                let at = document.position(&Item::Node(name.clone())).unwrap_or_default();
                 let is_collapsed = document.extras().collapsed.contains(name);
                 (name.clone(), shape(name, node, at, is_collapsed, registry, &linked))
             })
             .collect();
-        self.revision = Some(document.revision());
+        self.state = state;
     }
 
     /// The smallest rectangle around some nodes, or around all where `names` is empty.
@@ -177,7 +176,10 @@ fn shape(
         size: Vec2::new(WIDTH, TITLE),
         module: node.module.clone(),
         summary: info.map(|info| info.module.summary),
-        color: info.map_or(Color32::from_rgb(150, 60, 60), |info| catalog::category_color(info.category, registry)),
+        color: info.map_or(NO_MODULE, |info| {
+            let [r, g, b] = catalog::category_color(info.category, registry);
+            Color32::from_rgb(r, g, b)
+        }),
         mode: node.mode,
         is_collapsed,
         inputs: Vec::new(),

@@ -134,6 +134,12 @@ impl Document {
         }
     }
 
+    /// A name for a new node of a module, which no node has.
+    pub fn free_name(&self, module: &str) -> String {
+        let taken = names::taken(&self.map, "nodes");
+        names::free_name(&names::name_after(module), |name| taken.contains(name))
+    }
+
     /// The map's file.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
