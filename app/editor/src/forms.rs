@@ -55,8 +55,8 @@ impl Form<'_> {
         given: Option<&Json>,
         events: &mut Vec<FormEvent>,
     ) {
-        let mut set = |value| events.push(FormEvent::Set { path: path.to_owned(), value });
         ui.horizontal(|ui| {
+            let mut set = |value| events.push(FormEvent::Set { path: path.to_owned(), value });
             let name = name_of(spec);
             let color = if given.is_some() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let label = egui::Label::new(RichText::new(&name).color(color)).truncate();

@@ -38,6 +38,7 @@ pub fn open_window(registry: Registry, maps: Vec<PathBuf>) -> Result<(), String>
             maps,
             recovery: eframe::storage_dir("mve").map(|folder| folder.join("unsaved")),
             render: creation.wgpu_render_state.clone(),
+            output_folder: None,
             has_example: true,
         };
         Ok(Box::new(Editor::new(&creation.egui_ctx, registry, start)))

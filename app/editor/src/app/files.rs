@@ -148,8 +148,8 @@ impl Editor {
     /// Maps and meshes that were dropped on the window.
     pub(super) fn take_dropped(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        for path in dropped.into_iter().filter_map(|file| file.path) {
-            self.take_file(&path);
+        for file in dropped {
+            self.take_file(file.path());
         }
     }
 

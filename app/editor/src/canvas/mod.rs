@@ -307,7 +307,8 @@ impl Canvas {
                 }
             };
             let status = scene.runner.status(name);
-            let is_dimmed = |port: &Port| self.gesture.refuses(port, scene);
+            let gesture = &self.gesture;
+            let is_dimmed = |port: &Port| gesture.refuses(port, scene);
             let look = Look {
                 name,
                 status: &status,
@@ -318,7 +319,8 @@ impl Canvas {
                 is_dimmed: &is_dimmed,
             };
             brush.node(shape, &look);
-            self.touch_node(ui, brush, scene, shape, &look, actions);
+            let is_selected = look.is_selected;
+            self.touch_node(ui, brush, scene, (name, shape), (&status, is_selected), actions);
         }
         self.shapes = shapes;
     }
@@ -329,15 +331,13 @@ impl Canvas {
         ui: &mut Ui,
         brush: &Brush,
         scene: &Scene,
-        shape: &Shape,
-        look: &Look,
+        (name, shape): (&str, &Shape),
+        (status, is_selected): (&Status, bool),
         actions: &mut Vec<Action>,
     ) {
-        let name = look.name;
         let id = ui.id().with(("node", name));
         let rect = brush.view.rect_to_screen(shape.rect()).intersect(brush.view.screen);
         let response = ui.interact(rect, id, Sense::click_and_drag());
-        let is_selected = look.is_selected;
         response.widget_info(|| {
             WidgetInfo::selected(WidgetType::Button, true, is_selected, format!("node {name}"))
         });
@@ -353,7 +353,7 @@ impl Canvas {
         }
         if response.hovered() && matches!(self.gesture, Gesture::Idle) {
             let what = shape.summary.unwrap_or("there is no module of this name here");
-            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, look.status.explanation());
+            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, status.explanation());
             response.clone().on_hover_text_at_pointer(text);
         }
         response.context_menu(|ui| menu::of_node(ui, name, scene, actions, &mut self.renaming));
