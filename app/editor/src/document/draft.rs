@@ -95,22 +95,7 @@ impl Draft<'_> {
                 };
                 Ok(())
             }),
-            Edit::SetText { item, text } => {
-                match item {
-                    Item::Frame(name) => self.frame(name)?.title.clone_from(text),
-                    Item::Note(name) => self.note(name)?.text.clone_from(text),
-                    _ => return Err(EditError::Kind("only frames and notes have a text")),
-                }
-                Ok(())
-            }
-            Edit::SetColor { item, color } => {
-                match item {
-                    Item::Frame(name) => self.frame(name)?.color = *color,
-                    Item::Note(name) => self.note(name)?.color = *color,
-                    _ => return Err(EditError::Kind("only frames and notes have a color")),
-                }
-                Ok(())
-            }
+            Edit::SetText { .. } | Edit::SetColor { .. } => self.edit_extra(edit),
             Edit::AddFrame { .. } | Edit::AddNote { .. } | Edit::AddReroute { .. } => {
                 self.add_extra(edit)
             }
@@ -283,6 +268,21 @@ impl Draft<'_> {
         self.map.layout.shift_remove(to);
         renaming.apply(&mut self.map, &mut self.extras, self.registry);
         self.applied.renamed.push((node.to_owned(), to.to_owned()));
+        Ok(())
+    }
+
+    fn edit_extra(&mut self, edit: &Edit) -> Result<(), EditError> {
+        match edit {
+            Edit::SetText { item: Item::Frame(name), text } => {
+                self.frame(name)?.title.clone_from(text);
+            }
+            Edit::SetText { item: Item::Note(name), text } => {
+                self.note(name)?.text.clone_from(text);
+            }
+            Edit::SetColor { item: Item::Frame(name), color } => self.frame(name)?.color = *color,
+            Edit::SetColor { item: Item::Note(name), color } => self.note(name)?.color = *color,
+            _ => return Err(EditError::Kind("only frames and notes have a text and a color")),
+        }
         Ok(())
     }
 

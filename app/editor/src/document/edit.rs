@@ -51,6 +51,7 @@ pub enum Direction {
 /// stays readable.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // The fields are what their names say, in every variant.
+#[allow(clippy::large_enum_variant)] // Pasting is rare, and lists of edits are short.
 pub enum Edit {
     /// A new node. Without a name it is named after its module; a name that is taken gets a number.
     AddNode { module: String, name: Option<String>, at: [f64; 2] },

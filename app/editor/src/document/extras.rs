@@ -195,11 +195,11 @@ mod point {
     use super::*;
 
     pub(super) fn serialize<S: Serializer>(point: &[f64; 2], to: S) -> Result<S::Ok, S::Error> {
-        if point.iter().all(|x| x.fract() == 0.0 && x.abs() < 1e15) {
-            point.map(|x| x as i64).serialize(to)
-        } else {
-            point.serialize(to)
-        }
+        let number = |x: f64| match x.fract() == 0.0 && x.abs() < 1e15 {
+            true => Json::from(x as i64),
+            false => Json::from(x),
+        };
+        point.map(number).serialize(to)
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {

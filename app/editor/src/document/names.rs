@@ -33,9 +33,8 @@ pub(super) fn name_after(module: &str) -> String {
         if begins_a_word {
             name.push('_');
         }
-        let fits = Map::can_name_a_node(c.encode_utf8(&mut [0; 4]));
-        name.extend(if fits { c } else { '_' }.to_lowercase());
-        before = c;
+        before = if Map::can_name_a_node(c.encode_utf8(&mut [0; 4])) { c } else { '_' };
+        name.extend(before.to_lowercase());
     }
     if name.is_empty() { "node".to_owned() } else { name }
 }
