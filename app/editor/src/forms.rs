@@ -58,9 +58,14 @@ impl Form<'_> {
         ui.horizontal(|ui| {
             let mut set = |value| events.push(FormEvent::Set { path: path.to_owned(), value });
             let name = name_of(spec);
-            let color = if given.is_some() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+            let color = if given.is_some() {
+                ui.visuals().strong_text_color()
+            } else {
+                ui.visuals().text_color()
+            };
             let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
-            ui.add_sized([NAME_WIDTH, ui.spacing().interact_size.y], label).on_hover_text(doc_of(spec));
+            ui.add_sized([NAME_WIDTH, ui.spacing().interact_size.y], label)
+                .on_hover_text(doc_of(spec));
             if let Some(from) = (self.link_of)(path) {
                 ui.label(RichText::new(format!("\u{2190} {from}")).weak())
                     .on_hover_text("This parameter takes its value from a link.");
@@ -68,7 +73,11 @@ impl Form<'_> {
             }
             if spec.can_be_off {
                 let mut is_on = !is_off(spec, given);
-                if ui.checkbox(&mut is_on, "").on_hover_text(format!("whether {name} is on")).changed() {
+                if ui
+                    .checkbox(&mut is_on, "")
+                    .on_hover_text(format!("whether {name} is on"))
+                    .changed()
+                {
                     set(if is_on { Some(some_value(spec)) } else { Some(Json::Null) });
                 }
                 if !is_on {
@@ -85,7 +94,9 @@ impl Form<'_> {
                 return;
             }
             if given.is_some() && spec.default_setting().is_some() {
-                let back = ui.small_button("\u{27f2}").on_hover_text(format!("{name}: back to the default"));
+                let back = ui
+                    .small_button("\u{27f2}")
+                    .on_hover_text(format!("{name}: back to the default"));
                 if back.clicked() {
                     events.push(FormEvent::Set { path: path.to_owned(), value: None });
                 }
@@ -118,7 +129,13 @@ impl Form<'_> {
 }
 
 /// The field that edits a parameter's value.
-fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &mut dyn FnMut(Option<Json>)) {
+fn field(
+    ui: &mut Ui,
+    spec: &ParamSpec,
+    salt: &str,
+    given: Option<&Json>,
+    set: &mut dyn FnMut(Option<Json>),
+) {
     let name = name_of(spec);
     match spec.kind {
         Kind::Flag { default } => {
@@ -130,12 +147,16 @@ fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &
         Kind::Integer { default, hard, soft } => {
             let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
             let mut changed = number;
-            let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed_of(soft.map(|(a, b)| (a as f64, b as f64)), number as f64).max(0.05));
+            let field = DragValue::new(&mut changed)
+                .range(hard.0..=hard.1)
+                .speed(speed_of(soft.map(|(a, b)| (a as f64, b as f64)), number as f64).max(0.05));
             let response = ui.add(field.suffix(suffix(spec)));
             let response = response.on_hover_text(range_text(hard.0 as f64, hard.1 as f64, spec));
             name_it(&response, &name);
             if let Some((from, to)) = soft {
-                let slider = Slider::new(&mut changed, from..=to).show_value(false).clamping(SliderClamping::Never);
+                let slider = Slider::new(&mut changed, from..=to)
+                    .show_value(false)
+                    .clamping(SliderClamping::Never);
                 ui.add(slider);
             }
             if changed != number {
@@ -145,12 +166,17 @@ fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &
         Kind::Number { default, hard, soft } => {
             let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
             let mut changed = number;
-            let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed_of(soft, number)).max_decimals(12);
+            let field = DragValue::new(&mut changed)
+                .range(hard.0..=hard.1)
+                .speed(speed_of(soft, number))
+                .max_decimals(12);
             let response = ui.add(field.suffix(suffix(spec)));
             let response = response.on_hover_text(range_text(hard.0, hard.1, spec));
             name_it(&response, &name);
             if let Some((from, to)) = soft {
-                let slider = Slider::new(&mut changed, from..=to).show_value(false).clamping(SliderClamping::Never);
+                let slider = Slider::new(&mut changed, from..=to)
+                    .show_value(false)
+                    .clamping(SliderClamping::Never);
                 ui.add(slider);
             }
             if changed.to_bits() != number.to_bits() && changed.is_finite() {
@@ -166,7 +192,9 @@ fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &
                 set(Some(Json::from(changed)));
             }
         }
-        Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. } => text_field(ui, spec, salt, given, set),
+        Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. } => {
+            text_field(ui, spec, salt, given, set)
+        }
         Kind::Enumeration { default, names } => {
             let current = given.and_then(Json::as_str).unwrap_or(default);
             let all = names.iter().copied();
@@ -174,7 +202,9 @@ fn field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &
         }
         Kind::Choice { default, list } => {
             let current = given.and_then(chosen_id).unwrap_or(default);
-            combo(ui, salt, &name, current, entries(list), &mut |chosen| set(Some(Json::from(chosen))));
+            combo(ui, salt, &name, current, entries(list), &mut |chosen| {
+                set(Some(Json::from(chosen)))
+            });
         }
     }
 }
@@ -192,7 +222,9 @@ fn combo<'a>(
     all: impl Iterator<Item = (&'a str, &'a str)>,
     choose: &mut dyn FnMut(&str),
 ) {
-    let combo = ComboBox::from_id_salt(salt).selected_text(current).width(ui.available_width().clamp(60.0, 150.0));
+    let combo = ComboBox::from_id_salt(salt)
+        .selected_text(current)
+        .width(ui.available_width().clamp(60.0, 150.0));
     let shown = combo.show_ui(ui, |ui| {
         for (id, summary) in all {
             if ui.selectable_label(id == current, id).on_hover_text(summary).clicked() {
@@ -201,17 +233,26 @@ fn combo<'a>(
         }
     });
     let selected = format!("{name}: {current}");
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
+    shown
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
 }
 
 /// A line of text; what is typed counts once the field is left or Enter is pressed.
-fn text_field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, set: &mut dyn FnMut(Option<Json>)) {
+fn text_field(
+    ui: &mut Ui,
+    spec: &ParamSpec,
+    salt: &str,
+    given: Option<&Json>,
+    set: &mut dyn FnMut(Option<Json>),
+) {
     let written = given.and_then(Json::as_str).unwrap_or(match spec.kind {
         Kind::Text { default } => default,
         _ => "",
     });
     let id = ui.id().with(salt);
-    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
+    let mut text =
+        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
     let hint = match spec.kind {
         Kind::InputFile { .. } => "path of a file",
         Kind::OutputFile { .. } => "name, or {node.parameter}",
@@ -219,7 +260,8 @@ fn text_field(ui: &mut Ui, spec: &ParamSpec, salt: &str, given: Option<&Json>, s
     };
     let room = if matches!(spec.kind, Kind::InputFile { .. }) { 58.0 } else { 26.0 };
     let width = (ui.available_width() - room).max(60.0);
-    let response = ui.add(egui::TextEdit::singleline(&mut text).id(id).hint_text(hint).desired_width(width));
+    let response =
+        ui.add(egui::TextEdit::singleline(&mut text).id(id).hint_text(hint).desired_width(width));
     name_it(&response, &name_of(spec));
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, text));

@@ -9,9 +9,8 @@ use mve_core::NodeStatus;
 fn cube(folder: &std::path::Path) -> std::path::PathBuf {
     let path = folder.join("cube.obj");
     let corners = (0..8).map(|i| format!("v {} {} {}\n", i & 1, (i >> 1) & 1, (i >> 2) & 1));
-    let faces = [
-        [1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6],
-    ];
+    let faces =
+        [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
     let faces = faces.map(|[a, b, c, d]| format!("f {a} {b} {c}\nf {a} {c} {d}\n"));
     let text: String = corners.chain(faces).collect();
     std::fs::write(&path, text).expect("the folder takes files");

@@ -102,9 +102,12 @@ impl Editor {
             ui.set_width(460.0);
             ui.heading("Open a map");
             ui.horizontal(|ui| {
-                let field = ui.add(TextEdit::singleline(&mut path).hint_text("path of a map").desired_width(320.0));
+                let field = ui.add(
+                    TextEdit::singleline(&mut path).hint_text("path of a map").desired_width(320.0),
+                );
                 ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of a map"));
-                let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                let is_entered =
+                    field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if ui.memory(|memory| memory.focused().is_none()) {
                     field.request_focus();
                 }
@@ -143,8 +146,10 @@ impl Editor {
             ui.heading("Save the map as");
             ui.horizontal(|ui| {
                 let field = ui.add(TextEdit::singleline(&mut path).desired_width(320.0));
-                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of the file"));
-                let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                ui.ctx()
+                    .accesskit_node_builder(field.id, |node| node.set_label("path of the file"));
+                let is_entered =
+                    field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if ui.memory(|memory| memory.focused().is_none()) {
                     field.request_focus();
                 }
@@ -152,7 +157,10 @@ impl Editor {
                 is_done = ui.button("Save").clicked() || is_entered;
             });
             if typed_path(&path).exists() {
-                ui.colored_label(ui.visuals().warn_fg_color, "A file of this name is there and will be replaced.");
+                ui.colored_label(
+                    ui.visuals().warn_fg_color,
+                    "A file of this name is there and will be replaced.",
+                );
             }
             let folder = std::env::current_dir().unwrap_or_default();
             ui.weak(format!("Relative paths are below {}.", folder.display()));
@@ -174,7 +182,11 @@ impl Editor {
     fn close_box(&mut self, ui: &mut Ui, id: u64) -> Open {
         let Some(place) = self.place_of(id) else { return Open::Nothing };
         let title = self.sessions[place].document.title();
-        match question(ui, &format!("Save the changes of {title}?"), &["Save", "Close without saving", "Cancel"]) {
+        match question(
+            ui,
+            &format!("Save the changes of {title}?"),
+            &["Save", "Close without saving", "Cancel"],
+        ) {
             Some(0) => {
                 self.save(place);
                 // A map without a file asks for one first, and is closed by hand then.

@@ -26,16 +26,21 @@ impl Console {
     pub fn show(&mut self, ui: &mut Ui, session: &mut Session, wishes: &mut Vec<Wish>) {
         ui.horizontal(|ui| {
             let label = self.node.clone().unwrap_or_else(|| "all nodes".to_owned());
-            let combo = egui::ComboBox::from_id_salt("log of").selected_text(&label).show_ui(ui, |ui| {
-                ui.selectable_value(&mut self.node, None, "all nodes");
-                for name in session.document.map().nodes.keys() {
-                    ui.selectable_value(&mut self.node, Some(name.clone()), name);
-                }
-            });
+            let combo =
+                egui::ComboBox::from_id_salt("log of").selected_text(&label).show_ui(ui, |ui| {
+                    ui.selectable_value(&mut self.node, None, "all nodes");
+                    for name in session.document.map().nodes.keys() {
+                        ui.selectable_value(&mut self.node, Some(name.clone()), name);
+                    }
+                });
             let name = format!("log of {label}");
-            combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &name));
+            combo
+                .response
+                .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &name));
             ui.checkbox(&mut self.is_trouble_only, "trouble only");
-            let filter = egui::TextEdit::singleline(&mut self.letters).hint_text("filter").desired_width(140.0);
+            let filter = egui::TextEdit::singleline(&mut self.letters)
+                .hint_text("filter")
+                .desired_width(140.0);
             let filter = ui.add(filter);
             ui.ctx().accesskit_node_builder(filter.id, |node| node.set_label("filter the log"));
             if ui.button("Clear").clicked() {

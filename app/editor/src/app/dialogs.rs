@@ -25,7 +25,13 @@ pub struct Dialogs {
 
 impl Dialogs {
     /// Opens a dialog, unless one for the same purpose is open.
-    pub fn ask(&mut self, purpose: Purpose, extensions: &[&str], folder: PathBuf, shared: &Arc<Shared>) {
+    pub fn ask(
+        &mut self,
+        purpose: Purpose,
+        extensions: &[&str],
+        folder: PathBuf,
+        shared: &Arc<Shared>,
+    ) {
         if self.open.iter().any(|(open, _)| *open == purpose) {
             return;
         }

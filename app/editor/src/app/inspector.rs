@@ -78,7 +78,11 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     let color = crate::canvas::status_color(&status);
     ui.add(egui::Label::new(RichText::new(status.explanation()).color(color)).wrap());
     if node.mode != NodeMode::Active {
-        let what = if node.mode == NodeMode::Muted { "muted: it does not run" } else { "bypassed: it passes its input through" };
+        let what = if node.mode == NodeMode::Muted {
+            "muted: it does not run"
+        } else {
+            "bypassed: it passes its input through"
+        };
         ui.label(format!("It is {what}."));
     }
     let Some(info) = shared.registry.find(&node.module) else {
@@ -123,11 +127,14 @@ fn values(
             let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
             ui.label(format!("\u{2192} {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);
-            let value = link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
+            let value =
+                link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
             match (link, value) {
                 (_, Some(value)) => ui.add(egui::Label::new(value.summary()).truncate()),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),
-                (None, None) if input.is_required => ui.colored_label(ui.visuals().error_fg_color, "not linked"),
+                (None, None) if input.is_required => {
+                    ui.colored_label(ui.visuals().error_fg_color, "not linked")
+                }
                 (None, None) => ui.weak("not linked"),
             };
             ui.end_row();
@@ -159,7 +166,8 @@ fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
         ui.weak(format!("{}: {}", phase.replace('_', " "), crate::runner::seconds_text(*seconds)));
     }
     for line in &ended.record.log {
-        let color = if line.is_warning { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        let color =
+            if line.is_warning { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap());
     }
     for file in &ended.record.files {

@@ -147,7 +147,12 @@ impl Editor {
     /// A window over some modules.
     pub fn new(ctx: &egui::Context, registry: Registry, start: Start) -> Self {
         let waker = ctx.clone();
-        let shared = Shared::new(registry, CACHE, Box::new(move || waker.request_repaint()), start.output_folder);
+        let shared = Shared::new(
+            registry,
+            CACHE,
+            Box::new(move || waker.request_repaint()),
+            start.output_folder,
+        );
         start.settings.apply(ctx);
         let catalog = Catalog::new(&shared.registry);
         let mut toasts = Vec::new();
@@ -155,7 +160,8 @@ impl Editor {
             Ok(recovery) => Some(recovery),
             Err(error) => {
                 let folder = folder.display();
-                let text = format!("{folder}: maps cannot be kept for the case of a crash: {error}");
+                let text =
+                    format!("{folder}: maps cannot be kept for the case of a crash: {error}");
                 toasts.push((Instant::now(), text));
                 None
             }
@@ -310,7 +316,8 @@ impl Editor {
         let has_pins = !self.session().pinned.is_empty();
         if self.middle == Middle::Both && has_pins {
             let height = (ui.available_height() * 0.5).max(160.0);
-            let panel = Panel::bottom("viewer").resizable(true).default_size(height).min_size(120.0);
+            let panel =
+                Panel::bottom("viewer").resizable(true).default_size(height).min_size(120.0);
             panel.show(ui, |ui| self.viewer(ui, wishes));
         }
         if self.middle == Middle::Viewer && has_pins {

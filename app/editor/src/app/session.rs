@@ -102,7 +102,8 @@ impl Session {
 
     /// Whether some node's outputs are not those of the map as it stands.
     pub fn has_changes_to_run(&self) -> bool {
-        let is_old = |name: &String| matches!(self.runner.status(name), Status::New | Status::Dirty);
+        let is_old =
+            |name: &String| matches!(self.runner.status(name), Status::New | Status::Dirty);
         self.document.map().nodes.keys().any(is_old)
     }
 

@@ -150,7 +150,8 @@ impl Editor {
                 if ui.button("\u{23f9} Stop").on_hover_text("Stop the run").clicked() {
                     wishes.push(Wish::Command(Command::Stop));
                 }
-                let text = format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
+                let text =
+                    format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
                 ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
             }
             None => {
@@ -166,11 +167,9 @@ impl Editor {
             self.session_mut().canvas.open_search();
         }
         ui.separator();
-        for (lower, label) in [
-            (Lower::Program, "Program"),
-            (Lower::Values, "Values"),
-            (Lower::Console, "Console"),
-        ] {
+        for (lower, label) in
+            [(Lower::Program, "Program"), (Lower::Values, "Values"), (Lower::Console, "Console")]
+        {
             let is_shown = self.is_lower_open && self.lower == lower;
             if ui.selectable_label(is_shown, label).clicked() {
                 self.is_lower_open = !is_shown;
@@ -193,14 +192,18 @@ impl Editor {
                 }
                 let close = ui.small_button("\u{2715}").on_hover_text("Close this map");
                 let name = format!("close {}", session.document.title());
-                close.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
+                close.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name)
+                });
                 if close.clicked() || tab.middle_clicked() {
                     wishes.push(Wish::Command(Command::Close(place)));
                 }
                 ui.separator();
             }
             let new = ui.small_button("+").on_hover_text("New map (Ctrl+N)");
-            new.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, "new map"));
+            new.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::WidgetType::Button, true, "new map")
+            });
             if new.clicked() {
                 wishes.push(Wish::Command(Command::New));
             }
@@ -215,7 +218,11 @@ impl Editor {
                 let n_errors = problems.iter().filter(|problem| problem.is_error()).count();
                 if n_errors > 0 {
                     let first = problems.iter().find(|problem| problem.is_error());
-                    let what = if n_errors == 1 { "1 problem".to_owned() } else { format!("{n_errors} problems") };
+                    let what = if n_errors == 1 {
+                        "1 problem".to_owned()
+                    } else {
+                        format!("{n_errors} problems")
+                    };
                     let text = first.map_or(what.clone(), |first| format!("{what}: {first}"));
                     let color = ui.visuals().error_fg_color;
                     let label = egui::Label::new(RichText::new(&text).color(color)).truncate();
@@ -232,7 +239,8 @@ impl Editor {
                 } else if session.has_changes_to_run() {
                     ui.weak("Ready to run (F5).");
                 } else {
-                    let time = session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
+                    let time =
+                        session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
                     ui.weak(match time {
                         Some(time) => format!("Up to date; the last run took {time}."),
                         None => "Up to date.".to_owned(),

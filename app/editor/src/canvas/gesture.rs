@@ -161,7 +161,8 @@ impl Canvas {
         let Some(frame) = scene.document.extras().frames.get(name) else { return Vec::new() };
         let rect = rect_of(frame.at, frame.size);
         let nodes = self.shapes.nodes.iter().filter(|(_, shape)| rect.contains_rect(shape.rect()));
-        let notes = scene.document.extras().notes.iter().filter(|(_, note)| rect.contains(pos(note.at)));
+        let notes =
+            scene.document.extras().notes.iter().filter(|(_, note)| rect.contains(pos(note.at)));
         let nodes = nodes.map(|(name, _)| Item::Node(name.clone()));
         nodes.chain(notes.map(|(name, _)| Item::Note(name.clone()))).collect()
     }
@@ -204,7 +205,11 @@ impl Canvas {
             let corner = brush.view.rect_to_screen(corner);
             let response = ui.interact(corner, ui.id().with(("corner", name)), Sense::drag());
             response.widget_info(|| {
-                WidgetInfo::labeled(WidgetType::Other, true, format!("size of frame {}", frame.title))
+                WidgetInfo::labeled(
+                    WidgetType::Other,
+                    true,
+                    format!("size of frame {}", frame.title),
+                )
             });
             if response.hovered() || response.dragged() {
                 ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeNwSe);
@@ -253,7 +258,8 @@ impl Canvas {
         };
         let rect = brush.view.rect_to_screen(rect).intersect(brush.view.screen);
         let response = ui.interact(rect, ui.id().with((kind, name)), Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("{kind} {text}")));
+        response
+            .widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("{kind} {text}")));
         if response.clicked() || response.secondary_clicked() {
             self.click_item(ui, item, response.secondary_clicked(), scene, actions);
         }
@@ -291,7 +297,9 @@ impl Canvas {
         }
         if back.double_clicked() {
             match wire.clone() {
-                Some(link) => actions.push(Action::Edit(vec![Edit::AddReroute { link, at: place }])),
+                Some(link) => {
+                    actions.push(Action::Edit(vec![Edit::AddReroute { link, at: place }]))
+                }
                 None => self.search_at(pointer.unwrap_or_default(), None),
             }
         }
@@ -494,7 +502,8 @@ impl Canvas {
     fn within(&self, rect: Rect, scene: &Scene) -> Vec<Item> {
         let extras = scene.document.extras();
         let nodes = self.shapes.nodes.iter().filter(|(_, shape)| rect.intersects(shape.rect()));
-        let frames = extras.frames.iter().filter(|(_, f)| rect.contains_rect(rect_of(f.at, f.size)));
+        let frames =
+            extras.frames.iter().filter(|(_, f)| rect.contains_rect(rect_of(f.at, f.size)));
         let notes = extras.notes.iter().filter(|(_, note)| rect.intersects(note_rect(note)));
         let reroutes = extras.reroutes.iter().filter(|(_, r)| rect.contains(pos(r.at)));
         let mut items: Vec<Item> = nodes.map(|(name, _)| Item::Node(name.clone())).collect();

@@ -49,7 +49,9 @@ impl Canvas {
     ) {
         let is_typing = ui.ctx().egui_wants_keyboard_input() && !back.has_focus();
         let is_busy = self.search.is_some() || self.renaming.is_some() || self.open_param.is_some();
-        let is_here = back.has_focus() || back.contains_pointer() || ui.ctx().memory(|memory| memory.focused().is_none());
+        let is_here = back.has_focus()
+            || back.contains_pointer()
+            || ui.ctx().memory(|memory| memory.focused().is_none());
         if is_typing || is_busy || !is_here {
             return;
         }

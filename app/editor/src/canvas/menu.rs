@@ -42,8 +42,7 @@ pub fn of_node(
     if item(ui, "Rename", "F2") {
         *renaming = Some((Item::Node(name.to_owned()), name.to_owned()));
     }
-    for (label, keys, mode) in
-        [("Mute", "M", NodeMode::Muted), ("Bypass", "B", NodeMode::Bypassed)]
+    for (label, keys, mode) in [("Mute", "M", NodeMode::Muted), ("Bypass", "B", NodeMode::Bypassed)]
     {
         if item(ui, label, keys) {
             let mode = toggled(scene, &nodes, mode);
@@ -212,9 +211,7 @@ impl Canvas {
             return;
         }
         let edit = match item {
-            Item::Node(node) if node != text && !text.is_empty() => {
-                Edit::Rename { node, to: text }
-            }
+            Item::Node(node) if node != text && !text.is_empty() => Edit::Rename { node, to: text },
             Item::Node(_) => return,
             item => Edit::SetText { item, text },
         };

@@ -19,9 +19,9 @@ use eframe::egui::{self, Color32, Id, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetT
 use mve_core::{Link, NodeMode, PortRef, Registry};
 
 pub use camera::Camera;
-pub use keys::{SHORTCUTS, Shortcut};
 use camera::View;
 use gesture::{End, Gesture};
+pub use keys::{SHORTCUTS, Shortcut};
 pub use paint::status_color;
 use paint::{Brush, Look, Palette, ROWS_FROM, distance_to_wire};
 use search::Search;
@@ -226,13 +226,7 @@ impl Canvas {
     }
 
     /// Draws the wires; the one below the pointer, if there is one.
-    fn wires(
-        &self,
-        ui: &Ui,
-        brush: &Brush,
-        back: &egui::Response,
-        scene: &Scene,
-    ) -> Option<Link> {
+    fn wires(&self, ui: &Ui, brush: &Brush, back: &egui::Response, scene: &Scene) -> Option<Link> {
         let pointer = back.hover_pos().filter(|_| matches!(self.gesture, Gesture::Idle));
         let zoom = brush.view.camera.zoom;
         let mut hovered: Option<(f32, &Link)> = None;
@@ -247,7 +241,9 @@ impl Canvas {
             for (name, reroute) in &scene.document.extras().reroutes {
                 if reroute.link == *link {
                     let at = Pos2::new(reroute.at[0] as f32, reroute.at[1] as f32);
-                    points.push(brush.view.to_screen(at + self.gesture.shift(&Item::Reroute(name.clone()))));
+                    points.push(
+                        brush.view.to_screen(at + self.gesture.shift(&Item::Reroute(name.clone()))),
+                    );
                 }
             }
             points.push(self.moved(&link.to.node, to, brush));
@@ -255,7 +251,8 @@ impl Canvas {
                 continue;
             }
             if let Some(pointer) = pointer {
-                let near = points.windows(2).map(|ends| distance_to_wire(ends[0], ends[1], zoom, pointer));
+                let near =
+                    points.windows(2).map(|ends| distance_to_wire(ends[0], ends[1], zoom, pointer));
                 let distance = near.fold(f32::INFINITY, f32::min);
                 if distance < 7.0 && hovered.is_none_or(|(best, _)| distance < best) {
                     hovered = Some((distance, link));
@@ -393,14 +390,21 @@ impl Canvas {
             actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
         }
         if response.hovered() {
-            let how = if row.is_linked { "It takes its value from a link." } else { "Click to change it." };
+            let how = if row.is_linked {
+                "It takes its value from a link."
+            } else {
+                "Click to change it."
+            };
             response.clone().on_hover_text(format!("{}\n{how}", row.spec.doc));
         }
         response.context_menu(|ui| {
             if ui.button("Vary in the program").clicked() {
                 actions.push(Action::Vary(node.to_owned(), path.to_owned()));
             }
-            if row.is_set && row.spec.default_setting().is_some() && ui.button("Back to the default").clicked() {
+            if row.is_set
+                && row.spec.default_setting().is_some()
+                && ui.button("Back to the default").clicked()
+            {
                 let event = FormEvent::Set { path: path.to_owned(), value: None };
                 actions.push(Action::Form(node.to_owned(), event));
             }
@@ -496,7 +500,8 @@ fn seconds_of(scene: &Scene, node: &str) -> Option<f64> {
 
 /// The mode that a key switches some nodes to: off if all of them have it, else on.
 fn toggled(scene: &Scene, nodes: &[String], mode: NodeMode) -> NodeMode {
-    let has = |name: &String| scene.document.map().nodes.get(name).is_some_and(|node| node.mode == mode);
+    let has =
+        |name: &String| scene.document.map().nodes.get(name).is_some_and(|node| node.mode == mode);
     if nodes.iter().all(has) { NodeMode::Active } else { mode }
 }
 

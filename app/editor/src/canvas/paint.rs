@@ -147,7 +147,12 @@ impl Brush<'_> {
     pub fn wire(&self, from: Pos2, to: Pos2, color: Color32, width: f32) {
         let points = bend(from, to, self.zoom());
         let stroke = Stroke::new((width * self.zoom()).clamp(1.0, 6.0), color);
-        self.painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));
+        self.painter.add(CubicBezierShape::from_points_stroke(
+            points,
+            false,
+            Color32::TRANSPARENT,
+            stroke,
+        ));
     }
 
     /// Draws a node.
@@ -224,7 +229,11 @@ impl Brush<'_> {
         };
         let at = dot + Vec2::new(9.0 * self.zoom(), 0.0);
         let width = shape.size.x - 28.0;
-        let ink = if matches!(look.status, Status::Failed(_) | Status::Refused(_)) { color } else { self.palette.faint };
+        let ink = if matches!(look.status, Status::Failed(_) | Status::Refused(_)) {
+            color
+        } else {
+            self.palette.faint
+        };
         self.line(at, Align2::LEFT_CENTER, &label, 10.0, width, ink);
     }
 
@@ -276,7 +285,14 @@ impl Brush<'_> {
                     false => (Align2::RIGHT_CENTER, -11.0),
                 };
                 let name = port.at.port.replace('_', " ");
-                self.line(at + Vec2::new(by * zoom, 0.0), align, &name, 11.0, 92.0, self.palette.text);
+                self.line(
+                    at + Vec2::new(by * zoom, 0.0),
+                    align,
+                    &name,
+                    11.0,
+                    92.0,
+                    self.palette.text,
+                );
             }
         }
     }
@@ -305,7 +321,8 @@ impl Brush<'_> {
             return;
         }
         let width = screen.width() - 16.0 * self.zoom();
-        let galley = self.painter.layout(note.text.clone(), self.font(12.0), self.palette.text, width);
+        let galley =
+            self.painter.layout(note.text.clone(), self.font(12.0), self.palette.text, width);
         let inside = self.painter.with_clip_rect(screen.intersect(self.painter.clip_rect()));
         inside.galley(screen.min + Vec2::splat(8.0 * self.zoom()), galley, self.palette.text);
     }
@@ -314,7 +331,8 @@ impl Brush<'_> {
 /// The four points of a wire's curve.
 pub fn bend(from: Pos2, to: Pos2, zoom: f32) -> [Pos2; 4] {
     let across = (to.x - from.x).abs() * 0.5;
-    let reach = across.clamp(24.0 * zoom, 160.0 * zoom).max((to.y - from.y).abs().min(60.0 * zoom) * 0.5);
+    let reach =
+        across.clamp(24.0 * zoom, 160.0 * zoom).max((to.y - from.y).abs().min(60.0 * zoom) * 0.5);
     [from, from + Vec2::new(reach, 0.0), to - Vec2::new(reach, 0.0), to]
 }
 

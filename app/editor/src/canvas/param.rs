@@ -28,20 +28,23 @@ impl OpenParam {
             return true;
         };
         let id = format!("open/{}/{}", self.node, self.param);
-        let area = Area::new(Id::new(&id)).order(Order::Foreground).fixed_pos(self.field.left_bottom());
+        let area =
+            Area::new(Id::new(&id)).order(Order::Foreground).fixed_pos(self.field.left_bottom());
         let shown = area.constrain(true).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(360.0);
                 let form = Form { id: &id, given: &node.params, link_of: &|_| None };
                 let events = form.show(ui, std::slice::from_ref(spec));
-                actions.extend(events.into_iter().map(|event| Action::Form(self.node.clone(), event)));
+                actions
+                    .extend(events.into_iter().map(|event| Action::Form(self.node.clone(), event)));
                 ui.label(egui::RichText::new(spec.doc).weak().small());
             });
         });
         let is_new = std::mem::take(&mut self.is_new);
         let (escape, enter) =
             ui.input(|input| (input.key_pressed(Key::Escape), input.key_pressed(Key::Enter)));
-        let is_elsewhere = shown.response.clicked_elsewhere() && !egui::Popup::is_any_open(ui.ctx());
+        let is_elsewhere =
+            shown.response.clicked_elsewhere() && !egui::Popup::is_any_open(ui.ctx());
         !is_new && (escape || enter || is_elsewhere)
     }
 }

@@ -33,7 +33,8 @@ pub struct Checked {
 
 /// Checks a map. Where some nodes have problems, the plan is of those that do not need them.
 pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option<Plan>) {
-    let mut map = Map { programs: IndexMap::new(), ..(*subject.map).clone() };
+    let mut map = (*subject.map).clone();
+    map.programs.clear();
     restrict(&mut map, &part, shared);
     let options = PlanOptions {
         map_folder: &subject.folder,
@@ -113,9 +114,8 @@ fn restrict(map: &mut Map, part: &Part, shared: &Shared) {
             keep_nodes(map, |name| needed.contains(name));
         }
         Part::Quiet => {
-            let writes = |id: &str| {
-                shared.registry.find(id).is_some_and(|info| info.module.writes_files())
-            };
+            let writes =
+                |id: &str| shared.registry.find(id).is_some_and(|info| info.module.writes_files());
             let writers: HashSet<String> = map
                 .nodes
                 .iter()

@@ -54,7 +54,8 @@ fn a_change_makes_old_what_hangs_on_it_and_undoing_it_makes_it_new_again() {
     let mut runner = Runner::new(&shared());
     runner.run(subject(MAP, 1), Part::All);
     wait(&mut runner, |runner| !runner.is_running());
-    let changed = MAP.replace(r#""module": "Box""#, r#""module": "Box", "params": { "faces": 48 }"#);
+    let changed =
+        MAP.replace(r#""module": "Box""#, r#""module": "Box", "params": { "faces": 48 }"#);
     runner.check(subject(&changed, 2));
     wait(&mut runner, |runner| runner.checked().revision == 2);
     assert!(matches!(runner.status("box"), Status::Dirty | Status::Refused(_)));
