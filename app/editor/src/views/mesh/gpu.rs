@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use eframe::egui::{self, TextureId};
+use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 
@@ -392,11 +392,6 @@ impl Target {
     /// What the window knows the picture by.
     pub fn id(&self) -> TextureId {
         self.shown.id
-    }
-
-    /// Width and height in pixels.
-    pub fn size(&self) -> egui::Vec2 {
-        egui::vec2(self.size[0] as f32, self.size[1] as f32)
     }
 
     fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {

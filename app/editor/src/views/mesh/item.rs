@@ -31,8 +31,6 @@ pub struct Prepared {
     pub arrays: Arc<Arrays>,
     /// The numbers that color it, when numbers do.
     pub values: Option<Arc<Values>>,
-    /// How those are spaced.
-    pub spacing: Spacing,
     surface: Arc<SurfaceBuffers>,
     reading: Reading,
     attribute: wgpu::Buffer,
@@ -246,7 +244,6 @@ fn prepare(
     let buffer = attribute_buffer(device, &made, drawn.positions.len());
     Ok(Prepared {
         values: made.values,
-        spacing: wanted.spacing,
         surface,
         reading: made.reading,
         attribute: buffer.map_err(|_| Undrawable::TooLarge)?,

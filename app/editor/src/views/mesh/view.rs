@@ -470,9 +470,7 @@ impl MeshView {
         let ray = self.camera.ray(screen.normalized(place), screen.aspect(), bounds);
         let item = &self.items[item];
         let Some(hit) = self.hover.at(ui, &item.mesh, ray) else { return };
-        let values = values_of(item);
-        let spacing = self.settings.scale.spacing;
-        let text = describe(&item.mesh, &hit, values.as_ref().map(|values| (values, spacing)));
+        let text = describe(&item.mesh, &hit, values_of(item).as_deref());
         responses[at].show_tooltip_text(text);
     }
 
