@@ -114,7 +114,7 @@ impl Gpu {
         }
     }
 
-    /// The device, for uploads on other threads.
+    /// The device, for uploads.
     pub fn device(&self) -> &wgpu::Device {
         &self.state.device
     }

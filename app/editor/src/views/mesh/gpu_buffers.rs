@@ -1,4 +1,4 @@
-//! The arrays of meshes on the GPU, uploaded once from any thread.
+//! The arrays of meshes on the GPU, uploaded once.
 
 use eframe::wgpu;
 
@@ -50,7 +50,7 @@ fn buffer(
 }
 
 impl SurfaceBuffers {
-    /// Uploads; may run on any thread.
+    /// Uploads.
     ///
     /// # Errors
     /// When an array is larger than the GPU takes.
@@ -89,7 +89,7 @@ pub fn attribute_buffer(
 }
 
 impl LineBuffers {
-    /// Uploads; may run on any thread.
+    /// Uploads.
     ///
     /// # Errors
     /// When there are more edges than the GPU takes.
