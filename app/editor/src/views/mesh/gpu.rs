@@ -60,6 +60,8 @@ pub struct Drawing<'a> {
     pub picture: &'a Texture,
     /// Whether faces that are seen from behind are left out.
     pub is_culled: bool,
+    /// Whether a rough version does, where there is one; it has no lines.
+    pub is_rough: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -263,9 +265,12 @@ impl Gpu {
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
                 pass.set_vertex_buffer(1, mesh.normals.slice(..));
                 pass.set_vertex_buffer(2, attribute.slice(..));
-                pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..mesh.n_indices, 0, 0..1);
-                if let Some((edges, which)) = drawing.lines {
+                let rough = mesh.coarse.as_ref().filter(|_| drawing.is_rough);
+                let whole = (&mesh.indices, mesh.n_indices);
+                let (indices, n) = rough.map_or(whole, |(indices, n)| (indices, *n));
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..n, 0, 0..1);
+                if let (Some((edges, which)), None) = (drawing.lines, rough) {
                     pass.set_pipeline(&line);
                     pass.set_index_buffer(edges.indices.slice(..), wgpu::IndexFormat::Uint32);
                     if which.has_wire {

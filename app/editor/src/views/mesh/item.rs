@@ -8,9 +8,10 @@ use mve_modules::data::TriMesh;
 use mve_modules::geometry::color_map::Outside;
 
 use super::arrays::{Arrays, Shading, Sharing, arrays};
+use super::coarse::coarse_indices;
 use super::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
 use super::edges::{Edges, edges};
-use super::gpu::{Drawing, Gpu, Lines, Target, Texture, Uniforms};
+use super::gpu::{Drawing, FINE, Gpu, Lines, Target, Texture, Uniforms};
 use super::gpu_buffers::{LineBuffers, SurfaceBuffers, attribute_buffer};
 use super::settings::{BackFaces, Settings};
 use crate::views::camera::{Bounds, Camera, Projection};
@@ -51,7 +52,16 @@ type Preparation = Result<Prepared, Undrawable>;
 /// use the GPU, and give up when that takes long.
 struct Made {
     arrays: Arc<Arrays>,
+    /// Faces of a rough version.
+    coarse: Arc<Vec<u32>>,
     attribute: Attribute,
+}
+
+impl Made {
+    /// What does not depend on colors.
+    fn arrays(&self) -> (Arc<Arrays>, Arc<Vec<u32>>) {
+        (Arc::clone(&self.arrays), Arc::clone(&self.coarse))
+    }
 }
 
 /// The colors that a picture uses; the numbers change with the content.
@@ -141,13 +151,17 @@ impl Item {
         };
         let latest = self.made.latest_with_key().filter(|(key, _)| same_arrays(key));
         let known = latest.and_then(|(_, made)| made.as_ref().as_ref());
-        let job = (Arc::clone(&self.mesh), wanted.clone(), known.map(|m| Arc::clone(&m.arrays)));
+        let job = (Arc::clone(&self.mesh), wanted.clone(), known.map(Made::arrays));
         self.made.want(context, wanted, move || {
             let (mesh, wanted, known) = job;
-            let make = || arrays(&mesh, wanted.crease_angle_rad, wanted.sharing).map(Arc::new);
-            let arrays = known.or_else(make)?;
+            let make = || {
+                let arrays = arrays(&mesh, wanted.crease_angle_rad, wanted.sharing)?;
+                let coarse = Arc::new(coarse_indices(&arrays));
+                Some((Arc::new(arrays), coarse))
+            };
+            let (arrays, coarse) = known.or_else(make)?;
             let attribute = attribute(&mesh, &arrays, &wanted.source, wanted.spacing);
-            Some(Made { arrays, attribute })
+            Some(Made { arrays, coarse, attribute })
         });
         self.upload(device);
         let Some(arrays) = self.arrays() else { return };
@@ -245,6 +259,7 @@ impl Item {
                 table: colors.table.0,
                 picture: picture.0,
                 is_culled,
+                is_rough: frame.samples < FINE,
             };
             gpu.draw(&mut self.target, frame.size, frame.samples, &drawing);
             self.drawn = Some(drawn);
@@ -260,7 +275,7 @@ fn prepare(device: &wgpu::Device, made: &Made, known: Option<&Prepared>) -> Prep
     let surface = match known {
         Some(known) => Arc::clone(&known.surface),
         None => {
-            let surface = SurfaceBuffers::new(device, &made.arrays);
+            let surface = SurfaceBuffers::new(device, &made.arrays, &made.coarse);
             Arc::new(surface.map_err(|_| Undrawable::TooLarge)?)
         }
     };
