@@ -163,16 +163,28 @@ fn without_window(viewer: Viewer, pinned: Vec<Pinned>, order: &Order) -> Result<
         harness.step();
     }
     if order.is_timed {
+        let frame = Instant::now();
+        harness.state_mut().meshes.camera.yaw_rad += 0.05;
+        harness.step();
+        harness.render()?;
+        println!("a frame after a move: {:.1?}", frame.elapsed());
         let mut times = Vec::new();
-        for _ in 0..20 {
-            harness.state_mut().meshes.camera.yaw_rad += 0.05;
+        harness.drag_at(egui::pos2(500.0, 400.0));
+        harness.step();
+        for step in 0..10 {
             let frame = Instant::now();
+            harness.hover_at(egui::pos2(510.0 + 10.0 * step as f32, 400.0));
             harness.step();
             harness.render()?;
             times.push(frame.elapsed());
         }
+        harness.drop_at(egui::pos2(610.0, 400.0));
         times.sort();
-        println!("a frame with a moved camera: median {:.1?}, worst {:.1?}", times[10], times[19]);
+        println!("a frame while dragging: median {:.1?}, worst {:.1?}", times[5], times[9]);
+        for _ in 0..30 {
+            harness.step();
+        }
+        harness.render()?;
         let frame = Instant::now();
         harness.step();
         harness.render()?;

@@ -72,7 +72,7 @@ mod tests {
             }
         };
         assert!(matches!(wait(&task), Progress::Done(7)));
-        assert!(matches!(task.poll(), Progress::Lost));
+        assert!(matches!(wait(&task), Progress::Lost));
         let task = Task::spawn(&context, || std::panic::panic_any("expected in this test"));
         assert!(matches!(wait(&task), Progress::Lost));
     }

@@ -72,8 +72,9 @@ impl FieldView {
         self.statistics.is_busy()
     }
 
-    /// Shows a field.
-    pub fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>) {
+    /// Shows a field in about so many points of height.
+    pub fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>, height: f32) {
+        let top = ui.cursor().top();
         let job = Arc::clone(field);
         let key = Same(Arc::clone(field));
         self.statistics.want(ui.ctx(), key, move || Statistics::of(&job.values));
@@ -93,7 +94,7 @@ impl FieldView {
         let plot = Plot::new(("field histogram", title))
             .x_axis_label(format!("{}{unit}", field.name))
             .y_axis_label(elements)
-            .height(ui.available_height().clamp(80.0, 400.0));
+            .height((height - (ui.cursor().top() - top)).clamp(80.0, 400.0));
         plot.show(ui, |plot| plot.bar_chart(statistics.spread.chart(&field.name)));
     }
 }

@@ -44,16 +44,19 @@ pub fn table_of(inputs: &[MeasuresInput]) -> Table {
     Table { columns, rows: names.iter().map(row).collect() }
 }
 
+/// What a table was made of.
+type Origin = Vec<(String, Same<Measures>)>;
+
 /// The table of the last inputs, made anew when they change.
 #[derive(Default)]
 pub struct MeasuresTable {
-    made: Option<(Vec<(String, Same<Measures>)>, Arc<Table>)>,
+    made: Option<(Origin, Arc<Table>)>,
 }
 
 impl MeasuresTable {
     /// The table of some inputs.
     pub fn of(&mut self, inputs: &[MeasuresInput]) -> Arc<Table> {
-        let key: Vec<_> = inputs
+        let key: Origin = inputs
             .iter()
             .map(|input| (input.title.clone(), Same(Arc::clone(&input.measures))))
             .collect();

@@ -276,6 +276,8 @@ impl Viewer {
                 unpinned = Some(*at);
             }
         }
+        let n_parts = sorted.fields.len() + usize::from(!sorted.measures.is_empty());
+        let height = ui.available_height() / n_parts.max(1) as f32 - 30.0;
         self.fields.retain(|(title, _)| sorted.fields.iter().any(|(_, f)| f.title == *title));
         for (at, pinned) in &sorted.fields {
             if values::heading(ui, &pinned.title) {
@@ -286,7 +288,7 @@ impl Viewer {
                 self.fields.push((pinned.title.clone(), FieldView::default()));
                 self.fields.len() - 1
             });
-            self.fields[known].1.show(ui, &pinned.title, &pinned.field);
+            self.fields[known].1.show(ui, &pinned.title, &pinned.field, height);
         }
         if !sorted.measures.is_empty() {
             for (at, input) in &sorted.measures {

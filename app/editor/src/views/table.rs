@@ -158,12 +158,15 @@ fn compare_texts(a: &str, b: &str) -> Ordering {
     }
 }
 
+/// The column that rows are sorted by; `None` leaves them as they are.
+type Sort = Option<(usize, Direction)>;
+
 /// The state of one table on the screen.
 #[derive(Default)]
 pub struct TableView {
-    sort: Option<(usize, Direction)>,
+    sort: Sort,
     /// Order of rows and widths of columns, for the table that they were made for.
-    arranged: Option<(Arc<Table>, Option<(usize, Direction)>, Arrangement)>,
+    arranged: Option<(Arc<Table>, Sort, Arrangement)>,
     plot: TablePlot,
 }
 

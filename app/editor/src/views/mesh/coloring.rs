@@ -158,6 +158,8 @@ pub struct Values {
     pub values: Vec<f64>,
     /// Lowest and highest finite value; 0 and 1 without one.
     pub extent: [f64; 2],
+    /// Whether they are logarithms.
+    pub spacing: Spacing,
 }
 
 /// How the eight bytes of a drawn vertex are to be read.
@@ -292,7 +294,7 @@ fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) 
         _ => return None,
     };
     let extent = extent_of(&values);
-    Some(Values { name, unit, domain, values, extent })
+    Some(Values { name, unit, domain, values, extent, spacing })
 }
 
 /// Lowest and highest finite value; 0 and 1 without one.

@@ -125,7 +125,8 @@ fn a_range_upside_down_falls_back_to_the_data() {
     let values = vec![2.0, 3.0];
     let (name, unit) = (String::new(), String::new());
     let extent = extent_of(&values);
-    let values = Values { name, unit, domain: Domain::Vertex, values, extent };
+    let (domain, spacing) = (Domain::Vertex, Spacing::Linear);
+    let values = Values { name, unit, domain, values, extent, spacing };
     assert_eq!(settings.range([&values]), [2.0, 3.0]);
     assert_eq!(settings.range([]), [0.0, 1.0]);
 }

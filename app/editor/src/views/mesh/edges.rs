@@ -16,13 +16,6 @@ pub struct Edges {
     pub n_non_manifold: usize,
 }
 
-impl Edges {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.indices.len() / 2
-    }
-}
-
 /// Finds the edges, O(n log n) in faces.
 pub fn edges(mesh: &TriMesh, drawn: &Arrays) -> Edges {
     // The two vertices, the lower first, as one number; and the place of the corner it goes from.
@@ -74,14 +67,14 @@ mod tests {
         let closed = Arc::new(tetrahedron());
         for sharing in [Sharing::Wedges, Sharing::Corners] {
             let found = edges(&closed, &arrays(&closed, 1.0, sharing).unwrap());
-            assert_eq!((found.len(), found.n_border, found.n_non_manifold), (6, 0, 0));
+            assert_eq!((found.indices.len() / 2, found.n_border, found.n_non_manifold), (6, 0, 0));
         }
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
         let fan = mesh_of(&points, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 2, 2]]);
         let fan = Arc::new(fan);
         let drawn = arrays(&fan, 4.0, Sharing::Wedges).unwrap();
         let found = edges(&fan, &drawn);
-        assert_eq!((found.len(), found.n_border, found.n_non_manifold), (7, 6, 1));
+        assert_eq!((found.indices.len() / 2, found.n_border, found.n_non_manifold), (7, 6, 1));
         let last: Vec<usize> = found.indices[12..]
             .iter()
             .map(|&at| {

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use eframe::egui::{self, TextureId};
+use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 
@@ -60,6 +60,8 @@ pub struct Drawing<'a> {
     pub picture: &'a Texture,
     /// Whether faces that are seen from behind are left out.
     pub is_culled: bool,
+    /// Whether a rough version does, where there is one; it has no lines.
+    pub is_rough: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -114,7 +116,7 @@ impl Gpu {
         }
     }
 
-    /// The device, for uploads on other threads.
+    /// The device, for uploads.
     pub fn device(&self) -> &wgpu::Device {
         &self.state.device
     }
@@ -263,9 +265,12 @@ impl Gpu {
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
                 pass.set_vertex_buffer(1, mesh.normals.slice(..));
                 pass.set_vertex_buffer(2, attribute.slice(..));
-                pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..mesh.n_indices, 0, 0..1);
-                if let Some((edges, which)) = drawing.lines {
+                let rough = mesh.coarse.as_ref().filter(|_| drawing.is_rough);
+                let whole = (&mesh.indices, mesh.n_indices);
+                let (indices, n) = rough.map_or(whole, |(indices, n)| (indices, *n));
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..n, 0, 0..1);
+                if let (Some((edges, which)), None) = (drawing.lines, rough) {
                     pass.set_pipeline(&line);
                     pass.set_index_buffer(edges.indices.slice(..), wgpu::IndexFormat::Uint32);
                     if which.has_wire {
@@ -392,11 +397,6 @@ impl Target {
     /// What the window knows the picture by.
     pub fn id(&self) -> TextureId {
         self.shown.id
-    }
-
-    /// Width and height in pixels.
-    pub fn size(&self) -> egui::Vec2 {
-        egui::vec2(self.size[0] as f32, self.size[1] as f32)
     }
 
     fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {

@@ -1,4 +1,4 @@
-//! The arrays of meshes on the GPU, uploaded once from any thread.
+//! The arrays of meshes on the GPU, uploaded once.
 
 use eframe::wgpu;
 
@@ -13,6 +13,9 @@ pub struct SurfaceBuffers {
     pub(super) normals: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     pub(super) n_indices: u32,
+    /// Faces of a rough version, and how many indices they have; `None` for a surface that is
+    /// always drawn as it is.
+    pub(super) coarse: Option<(wgpu::Buffer, u32)>,
 }
 
 /// The edges of a mesh on the GPU.
@@ -50,17 +53,22 @@ fn buffer(
 }
 
 impl SurfaceBuffers {
-    /// Uploads; may run on any thread.
+    /// Uploads.
     ///
     /// # Errors
     /// When an array is larger than the GPU takes.
-    pub fn new(device: &wgpu::Device, arrays: &Arrays) -> Result<Self, TooLarge> {
+    pub fn new(device: &wgpu::Device, arrays: &Arrays, coarse: &[u32]) -> Result<Self, TooLarge> {
+        let with_coarse = !coarse.is_empty();
         let vertex = |bytes| buffer(device, bytes, wgpu::BufferUsages::VERTEX);
         Ok(Self {
             positions: vertex(bytemuck::cast_slice(&arrays.positions))?,
             normals: vertex(bytemuck::cast_slice(&arrays.normals))?,
             indices: index_buffer(device, &arrays.indices)?,
             n_indices: arrays.indices.len() as u32,
+            coarse: match with_coarse {
+                true => Some((index_buffer(device, coarse)?, coarse.len() as u32)),
+                false => None,
+            },
         })
     }
 }
@@ -89,7 +97,7 @@ pub fn attribute_buffer(
 }
 
 impl LineBuffers {
-    /// Uploads; may run on any thread.
+    /// Uploads.
     ///
     /// # Errors
     /// When there are more edges than the GPU takes.

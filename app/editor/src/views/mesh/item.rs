@@ -8,9 +8,10 @@ use mve_modules::data::TriMesh;
 use mve_modules::geometry::color_map::Outside;
 
 use super::arrays::{Arrays, Shading, Sharing, arrays};
-use super::coloring::{Reading, Source, Spacing, Values, attribute};
-use super::edges::edges;
-use super::gpu::{Drawing, Gpu, Lines, Target, Texture, Uniforms};
+use super::coarse::coarse_indices;
+use super::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
+use super::edges::{Edges, edges};
+use super::gpu::{Drawing, FINE, Gpu, Lines, Target, Texture, Uniforms};
 use super::gpu_buffers::{LineBuffers, SurfaceBuffers, attribute_buffer};
 use super::settings::{BackFaces, Settings};
 use crate::views::camera::{Bounds, Camera, Projection};
@@ -31,8 +32,6 @@ pub struct Prepared {
     pub arrays: Arc<Arrays>,
     /// The numbers that color it, when numbers do.
     pub values: Option<Arc<Values>>,
-    /// How those are spaced.
-    pub spacing: Spacing,
     surface: Arc<SurfaceBuffers>,
     reading: Reading,
     attribute: wgpu::Buffer,
@@ -49,14 +48,20 @@ pub enum Undrawable {
 
 type Preparation = Result<Prepared, Undrawable>;
 
-/// The edges of a mesh, counted and on the GPU.
-pub struct PreparedEdges {
-    /// Edges of one face.
-    pub n_border: usize,
-    /// Edges of more than two.
-    pub n_non_manifold: usize,
-    /// `None` when they are more than the GPU takes.
-    buffers: Option<LineBuffers>,
+/// What is computed in the background. The upload is not: some drivers let one thread at a time
+/// use the GPU, and give up when that takes long.
+struct Made {
+    arrays: Arc<Arrays>,
+    /// Faces of a rough version.
+    coarse: Arc<Vec<u32>>,
+    attribute: Attribute,
+}
+
+impl Made {
+    /// What does not depend on colors.
+    fn arrays(&self) -> (Arc<Arrays>, Arc<Vec<u32>>) {
+        (Arc::clone(&self.arrays), Arc::clone(&self.coarse))
+    }
 }
 
 /// The colors that a picture uses; the numbers change with the content.
@@ -88,7 +93,7 @@ pub struct Frame<'a> {
 struct Drawn {
     uniforms: Uniforms,
     prepared: Same<Preparation>,
-    lines: Option<(Same<PreparedEdges>, Lines)>,
+    lines: Option<(Same<Edges>, Lines)>,
     colors: [u64; 2],
     size: [u32; 2],
     samples: u32,
@@ -99,8 +104,13 @@ struct Drawn {
 pub struct Item {
     /// The mesh.
     pub mesh: Arc<TriMesh>,
-    prepared: Slot<Wanted, Preparation>,
-    edges: Slot<Same<Arrays>, PreparedEdges>,
+    /// `None` for a mesh without a face that can be drawn.
+    made: Slot<Wanted, Option<Made>>,
+    /// What was uploaded, and of what.
+    prepared: Option<(Same<Option<Made>>, Arc<Preparation>)>,
+    edges: Slot<Same<Arrays>, Edges>,
+    /// `None` when they are more than the GPU takes.
+    lines: Option<(Same<Edges>, Option<LineBuffers>)>,
     target: Option<Target>,
     drawn: Option<Drawn>,
     /// How often it was drawn.
@@ -110,11 +120,19 @@ pub struct Item {
 impl Item {
     /// A mesh of which nothing is prepared.
     pub fn new(mesh: Arc<TriMesh>) -> Self {
-        let (prepared, edges) = (Slot::default(), Slot::default());
-        Self { mesh, prepared, edges, target: None, drawn: None, n_drawn: 0 }
+        Self {
+            mesh,
+            made: Slot::default(),
+            prepared: None,
+            edges: Slot::default(),
+            lines: None,
+            target: None,
+            drawn: None,
+            n_drawn: 0,
+        }
     }
 
-    /// Sees to it that what is wanted is prepared, in the background.
+    /// Sees to it that what is wanted is made, in the background, and uploads what has been made.
     pub fn prepare(
         &mut self,
         context: &egui::Context,
@@ -131,35 +149,55 @@ impl Item {
         let same_arrays = |known: &Wanted| {
             (known.crease_angle_rad, known.sharing) == (wanted.crease_angle_rad, wanted.sharing)
         };
-        let latest = self.prepared.latest_with_key().filter(|(key, _)| same_arrays(key));
-        let known = latest.map(|(_, made)| Arc::clone(made));
-        let job = (Arc::clone(&self.mesh), device.clone(), wanted.clone());
-        self.prepared.want(context, wanted, move || {
-            let (mesh, device, wanted) = job;
-            let known = known.as_deref().and_then(|known| known.as_ref().ok());
-            prepare(&mesh, &device, &wanted, known)
+        let latest = self.made.latest_with_key().filter(|(key, _)| same_arrays(key));
+        let known = latest.and_then(|(_, made)| made.as_ref().as_ref());
+        let job = (Arc::clone(&self.mesh), wanted.clone(), known.map(Made::arrays));
+        self.made.want(context, wanted, move || {
+            let (mesh, wanted, known) = job;
+            let make = || {
+                let arrays = arrays(&mesh, wanted.crease_angle_rad, wanted.sharing)?;
+                let coarse = Arc::new(coarse_indices(&arrays));
+                Some((Arc::new(arrays), coarse))
+            };
+            let (arrays, coarse) = known.or_else(make)?;
+            let attribute = attribute(&mesh, &arrays, &wanted.source, wanted.spacing);
+            Some(Made { arrays, coarse, attribute })
         });
+        self.upload(device);
         let Some(arrays) = self.arrays() else { return };
-        let job = (Arc::clone(&self.mesh), device.clone(), Arc::clone(&arrays));
-        self.edges.want(context, Same(arrays), move || {
-            let (mesh, device, arrays) = job;
-            let edges = edges(&mesh, &arrays);
-            let buffers = LineBuffers::new(&device, &edges).ok();
-            PreparedEdges {
-                n_border: edges.n_border,
-                n_non_manifold: edges.n_non_manifold,
-                buffers,
-            }
-        });
+        let job = (Arc::clone(&self.mesh), Arc::clone(&arrays));
+        self.edges.want(context, Same(arrays), move || edges(&job.0, &job.1));
+        if let Some(edges) = self.edges.latest().map(Same)
+            && self.lines.as_ref().is_none_or(|(known, _)| *known != edges)
+            && settings.lines != Lines::default()
+        {
+            let buffers = LineBuffers::new(device, &edges.0).ok();
+            self.lines = Some((edges, buffers));
+        }
+    }
+
+    /// Uploads what has been made since the last time.
+    fn upload(&mut self, device: &wgpu::Device) {
+        let Some(made) = self.made.latest().map(Same) else { return };
+        if self.prepared.as_ref().is_some_and(|(known, _)| *known == made) {
+            return;
+        }
+        let known = self.prepared.take().map(|(_, known)| known);
+        let known = known.as_deref().and_then(|known| known.as_ref().ok());
+        let preparation = match made.0.as_ref() {
+            Some(made) => prepare(device, made, known),
+            None => Err(Undrawable::Empty),
+        };
+        self.prepared = Some((made, Arc::new(preparation)));
     }
 
     /// What is on the GPU: `None` while there is nothing yet, or after a loss.
     pub fn prepared(&self) -> Option<Arc<Preparation>> {
-        self.prepared.latest()
+        self.prepared.as_ref().map(|(_, prepared)| Arc::clone(prepared))
     }
 
     fn arrays(&self) -> Option<Arc<Arrays>> {
-        let prepared = self.prepared.latest()?;
+        let (_, prepared) = self.prepared.as_ref()?;
         prepared.as_ref().as_ref().ok().map(|prepared| Arc::clone(&prepared.arrays))
     }
 
@@ -169,18 +207,18 @@ impl Item {
     }
 
     /// The edges, once they are known.
-    pub fn edges(&self) -> Option<Arc<PreparedEdges>> {
+    pub fn edges(&self) -> Option<Arc<Edges>> {
         self.edges.latest()
     }
 
     /// Whether something is in the making.
     pub fn is_busy(&self) -> bool {
-        self.prepared.is_busy() || self.edges.is_busy()
+        self.made.is_busy() || self.edges.is_busy()
     }
 
     /// Whether the making failed in a way that nobody foresaw.
     pub fn is_lost(&self) -> bool {
-        self.prepared.is_lost()
+        self.made.is_lost()
     }
 
     /// The picture, drawn anew if anything that it shows has changed.
@@ -191,26 +229,29 @@ impl Item {
         colors: &Colors,
         frame: &Frame,
     ) -> Option<&Target> {
-        let shared = self.prepared.latest()?;
+        let shared = self.prepared()?;
         let prepared = shared.as_ref().as_ref().ok()?;
         let uniforms = uniforms(prepared, settings, colors, frame);
-        let edges = self.edges.latest_with_key().filter(|(key, _)| {
-            settings.lines != Lines::default() && Arc::ptr_eq(&key.0, &prepared.arrays)
+        // Lines of earlier arrays do not fit.
+        let fitting = self.edges.latest_with_key();
+        let fitting = fitting.filter(|(key, _)| Arc::ptr_eq(&key.0, &prepared.arrays));
+        let lines = self.lines.as_ref().filter(|(known, _)| {
+            let is_latest = fitting.is_some_and(|(_, edges)| Arc::ptr_eq(edges, &known.0));
+            is_latest && settings.lines != Lines::default()
         });
-        let edges = edges.map(|(_, edges)| Arc::clone(edges));
         let is_culled = settings.back_faces == BackFaces::Hidden;
         let picture = colors.picture.unwrap_or(colors.table);
         let drawn = Drawn {
             uniforms,
             prepared: Same(Arc::clone(&shared)),
-            lines: edges.clone().map(|edges| (Same(edges), settings.lines)),
+            lines: lines.map(|(edges, _)| (edges.clone(), settings.lines)),
             colors: [colors.table.1, picture.1],
             size: frame.size,
             samples: frame.samples,
             is_culled,
         };
         if self.drawn.as_ref() != Some(&drawn) {
-            let lines = edges.as_deref().and_then(|edges| edges.buffers.as_ref());
+            let lines = lines.and_then(|(_, buffers)| buffers.as_ref());
             let drawing = Drawing {
                 uniforms,
                 surface: Some((&prepared.surface, &prepared.attribute)),
@@ -218,6 +259,7 @@ impl Item {
                 table: colors.table.0,
                 picture: picture.0,
                 is_culled,
+                is_rough: frame.samples < FINE,
             };
             gpu.draw(&mut self.target, frame.size, frame.samples, &drawing);
             self.drawn = Some(drawn);
@@ -227,37 +269,30 @@ impl Item {
     }
 }
 
-fn prepare(
-    mesh: &Arc<TriMesh>,
-    device: &wgpu::Device,
-    wanted: &Wanted,
-    known: Option<&Prepared>,
-) -> Preparation {
-    let (drawn, surface) = match known {
-        Some(known) => (Arc::clone(&known.arrays), Arc::clone(&known.surface)),
+/// Uploads; positions stay on the GPU when they are those that are there.
+fn prepare(device: &wgpu::Device, made: &Made, known: Option<&Prepared>) -> Preparation {
+    let known = known.filter(|known| Arc::ptr_eq(&known.arrays, &made.arrays));
+    let surface = match known {
+        Some(known) => Arc::clone(&known.surface),
         None => {
-            let made = arrays(mesh, wanted.crease_angle_rad, wanted.sharing);
-            let made = made.ok_or(Undrawable::Empty)?;
-            let surface = SurfaceBuffers::new(device, &made).map_err(|_| Undrawable::TooLarge)?;
-            (Arc::new(made), Arc::new(surface))
+            let surface = SurfaceBuffers::new(device, &made.arrays, &made.coarse);
+            Arc::new(surface.map_err(|_| Undrawable::TooLarge)?)
         }
     };
-    let made = attribute(mesh, &drawn, &wanted.source, wanted.spacing);
-    let buffer = attribute_buffer(device, &made, drawn.positions.len());
+    let attribute = attribute_buffer(device, &made.attribute, made.arrays.positions.len());
     Ok(Prepared {
-        values: made.values,
-        spacing: wanted.spacing,
+        arrays: Arc::clone(&made.arrays),
+        values: made.attribute.values.clone(),
         surface,
-        reading: made.reading,
-        attribute: buffer.map_err(|_| Undrawable::TooLarge)?,
-        arrays: drawn,
+        reading: made.attribute.reading,
+        attribute: attribute.map_err(|_| Undrawable::TooLarge)?,
     })
 }
 
 /// A neutral gray, a little warm, that stands out from light and dark alike.
 const SURFACE: [f32; 4] = [0.74, 0.74, 0.72, 1.0];
 const BACK: [f32; 3] = [0.72, 0.34, 0.28];
-const WIRE: [f32; 4] = [0.06, 0.08, 0.12, 0.75];
+const WIRE: [f32; 4] = [0.06, 0.08, 0.12, 0.65];
 const BORDER: [f32; 4] = [1.0, 0.55, 0.05, 1.0];
 /// How far lines are moved towards the viewer, as a part of the size of the scene.
 const LINE_SHIFT: f64 = 1e-3;

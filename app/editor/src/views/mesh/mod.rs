@@ -1,6 +1,7 @@
 //! The view of meshes: several side by side or over each other, with one camera.
 
 mod arrays;
+mod coarse;
 mod coloring;
 mod edges;
 mod gpu;

@@ -85,6 +85,7 @@ pub fn paint_box(
     let aspect = screen.aspect();
     for axis in 0..3 {
         let mut labeled: Option<(Pos2, f32)> = None;
+        let middle_of_box = camera.project(bounds.center(), aspect).map(|at| screen.place(at));
         for from in (0..8usize).filter(|i| i >> axis & 1 == 0) {
             let to = from | 1 << axis;
             let is_behind = from == farthest || to == farthest;
@@ -93,16 +94,18 @@ pub fn paint_box(
             if is_behind == (part == BoxPart::Behind) {
                 painter.line_segment([a, b], Stroke::new(1.0, color));
             }
-            // The lowest edge has free space below it.
+            // The edge that is farthest out has free space beyond it; of two, the lower one.
             let middle = a + 0.5 * (b - a);
-            if labeled.is_none_or(|(_, lowest)| middle.y > lowest) && (b - a).length() > 24.0 {
-                labeled = Some((middle, middle.y));
+            let out = middle_of_box.map_or(Vec2::ZERO, |center| middle - center);
+            let score = out.length() + 0.2 * out.y;
+            if labeled.is_none_or(|(_, best)| score > best) && (b - a).length() > 24.0 {
+                labeled = Some((middle + 14.0 * out.normalized() * vec2(1.8, 1.0), score));
             }
         }
         if let (Some((place, _)), BoxPart::Ahead) = (labeled, part) {
             let length = (bounds.high - bounds.low)[axis];
             let text = format!("{} {}", ["x", "y", "z"][axis], number_text(length));
-            painter.text(place, Align2::CENTER_TOP, text, FontId::proportional(12.0), color);
+            painter.text(place, Align2::CENTER_CENTER, text, FontId::proportional(12.0), color);
         }
     }
 }

@@ -3,13 +3,11 @@
 //! There is no search structure: a million faces take some ten milliseconds on one core, off the
 //! window's thread, and nothing has to be built or kept for it.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use mve_modules::data::{Domain, TriMesh};
 use rayon::prelude::*;
 
-use super::coloring::{Spacing, Values};
+use super::coloring::Values;
 use crate::views::camera::Ray;
 use crate::views::number::number_text;
 
@@ -65,19 +63,19 @@ fn distance_to([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<f64> {
 }
 
 /// The hit in words: face, vertex, position, value.
-pub fn describe(mesh: &TriMesh, hit: &Hit, values: Option<(&Arc<Values>, Spacing)>) -> String {
+pub fn describe(mesh: &TriMesh, hit: &Hit, values: Option<&Values>) -> String {
     let Some(corners) = mesh.faces.get(hit.face) else { return String::new() };
     let vertex = corners[hit.corner].idx();
     let [x, y, z] = hit.point.to_array().map(number_text);
     let mut text = format!("face {}, vertex {vertex}\nat {x}, {y}, {z}", hit.face);
-    if let Some((values, spacing)) = values {
+    if let Some(values) = values {
         let element = match values.domain {
             Domain::Vertex => vertex,
             Domain::Corner => 3 * hit.face + hit.corner,
             Domain::Face => hit.face,
         };
         if let Some(&value) = values.values.get(element) {
-            let value = number_text(spacing.back(value));
+            let value = number_text(values.spacing.back(value));
             text += &format!("\n{} {value} {}", values.name, values.unit);
         }
     }

@@ -12,7 +12,7 @@ struct Uniforms {
     // Factor and offset from a value to its place in the table, whether what is outside is gray,
     // and how far lines are moved towards the viewer.
     numbers: vec4<f32>,
-    // How the attribute is read, whether faces are flat.
+    // How what vertices carry is read, whether faces are flat.
     modes: vec4<u32>,
 }
 
@@ -35,7 +35,7 @@ struct SurfacePoint {
     @builtin(position) clip: vec4<f32>,
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) attribute: vec4<f32>,
+    @location(2) carried: vec4<f32>,
 }
 
 @vertex
@@ -50,23 +50,23 @@ fn surface_vertex(
     out.position = view.xyz;
     out.normal = (u.view_from_local * vec4(normal.xyz, 0.0)).xyz;
     if u.modes.x == READ_COLOR {
-        out.attribute = unpack4x8unorm(words.x);
+        out.carried = unpack4x8unorm(words.x);
     } else {
-        out.attribute = vec4(bitcast<f32>(words.x), bitcast<f32>(words.y), 0.0, 0.0);
+        out.carried = vec4(bitcast<f32>(words.x), bitcast<f32>(words.y), 0.0, 0.0);
     }
     return out;
 }
 
-fn color_at(attribute: vec4<f32>) -> vec3<f32> {
+fn color_at(carried: vec4<f32>) -> vec3<f32> {
     switch u.modes.x {
         case READ_COLOR: {
             // Corners without a color darken what they are mixed with by as much as they hide it.
-            return attribute.rgb + u.surface.rgb * (1.0 - attribute.a);
+            return carried.rgb + u.surface.rgb * (1.0 - carried.a);
         }
         case READ_VALUE: {
-            let place = attribute.x * u.numbers.x + u.numbers.y;
+            let place = carried.x * u.numbers.x + u.numbers.y;
             // Below 1 as soon as one corner has no value.
-            let is_number = attribute.y > 0.999;
+            let is_number = carried.y > 0.999;
             let is_hidden = u.numbers.z > 0.5 && (place < 0.0 || place > 1.0);
             if !is_number || is_hidden {
                 return GRAY;
@@ -75,14 +75,14 @@ fn color_at(attribute: vec4<f32>) -> vec3<f32> {
             return textureSampleLevel(table, clamping, vec2(x, 0.5), 0.0).rgb;
         }
         case READ_CHECKER: {
-            let cell = floor(attribute.xy * 16.0);
+            let cell = floor(carried.xy * 16.0);
             let is_odd = abs(cell.x + cell.y) % 2.0 > 0.5;
-            let hue = 0.12 * fract(attribute.xy);
+            let hue = 0.12 * fract(carried.xy);
             return select(vec3(0.80, 0.82, 0.84), vec3(0.30, 0.42, 0.55) + vec3(hue, 0.0), is_odd);
         }
         case READ_PICTURE: {
             // The first row of a picture is at the top, that of texture space at the bottom.
-            let at = vec2(attribute.x, 1.0 - attribute.y);
+            let at = vec2(carried.x, 1.0 - carried.y);
             return textureSampleLevel(picture, repeating, at, 0.0).rgb;
         }
         default: {
@@ -103,7 +103,7 @@ fn surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> 
         normal = flat_normal;
     }
     normal = normalize(normal);
-    var color = color_at(in.attribute);
+    var color = color_at(in.carried);
     if !is_front {
         color = mix(color, u.back.rgb, u.back.a);
     }

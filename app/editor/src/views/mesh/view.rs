@@ -49,6 +49,7 @@ impl PinnedPicture {
 }
 
 /// The state of a panel of meshes.
+#[derive(Default)]
 pub struct MeshView {
     gpu: Option<Gpu>,
     /// The camera that all meshes share.
@@ -59,6 +60,8 @@ pub struct MeshView {
     /// What was fitted last into which aspect, and whether the user has moved since.
     fitted: Option<(Bounds, f64)>,
     has_moved: bool,
+    /// When the camera moved last, by the clock of the window.
+    moved_secs: Option<f64>,
     table: Option<(ScaleSettings, Texture, u64)>,
     picture: Option<(Arc<mve_modules::data::Images>, Texture, u64)>,
     /// Numbers for contents of textures.
@@ -74,26 +77,11 @@ struct Bar {
     histogram: Vec<usize>,
 }
 
+/// Seconds after which a camera is at rest.
+const REST_SECS: f64 = 0.25;
+
 /// Bars of a histogram beside the color bar.
 const N_BARS: usize = 64;
-
-impl Default for MeshView {
-    fn default() -> Self {
-        Self {
-            gpu: None,
-            camera: Camera::default(),
-            settings: Settings::default(),
-            items: Vec::new(),
-            fitted: None,
-            has_moved: false,
-            table: None,
-            picture: None,
-            next_content: 0,
-            bars: None,
-            hover: Hover::default(),
-        }
-    }
-}
 
 impl MeshView {
     /// Whether something is in the making.
@@ -227,10 +215,8 @@ impl MeshView {
         if let Some(bounds) = &bounds {
             self.content(gpu, pictures);
             // Pictures made by the processor are rougher in motion, and made well at rest.
-            let samples = if gpu.is_software() && is_moving { 1 } else { FINE };
-            if samples == 1 {
-                ui.ctx().request_repaint();
-            }
+            let is_rough = gpu.is_software() && self.is_in_motion(ui, &responses, is_moving);
+            let samples = if is_rough { 1 } else { FINE };
             self.draw(ui, gpu, &tiles, bounds, range, samples);
         }
         self.show_hover(ui, &responses, &tiles, bounds.as_ref());
@@ -267,6 +253,24 @@ impl MeshView {
             self.fit(bounds, aspect);
         }
         moved.is_moving
+    }
+
+    /// Whether the camera moves, or has moved so shortly ago that it may do so again.
+    fn is_in_motion(
+        &mut self,
+        ui: &egui::Ui,
+        responses: &[egui::Response],
+        is_moving: bool,
+    ) -> bool {
+        let now = ui.input(|input| input.time);
+        if is_moving || responses.iter().any(egui::Response::dragged) {
+            self.moved_secs = Some(now);
+        }
+        let is_in_motion = self.moved_secs.is_some_and(|moved| now - moved < REST_SECS);
+        if is_in_motion {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
+        }
+        is_in_motion
     }
 
     fn fit(&mut self, bounds: &Bounds, aspect: f64) {
@@ -470,9 +474,7 @@ impl MeshView {
         let ray = self.camera.ray(screen.normalized(place), screen.aspect(), bounds);
         let item = &self.items[item];
         let Some(hit) = self.hover.at(ui, &item.mesh, ray) else { return };
-        let values = values_of(item);
-        let spacing = self.settings.scale.spacing;
-        let text = describe(&item.mesh, &hit, values.as_ref().map(|values| (values, spacing)));
+        let text = describe(&item.mesh, &hit, values_of(item).as_deref());
         responses[at].show_tooltip_text(text);
     }
 
