@@ -67,7 +67,7 @@ impl Form<'_> {
             ui.add_sized([NAME_WIDTH, ui.spacing().interact_size.y], label)
                 .on_hover_text(doc_of(spec));
             if let Some(from) = (self.link_of)(path) {
-                ui.label(RichText::new(format!("\u{2190} {from}")).weak())
+                ui.label(RichText::new(format!("from {from}")).weak())
                     .on_hover_text("This parameter takes its value from a link.");
                 return;
             }

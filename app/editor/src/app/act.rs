@@ -59,8 +59,12 @@ impl Editor {
     pub(super) fn edit(&mut self, edits: &[Edit]) {
         let Self { sessions, active, shared, .. } = self;
         let session = &mut sessions[*active];
+        session.canvas.sizes().for_each(|(name, size)| session.document.set_size(name, size));
         match session.document.apply(edits, &shared.registry) {
             Ok(applied) => {
+                if edits.iter().any(|edit| matches!(edit, Edit::Arrange { .. })) {
+                    session.canvas.fit();
+                }
                 applied.renamed.iter().for_each(|(from, to)| session.rename(from, to));
                 let is_drawn = |item: &Item| !matches!(item, Item::Link(_));
                 let new: Vec<Item> = applied.new_items.into_iter().filter(is_drawn).collect();

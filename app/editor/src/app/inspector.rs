@@ -125,7 +125,7 @@ fn values(
     egui::Grid::new(("ports", name)).num_columns(3).striped(true).show(ui, |ui| {
         for input in module.inputs {
             let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
-            ui.label(format!("\u{2192} {}", input.name)).on_hover_text(input.doc);
+            ui.label(format!("in: {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);
             let value =
                 link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
@@ -142,7 +142,7 @@ fn values(
         for output in module.outputs {
             let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
             let is_pinned = session.pinned.contains(&port);
-            let toggle = ui.selectable_label(is_pinned, format!("{} \u{2192}", output.name));
+            let toggle = ui.selectable_label(is_pinned, format!("out: {}", output.name));
             if toggle.on_hover_text(format!("{}\nClick to look at it.", output.doc)).clicked() {
                 wishes.push(Wish::Canvas(Action::Pin(port)));
             }

@@ -190,7 +190,7 @@ impl Editor {
                 if tab.clicked() {
                     self.active = place;
                 }
-                let close = ui.small_button("\u{2715}").on_hover_text("Close this map");
+                let close = ui.small_button("\u{d7}").on_hover_text("Close this map");
                 let name = format!("close {}", session.document.title());
                 close.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name)

@@ -145,7 +145,10 @@ impl Canvas {
                 let (text, at) = ("A note".to_owned(), self.pointer_place(ui));
                 actions.push(Action::Edit(vec![Edit::AddNote { text, at }]));
             }
-            Key::L => actions.push(Action::Edit(vec![Edit::Arrange { nodes }])),
+            Key::L => {
+                let nodes = if nodes.len() > 1 { nodes } else { Vec::new() };
+                actions.push(Action::Edit(vec![Edit::Arrange { nodes }]));
+            }
             _ => {}
         }
     }

@@ -125,6 +125,12 @@ impl Canvas {
         self.camera = Some(Camera { center, zoom });
     }
 
+    /// Sizes of the nodes as they are drawn, for edits that put them in lines and layers.
+    pub fn sizes(&self) -> impl Iterator<Item = (&str, [f64; 2])> {
+        let size = |shape: &Shape| [f64::from(shape.size.x), f64::from(shape.size.y)];
+        self.shapes.nodes.iter().map(move |(name, shape)| (name.as_str(), size(shape)))
+    }
+
     /// Moves a node into the middle of the view.
     pub fn show_node(&mut self, node: &str) {
         self.wants_node = Some(node.to_owned());
@@ -133,7 +139,8 @@ impl Canvas {
     /// Where on the canvas something is put that has no place yet.
     pub fn free_place(&self) -> [f64; 2] {
         let center = self.view.map_or(Pos2::new(100.0, 100.0), |view| view.camera.center);
-        [f64::from(center.x), f64::from(center.y)]
+        let free = self.shapes.free_place(center);
+        [f64::from(free.x), f64::from(free.y)]
     }
 
     /// Opens the search of modules in the middle of the view.
@@ -456,7 +463,7 @@ impl Canvas {
 
     fn popups(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         if let Some(search) = &mut self.search
-            && search.show(ui, scene, actions)
+            && search.show(ui, scene, &self.shapes, actions)
         {
             self.search = None;
         }

@@ -5,6 +5,7 @@ use eframe::egui::{self, Area, Frame, Id, Key, Order, Pos2, ScrollArea, TextEdit
 use mve_core::{Link, PortRef};
 
 use super::gesture::End;
+use super::shape::{Shapes, WIDTH};
 use super::{Action, Scene, search_field};
 use crate::catalog::{Fit, Hit};
 use crate::document::Edit;
@@ -29,7 +30,13 @@ impl Search {
     }
 
     /// Shows the search; whether it is to be closed.
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) -> bool {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Scene,
+        shapes: &Shapes,
+        actions: &mut Vec<Action>,
+    ) -> bool {
         let fit = self.end.as_ref().and_then(|end| fit_of(end, scene));
         let hits = scene.catalog.search(&self.query, fit.as_ref());
         let (up, down, enter, escape) = ui.input_mut(|input| {
@@ -80,18 +87,19 @@ impl Search {
         });
         let is_new = std::mem::take(&mut self.is_new);
         if let Some(hit) = taken {
-            actions.push(Action::Edit(self.edits(hit, scene)));
+            actions.push(Action::Edit(self.edits(hit, scene, shapes)));
             return true;
         }
         escape || (!is_new && shown.response.clicked_elsewhere())
     }
 
     /// Adds the module, and links it to the end that was dropped.
-    fn edits(&self, hit: &Hit, scene: &Scene) -> Vec<Edit> {
+    fn edits(&self, hit: &Hit, scene: &Scene, shapes: &Shapes) -> Vec<Edit> {
         let name = scene.document.free_name(hit.info.module.id);
         let module = hit.info.module.id.to_owned();
-        let across = if matches!(self.end, Some(End::To(_))) { super::shape::WIDTH } else { 0.0 };
-        let at = [f64::from(self.world.x - across), f64::from(self.world.y - 20.0)];
+        let across = if matches!(self.end, Some(End::To(_))) { WIDTH } else { 0.0 };
+        let at = shapes.free_place(self.world - egui::vec2(across, 20.0));
+        let at = [f64::from(at.x), f64::from(at.y)];
         let at = at.map(|x| if scene.settings.snaps { (x / 10.0).round() * 10.0 } else { x });
         let mut edits = vec![Edit::AddNode { module, name: Some(name.clone()), at }];
         if let (Some(end), Some(port)) = (&self.end, hit.port) {

@@ -124,6 +124,18 @@ impl Shapes {
         self.state = state;
     }
 
+    /// A place for a new node at or right of a point, where it covers no other.
+    pub fn free_place(&self, at: Pos2) -> Pos2 {
+        let mut place = Rect::from_min_size(at, Vec2::new(WIDTH, 160.0)).expand(10.0);
+        // Each step passes at least one node.
+        for _ in 0..=self.nodes.len() {
+            let covered = self.nodes.values().map(Shape::rect).find(|rect| rect.intersects(place));
+            let Some(covered) = covered else { break };
+            place = place.translate(Vec2::new(covered.right() + 40.0 - place.left(), 0.0));
+        }
+        place.shrink(10.0).min
+    }
+
     /// The smallest rectangle around some nodes, or around all where `names` is empty.
     pub fn bounds<'a>(&self, names: impl Iterator<Item = &'a str>) -> Option<Rect> {
         let mut names = names.peekable();

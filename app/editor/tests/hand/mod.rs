@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Key, Modifiers, Vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use mve_core::Map;
 use mve_editor::app::{Editor, Start};
 
@@ -30,7 +31,7 @@ impl Hand {
             editor.get_or_insert_with(new).show(ui);
         };
         let size = Vec2::new(1500.0, 950.0);
-        let harness = Harness::builder().with_size(size).build_ui_state(draw, None);
+        let harness = Harness::builder().with_size(size).wgpu().build_ui_state(draw, None);
         Self { harness, output_folder }
     }
 
@@ -52,6 +53,11 @@ impl Hand {
     /// Draws a few frames.
     pub fn step(&mut self) {
         self.harness.run_steps(3);
+    }
+
+    /// A picture of the window.
+    pub fn picture(&mut self) -> image::RgbaImage {
+        self.harness.render().expect("there is a rasteriser")
     }
 
     /// Clicks what has this name.
@@ -79,16 +85,17 @@ impl Hand {
     /// Adds a module by its search.
     pub fn add(&mut self, module: &str) {
         self.click("+ Module");
-        self.harness.get_by_label("search modules").type_text(module);
+        let field = self.harness.get_by_role_and_label(Role::TextInput, "search modules");
+        field.type_text(module);
         self.step();
         self.press(Key::Enter);
     }
 
     /// Types into a field and leaves it.
     pub fn type_into(&mut self, name: &str, text: &str) {
-        self.harness.get_by_label(name).click();
+        self.harness.get_by_role_and_label(Role::TextInput, name).click();
         self.step();
-        self.harness.get_by_label(name).type_text(text);
+        self.harness.get_by_role_and_label(Role::TextInput, name).type_text(text);
         self.step();
         self.press(Key::Enter);
     }
