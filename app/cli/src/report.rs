@@ -74,6 +74,10 @@ impl From<ReportError> for Stop {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
     let report = Report::read(&args.store)?;
+    // Tables may be read by a program: what they lack is said beside them.
+    if args.format != Kind::Html && !report.missing().is_empty() {
+        out::tell(&format!("note: {}", report.missing()));
+    }
     let page = (args.format == Kind::Html).then(|| args.store.join(PAGE));
     let Some(path) = args.out.clone().or(page) else {
         return out::print(&report.text(args.format.into(), None));

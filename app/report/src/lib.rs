@@ -91,8 +91,10 @@ impl Report {
         let tables = || pivot::pivots(results, measures);
         match format {
             Format::Csv => text::csv(results, measures),
-            Format::Latex => text::latex(&self.title, &tables()),
-            Format::Markdown => text::markdown(&self.title, &self.answers(), &tables()),
+            Format::Latex => text::latex(&self.title, &self.missing(), &tables()),
+            Format::Markdown => {
+                text::markdown(&self.title, &self.missing(), &self.answers(), &tables())
+            }
             Format::Html => {
                 let store = folder.map_or(String::new(), |from| way(from, &results.folder));
                 let against = columns::against(results);
@@ -114,6 +116,11 @@ impl Report {
     pub fn answers_in_words(&self) -> Vec<(String, Vec<String>)> {
         let answers = self.answers();
         answers.into_iter().map(|answer| (answer.text, answer.sentences)).collect()
+    }
+
+    /// In a sentence, which steps are missing; empty if none is.
+    pub fn missing(&self) -> String {
+        self.results.missing_in_words()
     }
 
     fn answers(&self) -> Vec<answers::Answer> {
