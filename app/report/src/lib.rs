@@ -41,6 +41,8 @@ pub enum Format {
 pub enum ReportError {
     /// Nothing ran in this folder, or it is not there.
     Missing(PathBuf),
+    /// The folder holds other things.
+    NotAStore(PathBuf),
     /// The store cannot be read.
     Store(StoreError),
 }
@@ -53,6 +55,12 @@ impl fmt::Display for ReportError {
                 "{}: no results of a program here; `mve program` makes such a folder",
                 folder.display()
             ),
+            Self::NotAStore(folder) => write!(
+                f,
+                "{}: not a store of mve; name the folder that `mve program` wrote, such as \
+                 mve-out/MAP-PROGRAM",
+                folder.display()
+            ),
             Self::Store(error) => error.fmt(f),
         }
     }
@@ -62,7 +70,10 @@ impl std::error::Error for ReportError {}
 
 impl From<StoreError> for ReportError {
     fn from(error: StoreError) -> Self {
-        Self::Store(error)
+        match error {
+            StoreError::NotAStore(folder) => Self::NotAStore(folder),
+            other => Self::Store(other),
+        }
     }
 }
 
