@@ -376,10 +376,19 @@ impl Results {
         &case.at[..case.at.len() - usize::from(self.has_series)]
     }
 
+    /// The places of the axes that tell rows apart: all but that of the series, without those of
+    /// one value where another varies.
+    pub fn row_axes(&self) -> Vec<usize> {
+        let own = self.axes.len() - usize::from(self.has_series);
+        let varying = |place: &usize| self.axes[*place].values.len() > 1;
+        let places: Vec<usize> = (0..own).filter(varying).collect();
+        if places.is_empty() { (0..own).collect() } else { places }
+    }
+
     /// The name of a row, and its parts behind the group's.
     pub fn row_label(&self, row: &[usize]) -> String {
-        let parts = row.iter().zip(&self.axes).map(|(place, axis)| axis.labels[*place].clone());
-        parts.collect::<Vec<_>>().join(" · ")
+        let part = |place: usize| self.axes[place].labels[row[place]].clone();
+        self.row_axes().into_iter().map(part).collect::<Vec<_>>().join(" · ")
     }
 
     /// Rows in the order of the program, each with its cases by series.
