@@ -214,14 +214,12 @@ mod tests {
             // 0.299 + 0.587 / 2.
             assert!((f64::from(gray[0].bytes[k]) - 0.5925 * f64::from(light)).abs() <= 1.0);
         }
-        let pixels = |images: &[Image]| {
-            let mut all: Vec<_> = images[0].bytes.chunks_exact(3).map(<[u8]>::to_vec).collect();
-            all.sort();
-            all.dedup();
-            all
-        };
-        // Without light there is the color and the background, and nothing between.
+        // Without light there is the color and the background, and nothing between. (Half of 255 is
+        // rounded either way.)
         let unlit = images(trial(mesh()).set("shading", "Unlit"));
-        assert_eq!(pixels(&unlit), [[0, 0, 0], [255, 128, 0]]);
+        let pixels = || unlit[0].bytes.chunks_exact(3);
+        let is_color = |pixel: &[u8]| [[255, 127, 0], [255, 128, 0]].iter().any(|c| pixel == c);
+        assert!(pixels().all(|pixel| pixel == [0; 3] || is_color(pixel)));
+        assert!(pixels().filter(|pixel| is_color(pixel)).count() > 100);
     }
 }
