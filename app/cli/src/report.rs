@@ -66,7 +66,9 @@ impl From<ReportError> for Stop {
     fn from(error: ReportError) -> Self {
         match error {
             ReportError::Store(error) => error.into(),
-            ReportError::Missing(_) | ReportError::NotAStore(_) => Self { exit: Exit::Files, message: error.to_string() },
+            ReportError::Missing(_) | ReportError::NotAStore(_) => {
+                Self { exit: Exit::Files, message: error.to_string() }
+            }
         }
     }
 }
