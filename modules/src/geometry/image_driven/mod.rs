@@ -38,7 +38,7 @@ use crate::cost::Cost;
 use crate::data::TriMesh;
 use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::render::{CameraSet, Lens, Sides};
-use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach, Renewal};
 
 /// How much of the pictures a price looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +63,8 @@ pub struct ImageOptions {
     pub background: u8,
     /// How much of the pictures a price looks at.
     pub areas: Areas,
+    /// When edges are priced again after a collapse.
+    pub renewal: Renewal,
 }
 
 impl ImageOptions {
@@ -73,6 +75,7 @@ impl ImageOptions {
         sides: Sides::Front,
         background: 255,
         areas: Areas::Active,
+        renewal: Renewal::Lazy,
     };
 }
 
@@ -255,6 +258,14 @@ impl<D: Difference> Cost for ImageDriven<D> {
             self.faces[new.face as usize] = new.vertices;
         }
         self.pending.push(change);
+    }
+
+    fn renewal(&self) -> Renewal {
+        self.options.renewal
+    }
+
+    fn uses_threads(&self) -> bool {
+        true
     }
 
     // The faces of an edge are those around its ends.
