@@ -35,14 +35,14 @@ pub const AREAS: Param<Areas> =
 
 impl Enumeration for Renewal {
     const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("AtOnce", "All edges whose faces have changed."),
         (
             "Lazy",
-            "Edges at the merged vertex at once; the others wait at a third of their price and are \
-             priced again when they come up. Half of the work, for results as good.",
+            "Only those at the merged vertex; others wait at a third of their price and are priced \
+             again when they come up. Half of the work, and results as good.",
         ),
-        ("AtOnce", "All edges whose faces have changed."),
     ];
-    const VALUES: &'static [Self] = &[Self::Lazy, Self::AtOnce];
+    const VALUES: &'static [Self] = &[Self::AtOnce, Self::Lazy];
 }
 
 pub const RENEWAL: Param<Renewal> =
