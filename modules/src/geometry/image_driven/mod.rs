@@ -231,8 +231,9 @@ impl<D: Difference> Cost for ImageDriven<D> {
     }
 
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
-        let changes: Vec<Change> =
-            batch.iter().map(|proposal| Change::proposed(state, proposal)).collect();
+        // Threads that have had something to do just before are awake for the cameras.
+        let proposed = |proposal| Change::proposed(state, proposal);
+        let changes: Vec<Change> = batch.par_iter().with_min_len(8).map(proposed).collect();
         let of_camera = |camera| self.ask(camera, state, &changes);
         let growths: Vec<Vec<i64>> =
             (0..self.cameras.len()).into_par_iter().map(of_camera).collect();
