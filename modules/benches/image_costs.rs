@@ -104,20 +104,12 @@ fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, 
         let placement = &mut Optimal::default();
         let found = simplify(mesh, &mut cost, placement, options, Control::none());
         let found = found.expect("nothing cancels it");
-        let seconds = start.elapsed().as_secs_f64();
-        if let Some(out) = std::env::var_os("OUT") {
-            std::fs::write(out, obj(&found.mesh)).unwrap();
-        }
-        (seconds, cost, found.statistics.n_faces)
+        (start.elapsed().as_secs_f64(), cost, found.statistics.n_faces)
     };
     let (seconds, cost, n_faces) = run(false);
     let micros = |time: Duration, n: usize| time.as_secs_f64() * 1e6 / n.max(1) as f64;
     let n = cost.n_active.get();
     let each = micros(cost.in_active.get(), n);
-    if std::env::var_os("OUT").is_some() {
-        println!("{seconds} {n} {each}");
-        return;
-    }
     let (_, sampled, _) = run(true);
     let whole = micros(sampled.in_whole.get(), sampled.n_whole.get());
     println!(
@@ -164,10 +156,4 @@ fn main() {
         let mesh = torus(1.0, 0.4, n);
         both(&format!("torus {}", mesh.faces.len()), &mesh, mesh.faces.len() - 1000, 256);
     }
-}
-
-fn obj(mesh: &TriMesh) -> String {
-    let v = mesh.positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
-    let f = mesh.faces.iter().map(|[a, b, c]| format!("f {} {} {}\n", a.0 + 1, b.0 + 1, c.0 + 1));
-    v.chain(f).collect()
 }

@@ -10,9 +10,15 @@
 //! pictures, which [`Areas::Whole`] does, for comparison.
 //!
 //! Departures from the paper: faces are shaded flat, so that a collapse changes no other faces than
-//! those around its edge; edges are priced again after a collapse when their own faces have
-//! changed, not when some other part of the surface comes before or behind them in a picture, nor
-//! when only pixels beside them change that a window of [`Structure`] sees, too.
+//! those around its edge; a price goes stale when the faces of its edge have changed, not when
+//! some other part of the surface comes before or behind them in a picture, nor when only pixels
+//! beside them change that a window of [`Structure`] sees, too.
+//!
+//! Stale prices are asked for again lazily ([`Renewal::Lazy`]), which halves the work: on `cow` to
+//! 3,000 faces 30,036 prices instead of 61,424, of which 8,706 are the first ones. The pictures of
+//! cow, spot, fandisk and the bunny come out as near to the original as with [`Renewal::AtOnce`]: RMS
+//! by -1.6 to +0.8 % and SSIM by up to 0.0002 different, without a trend. To let the edges at the
+//! merged vertex wait, too, would save another fifth, at up to 5 % of RMS.
 
 mod canvas;
 mod change;

@@ -105,8 +105,8 @@ fn means(list: &[f32], first: usize, step: usize) -> f32x8 {
     let at = |k: usize| load(list, k * step);
     // The weights are the same on both sides.
     let mut sum = f32x8::splat(WEIGHTS[RADIUS]) * at(RADIUS);
-    for k in 0..RADIUS {
-        sum += f32x8::splat(WEIGHTS[k]) * (at(k) + at(WINDOW - 1 - k));
+    for (k, weight) in WEIGHTS[..RADIUS].iter().enumerate() {
+        sum += f32x8::splat(*weight) * (at(k) + at(WINDOW - 1 - k));
     }
     sum
 }

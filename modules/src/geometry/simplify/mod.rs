@@ -266,15 +266,16 @@ pub fn simplify(
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Simplified, Cancelled> {
-    let cost_uses_threads = cost.uses_threads();
-    let mut run = || engine::Engine::new(mesh, cost, placement, options, control)?.run();
     // Threads that are called together for each of many short batches should not have to be woken
     // each time. A pool of its own keeps the work of others out of the waits between.
+    let is_shared = cost.uses_threads()
+        && rayon::current_num_threads() > 1
+        && rayon::current_thread_index().is_none();
     let n_threads = rayon::current_num_threads();
-    if n_threads > 1 && cost_uses_threads && rayon::current_thread_index().is_none() {
-        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build() {
-            return pool.install(run);
-        }
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().ok();
+    let mut run = || engine::Engine::new(mesh, cost, placement, options, control)?.run();
+    match is_shared.then(pool).flatten() {
+        Some(pool) => pool.install(run),
+        None => run(),
     }
-    run()
 }

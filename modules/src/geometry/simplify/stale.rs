@@ -24,6 +24,7 @@ const MAX_WAKE_VALENCE: usize = 1024;
 
 impl Engine<'_> {
     /// Lists the edges that are to be priced now that two vertices have merged into this one.
+    #[inline]
     pub(super) fn list_stale(&mut self, merged: u32) {
         if self.is_lazy && self.reach == Reach::MERGED {
             self.mark_stale();
@@ -39,6 +40,7 @@ impl Engine<'_> {
     }
 
     /// Lists the edge that has come up with a stale price, and stale ones that follow.
+    #[inline]
     pub(super) fn list_coming(&mut self, first: u32) {
         let Self { state, queue, scratch: Scratch { edges, .. }, .. } = self;
         let is_stale = |&edge: &u32| edge != first && queue.is_stale(edge);
