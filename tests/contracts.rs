@@ -4,12 +4,13 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use glam::DVec3;
-use mve_core::testing::{Outputs, Trial};
+use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{Data, Kind, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
     Domain, Field, Image, Images, Layer, LayerValues, Measure, Measures, NO_VALUE, PixelKind,
     TriMesh, VertexId,
 };
+use mve_modules::geometry::control::Control;
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use mve_modules::io::png::write_png;
 use mve_modules::io::save_atomic;
@@ -109,7 +110,7 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
             Kind::InputFile { extensions: ["png"], .. } => {
                 let path = folder.join("in.png");
                 let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
-                save_atomic(&path, |out| write_png(&image, out))
+                save_atomic(&path, |out| write_png(&image, out, Control::none()))
                     .expect("the folder can be written");
                 trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
             }
@@ -288,26 +289,14 @@ fn values_come_back_from_the_disk_cache_as_they_were() {
         "links": ["a.mesh -> s.mesh", "s.mesh -> n.mesh"]}"#;
     let map = mve_core::Map::parse(map).unwrap();
     let files = mve_core::FileHashes::new();
-    let options = mve_core::PlanOptions {
-        map_folder: Path::new("/"),
-        output_folder: None,
-        output_scope: mve_core::OutputScope::Folder,
-        repeat: 0,
-        files: &files,
-    };
+    let options = plan_options(Path::new("/"), &files);
     let plan = mve_core::Plan::new(&map, &registry(), &options).unwrap();
     let outcome = || {
         let disk = mve_core::DiskCache::open(cache_folder.path(), 1 << 30).unwrap();
         let cache = mve_core::Cache::new(1 << 30, Some(disk));
-        let options = mve_core::RunOptions {
-            output_folder: out.path(),
-            threads: 1,
-            cache: Some(&cache),
-            cancel: &mve_core::CancelToken::new(),
-            observer: &|_| {},
-            keep: mve_core::Keep::All,
-            output_scope: mve_core::OutputScope::Folder,
-        };
+        let (cache, keep) = (Some(&cache), mve_core::Keep::All);
+        let cancel = mve_core::CancelToken::new();
+        let options = mve_core::RunOptions { cache, keep, ..run_options(out.path(), &cancel) };
         mve_core::run(&plan, &options)
     };
     let (first, second) = (outcome(), outcome());

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use mve_core::{
-    CancelToken, FileHashes, Keep, Map, OutputScope, Plan, PlanOptions, RunOptions, Scalar, run,
-};
+use mve_core::testing::{plan_options, run_options};
+use mve_core::{CancelToken, FileHashes, Map, Plan, PlanOptions, Program, RunOutcome, Scalar, run};
 use mve_modules::registry;
 
 /// A measure of the box of 768 faces cut to 300, by its name.
@@ -26,27 +25,33 @@ fn of_box_by(cost: &str, placement: &str, metric: &str, measure: &str) -> f64 {
 
 /// A measure of the node `compare` of a map.
 fn measured(text: &str, repeat: u32, measure: &str) -> f64 {
-    let options = PlanOptions {
-        map_folder: Path::new("/"),
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        repeat,
-        files: &FileHashes::new(),
-    };
-    let plan = Plan::new(&Map::parse(text).unwrap(), &registry(), &options).unwrap();
-    let options = RunOptions {
-        output_folder: Path::new("/nowhere"),
-        threads: 2,
-        cache: None,
-        cancel: &CancelToken::new(),
-        observer: &|_| {},
-        keep: Keep::Scalars,
-        output_scope: OutputScope::Folder,
-    };
-    match run(&plan, &options).nodes["compare"].record.scalars.get(measure) {
+    match outcome(text, repeat).nodes["compare"].record.scalars.get(measure) {
         Some(Scalar::Number(number)) => *number,
         other => panic!("{measure} is {other:?}"),
     }
+}
+
+/// What comes of a map that writes no file.
+fn outcome(text: &str, repeat: u32) -> RunOutcome {
+    let files = FileHashes::new();
+    let options = PlanOptions { repeat, ..plan_options(Path::new("/"), &files) };
+    let plan = Plan::new(&Map::parse(text).unwrap(), &registry(), &options).unwrap();
+    run(&plan, &run_options(Path::new("/nowhere"), &CancelToken::new()))
+}
+
+/// A report tells the first prices of a simplification from its collapses.
+#[test]
+fn both_parts_of_a_simplification_are_timed() {
+    let text = r#"{"mve": 1, "nodes": {"model": {"module": "Vase"},
+        "simplify": {"module": "Simplificator", "params": {"target_faces": 4000}}},
+        "links": ["model.mesh -> simplify.mesh"]}"#;
+    let outcome = outcome(text, 0);
+    let record = &outcome.nodes["simplify"].record;
+    assert_eq!(record.phases.keys().collect::<Vec<_>>(), ["first_prices", "collapses"]);
+    let sum: f64 = record.phases.values().sum();
+    let whole = record.seconds.unwrap();
+    assert!(record.phases.values().all(|seconds| *seconds > 0.0), "{:?}", record.phases);
+    assert!(sum <= whole, "{sum} of {whole}");
 }
 
 /// The thesis behind the experiment measured 0.00000. On flat areas the quadric's system is
@@ -90,4 +95,20 @@ fn repeats_of_a_sampled_metric_differ() {
     assert_eq!(first, again);
     assert_ne!(first, second);
     assert!((first / second - 1.0).abs() < 0.5, "{first} and {second}");
+}
+
+/// A mesh is saved with its materials beside it: one slip, whatever the number of repeats and files.
+#[test]
+fn repeats_that_write_one_file_are_told_once() {
+    let text = r#"{"mve": 1, "nodes": {"model": {"module": "Box"},
+        "compare": {"module": "MeshComparer", "params": {"metric": "Hausdorff"}},
+        "save": {"module": "ObjSaver", "params": {"path": "a.obj"}}},
+        "links": ["model.mesh -> compare.original", "model.mesh -> compare.simplified",
+            "model.mesh -> save.mesh"],
+        "programs": {"p": {"repeats": 5}}}"#;
+    let program = Program::new(&Map::parse(text).unwrap(), "p", &registry(), Path::new("/"));
+    let problems: Vec<_> = program.err().unwrap().iter().map(ToString::to_string).collect();
+    let expected = "program \"p\": save: two repeats write \"a.obj\": put {repeat} or {step} into \
+                    the name";
+    assert_eq!(problems, [expected]);
 }

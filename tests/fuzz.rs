@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use mve_core::{FileHashes, Map, OutputScope, Plan, PlanOptions, Program};
+use mve_core::testing::plan_options;
+use mve_core::{FileHashes, Map, Plan, Program};
 use mve_modules::registry;
 use mve_tests::maps;
 use proptest::prelude::*;
@@ -17,19 +18,13 @@ fn digest(text: &str) {
     let saved = changed.to_text();
     let again = Map::parse(&saved).expect("what was saved loads");
     assert_eq!(again.to_text(), saved);
-    let options = PlanOptions {
-        map_folder: Path::new("/nowhere"),
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files: &FileHashes::new(),
-    };
-    if let Err(problems) = Plan::new(&map, &registry(), &options) {
+    let (folder, files) = (Path::new("/nowhere"), FileHashes::new());
+    if let Err(problems) = Plan::new(&map, &registry(), &plan_options(folder, &files)) {
         assert!(problems.iter().any(|problem| problem.is_error()));
         assert!(problems.iter().all(|problem| problem.message.len() > 5));
     }
     for name in map.programs.keys() {
-        if let Err(problems) = Program::new(&map, name, &registry(), Path::new("/nowhere")) {
+        if let Err(problems) = Program::new(&map, name, &registry(), folder) {
             assert!(!problems.is_empty());
         }
     }

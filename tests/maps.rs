@@ -8,9 +8,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use mve_core::testing::{plan_options, program_options, run_options};
 use mve_core::{
-    CancelToken, FileHashes, Keep, Map, OutputScope, Plan, PlanOptions, Program, ProgramOptions,
-    Retry, RunOptions, Scalar, Shard, Sharing, Store, assign, run, run_program,
+    CancelToken, FileHashes, Map, Plan, PlanOptions, Program, ProgramOptions, RunOptions, Scalar,
+    Store, assign, run, run_program,
 };
 use mve_modules::geometry::control::Control;
 use mve_modules::registry;
@@ -84,24 +85,11 @@ fn summary(path: &Path) -> String {
     let map = load(path, folder.path());
     let mut text = String::new();
     let files = FileHashes::new();
-    let options = PlanOptions {
-        map_folder: folder.path(),
-        output_folder: Some(folder.path()),
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files: &files,
-    };
+    let options =
+        PlanOptions { output_folder: Some(folder.path()), ..plan_options(folder.path(), &files) };
     let plan = Plan::new(&map, &registry(), &options).unwrap_or_else(|p| panic!("{p:?}"));
     let cancel = CancelToken::new();
-    let options = RunOptions {
-        output_folder: folder.path(),
-        threads: 2,
-        cache: None,
-        cancel: &cancel,
-        observer: &|_| {},
-        keep: Keep::Scalars,
-        output_scope: OutputScope::Folder,
-    };
+    let options = RunOptions { threads: 2, ..run_options(folder.path(), &cancel) };
     let outcome = run(&plan, &options);
     assert!(outcome.is_done(), "{}: {:?}", path.display(), outcome.failures().collect::<Vec<_>>());
     text.push_str("run\n");
@@ -117,18 +105,7 @@ fn summary(path: &Path) -> String {
         let program = Program::new(&map, name, &registry(), folder.path())
             .unwrap_or_else(|p| panic!("{p:?}"));
         let store = Store::open(&folder.path().join(format!("program-{name}"))).unwrap();
-        let options = ProgramOptions {
-            jobs: 2,
-            threads: 2,
-            shard: Shard { index: 0, count: 1 },
-            sharing: Sharing::Shared,
-            memory: 1 << 30,
-            disk_cache: None,
-            time_limit: None,
-            retry: Retry::Nothing,
-            cancel: &cancel,
-            observer: &|_| {},
-        };
+        let options = ProgramOptions { jobs: 2, threads: 2, ..program_options(&cancel) };
         let outcome = run_program(&program, &store, &options).unwrap();
         assert_eq!((outcome.ran, outcome.failed), (outcome.steps, 0), "{}", path.display());
         for (place, step) in program.steps.iter().enumerate() {

@@ -5,10 +5,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use mve_core::testing::registry;
+use mve_core::testing::{plan_options, program_options, registry, run_options};
 use mve_core::{
-    CancelToken, FileHashes, Keep, Map, OutputScope, Plan, PlanOptions, Program, ProgramOptions,
-    Retry, RunOptions, Shard, Sharing, Store, run, run_program,
+    CancelToken, FileHashes, Map, Plan, Program, ProgramOptions, RunOptions, Store, run,
+    run_program,
 };
 
 const N_NODES: usize = 1000;
@@ -28,14 +28,9 @@ fn chain() -> Map {
 }
 
 fn plan(map: &Map) -> Plan {
-    let options = PlanOptions {
-        map_folder: Path::new("/"),
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files: &FileHashes::new(),
-    };
-    Plan::new(map, &registry(), &options).expect("the map has no problems")
+    let files = FileHashes::new();
+    Plan::new(map, &registry(), &plan_options(Path::new("/"), &files))
+        .expect("the map has no problems")
 }
 
 fn nodes(criterion: &mut Criterion) {
@@ -48,16 +43,8 @@ fn nodes(criterion: &mut Criterion) {
     for threads in [1, 2] {
         group.bench_function(format!("run, {threads} threads"), |bencher| {
             bencher.iter(|| {
-                let options = RunOptions {
-                    output_folder: folder.path(),
-                    threads,
-                    cache: None,
-                    cancel: &CancelToken::new(),
-                    observer: &|_| {},
-                    keep: Keep::Scalars,
-                    output_scope: OutputScope::Folder,
-                };
-                run(&checked, &options)
+                let cancel = CancelToken::new();
+                run(&checked, &RunOptions { threads, ..run_options(folder.path(), &cancel) })
             });
         });
     }
@@ -82,18 +69,8 @@ fn steps(criterion: &mut Criterion) {
                     let program = Program::new(&map, "p", &registry(), Path::new("/"))
                         .unwrap_or_else(|problems| panic!("{problems:?}"));
                     let store = Store::open(folder.path()).expect("a store");
-                    let options = ProgramOptions {
-                        jobs,
-                        threads: 1,
-                        shard: Shard { index: 0, count: 1 },
-                        sharing: Sharing::Shared,
-                        memory: 1 << 30,
-                        disk_cache: None,
-                        time_limit: None,
-                        retry: Retry::Nothing,
-                        cancel: &CancelToken::new(),
-                        observer: &|_| {},
-                    };
+                    let cancel = CancelToken::new();
+                    let options = ProgramOptions { jobs, ..program_options(&cancel) };
                     let outcome = run_program(&program, &store, &options).expect("it runs");
                     assert_eq!(outcome.ran, N_STEPS);
                     folder

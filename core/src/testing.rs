@@ -1,6 +1,7 @@
-//! Running one module without a map, for tests of modules; and small modules for tests of the
-//! runtime.
+//! Running one module without a map, for tests of modules; options of plans, runs and programs that
+//! tests change where they mean something; and small modules for tests of the runtime.
 
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use indexmap::IndexMap;
@@ -8,12 +9,57 @@ use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::cancel::CancelToken;
 use crate::data::{Data, Value};
+use crate::files::FileHashes;
 use crate::module::{Io, Module, ModuleError, Reporter};
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param};
+use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
+use crate::program::{ProgramOptions, Retry, Shard, Sharing};
 use crate::registry::{Listed, ModuleList, Registry};
+use crate::run::{Keep, RunOptions};
 use crate::setting::{Setting, Settings};
+
+/// Options of a plan of a map that is in `folder`, where each run has a fresh folder of outputs.
+pub fn plan_options<'a>(folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
+    PlanOptions {
+        map_folder: folder,
+        output_folder: None,
+        output_scope: OutputScope::Folder,
+        repeat: 0,
+        files,
+    }
+}
+
+/// Options of a run that writes to `folder`: one node at a time, no cache, nobody listens, scalars
+/// are kept.
+pub fn run_options<'a>(folder: &'a Path, cancel: &'a CancelToken) -> RunOptions<'a> {
+    RunOptions {
+        output_folder: folder,
+        threads: 1,
+        cache: None,
+        cancel,
+        observer: &|_| {},
+        keep: Keep::Scalars,
+        output_scope: OutputScope::Folder,
+    }
+}
+
+/// Options of a program that runs as a whole, one step at a time, sharing what it can.
+pub fn program_options(cancel: &CancelToken) -> ProgramOptions<'_> {
+    ProgramOptions {
+        jobs: 1,
+        threads: 1,
+        shard: Shard { index: 0, count: 1 },
+        sharing: Sharing::Shared,
+        memory: 1 << 30,
+        disk_cache: None,
+        time_limit: None,
+        retry: Retry::Nothing,
+        cancel,
+        observer: &|_| {},
+    }
+}
 
 /// A call of one module: inputs, parameters, and what came out.
 pub struct Trial {

@@ -2,19 +2,15 @@
 
 use std::path::Path;
 
-use mve_core::testing::registry;
-use mve_core::{FileHashes, Map, OutputScope, Plan, PlanOptions, assign};
+use mve_core::testing::{plan_options, registry};
+use mve_core::{FileHashes, Map, Plan, PlanOptions, assign};
 use serde_json::json;
 
 fn plan_in(folder: &Path, text: &str, repeat: u32) -> Result<Plan, Vec<String>> {
     let map = Map::parse(text).unwrap();
-    let options = PlanOptions {
-        map_folder: folder,
-        output_folder: Some(folder),
-        output_scope: OutputScope::Folder,
-        repeat,
-        files: &FileHashes::new(),
-    };
+    let files = FileHashes::new();
+    let output_folder = Some(folder);
+    let options = PlanOptions { output_folder, repeat, ..plan_options(folder, &files) };
     Plan::new(&map, &registry(), &options).map_err(|p| p.iter().map(|p| p.to_string()).collect())
 }
 

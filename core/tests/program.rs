@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use mve_core::testing::registry;
+use mve_core::testing::{program_options, registry};
 use mve_core::{
     CancelToken, Map, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing,
     Store, StoreError, run_program,
@@ -28,18 +28,7 @@ fn program(text: &str) -> Program {
 }
 
 fn options(cancel: &CancelToken) -> ProgramOptions<'_> {
-    ProgramOptions {
-        jobs: 3,
-        threads: 1,
-        shard: Shard { index: 0, count: 1 },
-        sharing: Sharing::Shared,
-        memory: 1 << 30,
-        disk_cache: None,
-        time_limit: None,
-        retry: Retry::Nothing,
-        cancel,
-        observer: &|_| {},
-    }
+    ProgramOptions { jobs: 3, ..program_options(cancel) }
 }
 
 fn run_in(folder: &Path, text: &str) -> ProgramOutcome {

@@ -4,35 +4,22 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use mve_core::testing::registry;
+use mve_core::testing::{plan_options, registry, run_options};
 use mve_core::{
-    Cache, CacheUse, CancelToken, DiskCache, FileHashes, Keep, Map, NodeStatus, OutputScope, Plan,
-    PlanOptions, RunOptions, RunOutcome, Scalar, contain_panics, run,
+    Cache, CacheUse, CancelToken, DiskCache, Event, FileHashes, Map, NodeStatus, Plan, RunOptions,
+    RunOutcome, Scalar, contain_panics, run,
 };
 
 fn plan(text: &str) -> Plan {
-    let options = PlanOptions {
-        map_folder: Path::new("/"),
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files: &FileHashes::new(),
-    };
+    let files = FileHashes::new();
+    let options = plan_options(Path::new("/"), &files);
     Plan::new(&Map::parse(text).unwrap(), &registry(), &options).unwrap()
 }
 
 fn run_with(plan: &Plan, threads: usize, cache: Option<&Cache>) -> RunOutcome {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        output_folder: folder.path(),
-        threads,
-        cache,
-        cancel: &CancelToken::new(),
-        observer: &|_| {},
-        keep: Keep::Scalars,
-        output_scope: OutputScope::Folder,
-    };
-    run(plan, &options)
+    let cancel = CancelToken::new();
+    run(plan, &RunOptions { threads, cache, ..run_options(folder.path(), &cancel) })
 }
 
 fn number(outcome: &RunOutcome, node: &str) -> f64 {
@@ -101,20 +88,7 @@ fn a_stopped_run_ends_within_a_tenth_of_a_second() {
     let folder = tempfile::tempdir().unwrap();
     let mut took = Duration::ZERO;
     std::thread::scope(|scope| {
-        let runner = scope.spawn(|| {
-            run(
-                &plan,
-                &RunOptions {
-                    output_folder: folder.path(),
-                    threads: 2,
-                    cache: None,
-                    cancel: &cancel,
-                    observer: &|_| {},
-                    keep: Keep::Scalars,
-                    output_scope: OutputScope::Folder,
-                },
-            )
-        });
+        let runner = scope.spawn(|| run(&plan, &run_options(folder.path(), &cancel)));
         std::thread::sleep(Duration::from_millis(50));
         cancel.cancel();
         let start = Instant::now();
@@ -153,15 +127,8 @@ fn a_saver_writes_even_where_its_inputs_are_known() {
     let (plan, cache) = (plan(text), Cache::new(1 << 20, None));
     for _ in 0..2 {
         let folder = tempfile::tempdir().unwrap();
-        let options = RunOptions {
-            output_folder: folder.path(),
-            threads: 1,
-            cache: Some(&cache),
-            cancel: &CancelToken::new(),
-            observer: &|_| {},
-            keep: Keep::Scalars,
-            output_scope: OutputScope::Folder,
-        };
+        let cancel = CancelToken::new();
+        let options = RunOptions { cache: Some(&cache), ..run_options(folder.path(), &cancel) };
         assert!(run(&plan, &options).is_done());
         assert_eq!(std::fs::read(folder.path().join("deep/er/x.txt")).unwrap(), b"hello");
     }
@@ -183,16 +150,9 @@ fn events_tell_the_whole_story() {
     let text = r#"{"mve": 1, "nodes": {"a": {"module": "Add", "params": {"amount": 99}},
         "b": {"module": "Add"}}, "links": ["a.sum -> b.a"]}"#;
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        output_folder: folder.path(),
-        threads: 1,
-        cache: None,
-        cancel: &CancelToken::new(),
-        observer: &|event| seen.lock().unwrap().push(serde_json::to_value(event).unwrap()),
-        keep: Keep::All,
-        output_scope: OutputScope::Folder,
-    };
-    run(&plan(text), &options);
+    let cancel = CancelToken::new();
+    let note = |event: &Event| seen.lock().unwrap().push(serde_json::to_value(event).unwrap());
+    run(&plan(text), &RunOptions { observer: &note, ..run_options(folder.path(), &cancel) });
     let seen = seen.into_inner().unwrap();
     let brief: Vec<_> = seen
         .iter()

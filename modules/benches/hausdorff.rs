@@ -1,12 +1,13 @@
 //! Distances between a mesh and a coarser one: the bunny where it is at hand, tori otherwise.
 //!
-//! The bunny is read from `MVE_MODELS` or `../shared/models` beside the workspace; the coarser
-//! mesh moves its vertices to the mean of their cell in a grid. Tori are of 1 k, 100 k and 1 M
-//! faces against one of a hundredth; boxes of 768 faces and of 108 are the same surface. Run with `RAYON_NUM_THREADS=1` for the work of one thread.
+//! The mesh coarser than the bunny moves its vertices to the mean of their cell in a grid. Tori are
+//! of 1 k, 100 k and 1 M faces against one of a hundredth; boxes of 768 faces and of 108 are the
+//! same surface. Run with `RAYON_NUM_THREADS=1` for the work of one thread.
+
+mod models;
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
-use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
@@ -16,17 +17,6 @@ use mve_modules::geometry::control::Control;
 use mve_modules::geometry::generate::subdivided_box::{BoxOptions, subdivided_box};
 use mve_modules::geometry::hausdorff::{HausdorffOptions, hausdorff};
 use mve_modules::mesh::fixtures::torus;
-
-/// Positions and faces of an OBJ file of triangles.
-fn bunny() -> Option<TriMesh> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, Into::into);
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-    let (models, _) = tobj::load_obj(folder.join("stanford-bunny.obj"), &options).ok()?;
-    let mesh = &models.first()?.mesh;
-    let faces = mesh.indices.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(VertexId)).collect();
-    Some(TriMesh::new(mesh.positions.chunks_exact(3).map(DVec3::from_slice).collect(), faces))
-}
 
 /// The mesh with the vertices of each cell, `n` a diagonal, drawn together.
 fn clustered(mesh: &TriMesh, n: f64) -> TriMesh {
@@ -50,13 +40,13 @@ fn clustered(mesh: &TriMesh, n: f64) -> TriMesh {
 }
 
 fn benches(criterion: &mut Criterion) {
-    let mut pairs: Vec<(&str, TriMesh, TriMesh)> = [("1k", 24), ("100k", 224), ("1M", 708)]
+    let mut pairs: Vec<(&str, TriMesh, TriMesh)> = models::TORUS_STEPS
         .map(|(name, n)| (name, torus(2.0, 0.5, n), torus(2.0, 0.5, n / 10 + 3)))
         .into();
     let boxes = [8, 3].map(|n| BoxOptions { segments: n, ..BoxOptions::default() });
     let [fine, coarse] = boxes.map(|options| subdivided_box(&options));
     pairs.push(("box", fine, coarse));
-    if let Some(bunny) = bunny() {
+    if let Some(bunny) = models::model(models::BUNNY) {
         let coarse = clustered(&bunny, 90.0);
         pairs.push(("bunny", bunny, coarse));
     }

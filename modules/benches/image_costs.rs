@@ -16,8 +16,9 @@ use mve_modules::geometry::image_driven::{
     Areas, Difference, ImageDriven, ImageOptions, Structure,
 };
 use mve_modules::geometry::simplify::{
-    Collapse, Collapsing, Proposal, Reach, SimplifyOptions, Stop, simplify,
+    Collapse, Collapsing, Proposal, Reach, Renewal, SimplifyOptions, Stop, simplify,
 };
+use mve_modules::mesh::fixtures::torus;
 use mve_modules::placement::Optimal;
 
 /// Whole pictures are drawn for one in so many batches, to have a time to compare with.
@@ -70,6 +71,14 @@ impl<D: Difference> Cost for Counted<D> {
         }
     }
 
+    fn renewal(&self) -> Renewal {
+        self.active.renewal()
+    }
+
+    fn uses_threads(&self) -> bool {
+        self.active.uses_threads()
+    }
+
     fn reach(&self) -> Reach {
         self.active.reach()
     }
@@ -112,23 +121,6 @@ fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, 
     );
 }
 
-/// A torus of `2 n²` faces.
-fn torus(n: usize) -> TriMesh {
-    use mve_modules::data::VertexId;
-    let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
-    let place = |i: usize, j: usize| {
-        let radius = 1.0 + 0.4 * turn(j).cos();
-        glam::DVec3::new(radius * turn(i).cos(), 0.4 * turn(j).sin(), radius * turn(i).sin())
-    };
-    let positions = (0..n * n).map(|k| place(k / n, k % n)).collect();
-    let id = |i: usize, j: usize| VertexId((i % n * n + j % n) as u32);
-    let faces = (0..n * n).flat_map(|k| {
-        let (i, j) = (k / n, k % n);
-        [[id(i, j), id(i, j + 1), id(i + 1, j + 1)], [id(i, j), id(i + 1, j + 1), id(i + 1, j)]]
-    });
-    TriMesh::new(positions, faces.collect())
-}
-
 fn model(name: &str) -> Option<TriMesh> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
     let folder = std::env::var_os("MVE_MODELS").map_or(beside, Into::into);
@@ -161,7 +153,7 @@ fn main() {
     }
     // The same number of collapses in meshes of 4 and 64 times the size.
     for n in [50, 100, 400] {
-        let mesh = torus(n);
+        let mesh = torus(1.0, 0.4, n);
         both(&format!("torus {}", mesh.faces.len()), &mesh, mesh.faces.len() - 1000, 256);
     }
 }

@@ -1,11 +1,13 @@
 //! Reading and writing OBJ text in memory, beside the crate tobj and beside std's number parser.
 //!
-//! On the Stanford bunny, where it is found (`MVE_MODELS`, or `../shared/models` beside the
-//! checkout), and on a generated sheet with texture coordinates and normals.
+//! On the Stanford bunny, where it is found, and on a generated sheet with texture coordinates and
+//! normals.
+
+mod models;
 
 use std::hint::black_box;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mve_modules::data::TriMesh;
@@ -47,12 +49,7 @@ fn sheet(n: usize) -> Vec<u8> {
 
 fn obj_benches(criterion: &mut Criterion) {
     let mut files = vec![("sheet", sheet(180))];
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from);
-    match std::fs::read(folder.join("stanford-bunny.obj")) {
-        Ok(bytes) => files.push(("bunny", bytes)),
-        Err(_) => eprintln!("skipped: no stanford-bunny.obj in {}", folder.display()),
-    }
+    files.extend(models::bytes(models::BUNNY).map(|bytes| ("bunny", bytes)));
     for (name, bytes) in &files {
         let mut group = criterion.benchmark_group(format!("obj/{name}"));
         group.sample_size(30).throughput(Throughput::Bytes(bytes.len() as u64));

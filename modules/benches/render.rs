@@ -1,35 +1,22 @@
 //! Pictures of meshes and their similarity: tori of 1 k, 100 k and 1 M faces, and the Stanford bunny
-//! (69,451 faces) where the folder that `MVE_MODELS` names has it, or else `../shared/models`
-//! beside the workspace.
+//! (69,451 faces) where it is at hand.
 //!
 //! `picture` is one picture on one thread, from a camera a diagonal away, by faces and by pixels a
 //! second; `cameras` all 24 of a rhombicuboctahedron at 512² on all threads; `ssim` two pictures of
 //! 512² on one thread.
 
+mod models;
+
 use std::hint::black_box;
-use std::path::PathBuf;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::DVec3;
-use mve_modules::data::{PixelKind, TriMesh, VertexId};
+use mve_modules::data::{PixelKind, TriMesh};
 use mve_modules::geometry::control::Control;
 use mve_modules::geometry::render::{
     CameraSet, Frame, Lens, NormalSource, Paint, PictureOptions, Shading, Sides, Surface, Visible,
     picture,
 };
 use mve_modules::geometry::ssim::ssim;
-use mve_modules::mesh::fixtures::torus;
-
-fn bunny() -> Option<TriMesh> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(PathBuf::from(beside), PathBuf::from);
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-    let (models, _) = tobj::load_obj(folder.join("stanford-bunny.obj"), &options).ok()?;
-    let mesh = &models.first()?.mesh;
-    let positions = mesh.positions.chunks_exact(3).map(DVec3::from_slice).collect();
-    let faces = mesh.indices.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(VertexId)).collect();
-    Some(TriMesh::new(positions, faces))
-}
 
 fn surface(mesh: &TriMesh, shading: Shading) -> Option<Surface<'_>> {
     Surface::new(mesh, shading, NormalSource::Faces, Paint::White, Control::none()).ok()
@@ -40,9 +27,8 @@ fn options(size: usize) -> PictureOptions {
 }
 
 fn benches(criterion: &mut Criterion) {
-    let mut meshes: Vec<(&str, TriMesh)> =
-        [("1k", 22), ("100k", 224), ("1M", 708)].map(|(name, n)| (name, torus(2.0, 0.8, n))).into();
-    meshes.extend(bunny().map(|mesh| ("bunny", mesh)));
+    let mut meshes = models::tori();
+    meshes.extend(models::model(models::BUNNY).map(|mesh| ("bunny", mesh)));
     let set = CameraSet::Rhombicuboctahedron;
     for shading in [Shading::Flat, Shading::Gouraud] {
         let mut group = criterion.benchmark_group(format!("picture/{shading:?}"));

@@ -55,8 +55,9 @@ impl Enumeration for Shading {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Flat", "One luminance a face: what the faces are, and nothing else."),
         ("Gouraud", "Luminance at the vertices, interpolated between them: how smooth it looks."),
+        ("Unlit", "No light: colors as they are, to be read by a color bar; else an outline."),
     ];
-    const VALUES: &'static [Self] = &[Self::Flat, Self::Gouraud];
+    const VALUES: &'static [Self] = &[Self::Flat, Self::Gouraud, Self::Unlit];
 }
 
 impl Enumeration for Sides {

@@ -15,6 +15,7 @@ const MAP: &str = include_str!("templates/map.json");
   mve new map first.json
   mve new module FillHoles --folder filters
   mve new cost CurvatureWeighted
+  mve new image-cost ImageAbsolute
   mve new metric NormalDeviation")]
 pub struct Args {
     #[command(subcommand)]
@@ -45,6 +46,13 @@ enum What {
         /// Id in CamelCase, such as CurvatureWeighted
         name: String,
     },
+    /// Write a cost that looks at pictures, with a test, and enter it in the list of costs
+    ///
+    /// Works inside a checkout of mve: writes modules/src/cost/NAME.rs.
+    ImageCost {
+        /// Id in CamelCase, such as ImageAbsolute
+        name: String,
+    },
     /// Write a metric, with a test, and enter it in the list of metrics
     ///
     /// Works inside a checkout of mve: writes modules/src/metric/NAME.rs.
@@ -60,6 +68,7 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
         What::Map { file } => new_map(file),
         What::Module { name, folder } => scaffold::module(name, folder),
         What::Cost { name } => scaffold::cost(name),
+        What::ImageCost { name } => scaffold::image_cost(name),
         What::Metric { name } => scaffold::metric(name),
     }
 }
@@ -76,7 +85,8 @@ fn new_map(path: &Path) -> Result<Exit, Stop> {
 
 #[cfg(test)]
 mod tests {
-    use mve_core::{FileHashes, Map, OutputScope, Plan, PlanOptions, Program};
+    use mve_core::testing::plan_options;
+    use mve_core::{FileHashes, Map, Plan, Program};
 
     use super::*;
 
@@ -89,14 +99,8 @@ mod tests {
         let canonical = changed.to_text().replace(&changed.title, &map.title);
         assert_eq!(canonical, MAP);
         let registry = mve_modules::registry();
-        let options = PlanOptions {
-            map_folder: Path::new("."),
-            output_folder: None,
-            output_scope: OutputScope::Folder,
-            repeat: 0,
-            files: &FileHashes::new(),
-        };
-        Plan::new(&map, &registry, &options).unwrap();
+        let files = FileHashes::new();
+        Plan::new(&map, &registry, &plan_options(Path::new("."), &files)).unwrap();
         for name in map.programs.keys() {
             assert!(Program::new(&map, name, &registry, Path::new(".")).is_ok());
         }

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use mve_core::{
-    CancelToken, EventKind, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard,
-    Sharing, StepRecord, StepStatus, Store, did_you_mean,
+    CancelToken, EventKind, Problem, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry,
+    Shard, Sharing, StepRecord, StepStatus, Store, did_you_mean,
 };
 use mve_report::Report;
 use serde::Serialize;
@@ -102,6 +102,12 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let loaded = args.map.load()?;
+    let is_named =
+        |problem: &&Problem| problem.place.program.is_some() && problem.place.program == args.name;
+    let problems: Vec<Problem> = loaded.map.problems().iter().filter(is_named).cloned().collect();
+    if !problems.is_empty() {
+        return Err(loaded.refuse(&problems, args.json));
+    }
     let name = choose(&loaded, args.name.as_deref())?;
     if !loaded.complaints.is_empty() {
         return Err(loaded.refuse(&loaded.complaints, args.json));

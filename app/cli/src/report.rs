@@ -66,7 +66,9 @@ impl From<ReportError> for Stop {
     fn from(error: ReportError) -> Self {
         match error {
             ReportError::Store(error) => error.into(),
-            ReportError::Missing(_) => Self { exit: Exit::Files, message: error.to_string() },
+            ReportError::Missing(_) | ReportError::NotAStore(_) => {
+                Self { exit: Exit::Files, message: error.to_string() }
+            }
         }
     }
 }
@@ -74,6 +76,10 @@ impl From<ReportError> for Stop {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
     let report = Report::read(&args.store)?;
+    // Tables may be read by a program: what they lack is said beside them.
+    if args.format != Kind::Html && !report.missing().is_empty() {
+        out::tell(&format!("note: {}", report.missing()));
+    }
     let page = (args.format == Kind::Html).then(|| args.store.join(PAGE));
     let Some(path) = args.out.clone().or(page) else {
         return out::print(&report.text(args.format.into(), None));

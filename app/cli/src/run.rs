@@ -181,13 +181,57 @@ fn cell(scalar: &Scalar) -> String {
     }
 }
 
+/// From so many on, numbers of one name that count up (`rms_0`, `rms_1`, …) are told as one.
+const FEWEST_TOLD_AS_ONE: usize = 4;
+
+/// Names and values for a person, with long runs of numbers in a line.
+fn brief_cells(scalars: &IndexMap<String, Scalar>) -> Vec<(String, String)> {
+    let counted = |name: &str, n: usize| {
+        let (stem, end) = name.rsplit_once('_')?;
+        (end == n.to_string()).then(|| stem.to_owned())
+    };
+    let mut cells = Vec::new();
+    let mut rest = scalars.iter().peekable();
+    while let Some((name, scalar)) = rest.next() {
+        let mut run = vec![(name, scalar)];
+        if let Some(stem) = counted(name, 0) {
+            let mut n = 1;
+            let is_next =
+                |n: usize, name: &str| counted(name, n).is_some_and(|other| other == stem);
+            while let Some(next) = rest.next_if(|(name, _)| is_next(n, name)) {
+                run.push(next);
+                n += 1;
+            }
+        }
+        let numbers = run.iter().map(|(_, scalar)| match scalar {
+            Scalar::Number(number) if number.is_finite() => Some(*number),
+            _ => None,
+        });
+        let numbers: Option<Vec<f64>> = numbers.collect();
+        match numbers.filter(|numbers| numbers.len() >= FEWEST_TOLD_AS_ONE) {
+            None => cells.extend(run.into_iter().map(|(name, s)| (name.clone(), cell(s)))),
+            Some(numbers) => {
+                let n = numbers.len();
+                let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let mean = numbers.iter().sum::<f64>() / n as f64;
+                let name = name.trim_end_matches('0');
+                let (low, mean, high) = (brief(low), brief(mean), brief(high));
+                let text = format!("{n} values, least {low}, mean {mean}, most {high}");
+                cells.push((format!("{name}0 … {name}{}", n - 1), text));
+            }
+        }
+    }
+    cells
+}
+
 /// The result for a person: what every node gave, and the files.
 fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
     let header = ["node", "status", "seconds", "output", "value"].map(str::to_owned).to_vec();
     let mut rows = Vec::new();
     for (name, node) in &outcome.nodes {
         let record = &node.record;
-        let scalars = record.scalars.iter().map(|(output, s)| (output.clone(), cell(s)));
+        let scalars = brief_cells(&record.scalars);
         let values = record.values.iter().map(|(output, text)| (output.clone(), text.clone()));
         let mut outputs: Vec<_> = values.chain(scalars).collect();
         if outputs.is_empty() {
@@ -228,4 +272,27 @@ fn conclude(outcome: &RunOutcome, exit: Exit) -> Result<Exit, Stop> {
     let Some((last, others)) = failures.split_last() else { return Ok(exit) };
     others.iter().for_each(|failure| crate::exit::complain(failure));
     Err(Stop { exit, message: last.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_count_up_are_told_as_one() {
+        let told = |names: &[&str]| {
+            let scalars = names.iter().zip(1..).map(|(name, n)| {
+                let name: &str = name;
+                (name.to_owned(), Scalar::Number(f64::from(n)))
+            });
+            brief_cells(&scalars.collect()).into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+        };
+        let all = ["rms", "rms_0", "rms_1", "rms_2", "rms_3", "value"];
+        assert_eq!(told(&all), ["rms", "rms_0 … rms_3", "value"]);
+        assert_eq!(told(&all[..4]), all[..4], "a few stand for themselves");
+        assert_eq!(told(&["a_1", "a_2", "a_3", "a_4", "a_5"]), ["a_1", "a_2", "a_3", "a_4", "a_5"]);
+        let scalars = ["x_0", "x_1", "x_2", "x_3"].into_iter().zip([4.0, 1.0, 2.0, 1.0]);
+        let scalars = scalars.map(|(name, x)| (name.to_owned(), Scalar::Number(x))).collect();
+        assert_eq!(brief_cells(&scalars)[0].1, "4 values, least 1, mean 2, most 4");
+    }
 }

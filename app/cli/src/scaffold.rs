@@ -8,6 +8,7 @@ use crate::out;
 
 const MODULE: &str = include_str!("templates/module.rs.txt");
 const COST: &str = include_str!("templates/cost.rs.txt");
+const IMAGE_COST: &str = include_str!("templates/image_cost.rs.txt");
 const METRIC: &str = include_str!("templates/metric.rs.txt");
 
 /// Where a new file goes, and how its list begins.
@@ -35,6 +36,12 @@ pub fn module(id: &str, folder: &str) -> Result<Exit, Stop> {
 pub fn cost(id: &str) -> Result<Exit, Stop> {
     let before = "COST in";
     write(&find_checkout()?, id, &Target { folder: "cost", before, template: COST })
+}
+
+/// Writes a cost that looks at pictures.
+pub fn image_cost(id: &str) -> Result<Exit, Stop> {
+    let before = "COST in";
+    write(&find_checkout()?, id, &Target { folder: "cost", before, template: IMAGE_COST })
 }
 
 /// Writes a metric.

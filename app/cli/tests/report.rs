@@ -76,7 +76,9 @@ fn slips_are_told_before_anything_runs() {
 fn folders_that_are_no_stores_are_refused() {
     let folder = folder();
     folder.mve(&["report", "none"]).fails(4, "error: none: no results of a program here");
-    folder.mve(&["report", "."]).fails(4, "not a store of mve");
+    folder
+        .mve(&["report", "."])
+        .fails(4, "not a store of mve; name the folder that `mve program` wrote");
     folder.write("torn/plan.json", "{");
     folder.mve(&["report", "torn"]).fails(4, "torn/plan.json: not the plan of a program");
 }

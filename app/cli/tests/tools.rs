@@ -130,6 +130,17 @@ fn a_new_cost_is_a_file_and_a_name_in_the_list() {
 }
 
 #[test]
+fn a_new_image_cost_is_a_file_and_a_name_in_the_list() {
+    let folder = checkout();
+    folder.mve(&["new", "image-cost", "ImageAbsolute"]).succeeds().says("image_absolute\n");
+    let cost = folder.read("modules/src/cost/image_absolute.rs");
+    assert!(cost.contains("impl Difference for ImageAbsolute"));
+    assert!(cost.contains("id: \"ImageAbsolute\"") && !cost.contains('@'));
+    let list = folder.read("modules/src/cost/mod.rs");
+    assert!(list.contains("in edge_length, image_absolute, quadric;"));
+}
+
+#[test]
 fn a_new_metric_is_a_file_and_a_name_in_the_list() {
     let folder = checkout();
     folder.mve(&["new", "metric", "Areas"]).succeeds().says("metric/areas.rs\n");

@@ -238,8 +238,8 @@ impl Answer {
                 sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
             }
             None => sentences.push(format!(
-                "{a} gives lower {m} than {b} in {} of {n} pairs and higher in {} (p {} by the \
-                 sign test); values of 0 have no ratio, so there is no average.",
+                "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by \
+                 the sign test); values of 0 have no ratio, so there is no average.",
                 self.n_lower,
                 self.n_higher,
                 labels::probability(self.p_signs),
@@ -313,7 +313,7 @@ impl Answer {
             _ => format!(" By this measure {b} is the better one."),
         };
         format!(
-            "{start} {a} gives {change} {m} than {b} (geometric mean of {pairs}{interval}); it is \
+            "{start} “{m}” is {change} with {a} than with {b} (geometric mean of {pairs}{interval}); it is \
              {side} in {n_side} of {n}{ties}; {test}.{verdict}"
         )
     }

@@ -41,6 +41,8 @@ pub enum Format {
 pub enum ReportError {
     /// Nothing ran in this folder, or it is not there.
     Missing(PathBuf),
+    /// The folder holds other things.
+    NotAStore(PathBuf),
     /// The store cannot be read.
     Store(StoreError),
 }
@@ -53,6 +55,12 @@ impl fmt::Display for ReportError {
                 "{}: no results of a program here; `mve program` makes such a folder",
                 folder.display()
             ),
+            Self::NotAStore(folder) => write!(
+                f,
+                "{}: not a store of mve; name the folder that `mve program` wrote, such as \
+                 mve-out/MAP-PROGRAM",
+                folder.display()
+            ),
             Self::Store(error) => error.fmt(f),
         }
     }
@@ -62,7 +70,10 @@ impl std::error::Error for ReportError {}
 
 impl From<StoreError> for ReportError {
     fn from(error: StoreError) -> Self {
-        Self::Store(error)
+        match error {
+            StoreError::NotAStore(folder) => Self::NotAStore(folder),
+            other => Self::Store(other),
+        }
     }
 }
 
@@ -91,8 +102,10 @@ impl Report {
         let tables = || pivot::pivots(results, measures);
         match format {
             Format::Csv => text::csv(results, measures),
-            Format::Latex => text::latex(&self.title, &tables()),
-            Format::Markdown => text::markdown(&self.title, &self.answers(), &tables()),
+            Format::Latex => text::latex(&self.title, &self.missing(), &tables()),
+            Format::Markdown => {
+                text::markdown(&self.title, &self.missing(), &self.answers(), &tables())
+            }
             Format::Html => {
                 let store = folder.map_or(String::new(), |from| way(from, &results.folder));
                 let against = columns::against(results);
@@ -114,6 +127,11 @@ impl Report {
     pub fn answers_in_words(&self) -> Vec<(String, Vec<String>)> {
         let answers = self.answers();
         answers.into_iter().map(|answer| (answer.text, answer.sentences)).collect()
+    }
+
+    /// In a sentence, which steps are missing; empty if none is.
+    pub fn missing(&self) -> String {
+        self.results.missing_in_words()
     }
 
     fn answers(&self) -> Vec<answers::Answer> {

@@ -38,8 +38,8 @@ pub struct PivotRow {
 /// The tables of all measures that are there.
 pub fn pivots(results: &Results, measures: &[MeasureColumn]) -> Vec<Pivot> {
     let measures: Vec<&MeasureColumn> = measures.iter().filter(|m| m.is_there).collect();
-    let axes = &results.axes[..results.axes.len() - usize::from(results.has_series)];
-    let corner = axes.iter().flat_map(|axis| axis.paths.first().cloned()).collect::<Vec<_>>();
+    let path = |place: usize| results.axes[place].paths.first().cloned();
+    let corner = results.row_axes().into_iter().filter_map(path).collect::<Vec<_>>();
     let corner = corner.join(" · ");
     if !results.has_series {
         return plain(results, &measures, corner).into_iter().collect();

@@ -14,7 +14,6 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use kuva::render::theme::Theme;
 use mve_core::{Better, brief};
-use serde_json::Value as Json;
 
 use crate::columns::MeasureColumn;
 use crate::results::{Axis, Case, Results};
@@ -124,28 +123,36 @@ fn fitted(svg: &str, number: usize) -> String {
     svg.replacen(&size, &scaled, 1).replace("kuva-clip-", &format!("clip-{number}-"))
 }
 
-/// The points of each chart: means over all groups, then each group where the column differs
-/// within it.
+/// The points of each chart: means over all rows, then one chart for each value of the axis that
+/// charts are parted by, where the column differs among its points.
+///
+/// Charts are parted by the first axis whose values are no numbers, as models of different sizes
+/// have nothing to do in one chart; else by that of the rows. What the column does not tell apart
+/// within the values of a scale it may tell apart between them: then one chart has all points.
 fn chart_sets(results: &Results, measure: &MeasureColumn, column: &str) -> Vec<ChartSet> {
-    let set = |title: &str, group: Option<usize>, is_line: bool| {
-        let is_meant = |case: &&Case| group.is_none_or(|group| results.group_of(case) == group);
+    let own = &results.axes[..results.axes.len() - usize::from(results.has_series)];
+    let is_parting = |axis: &Axis| axis.values.len() > 1 && !axis.is_scale();
+    let parting = own.iter().position(is_parting);
+    let place = parting.or((!own.is_empty()).then_some(0));
+    let set = |title: &str, part: Option<usize>| {
+        let is_meant =
+            |case: &&Case| place.zip(part).is_none_or(|(place, part)| case.at[place] == part);
         let cases = results.cases.iter().filter(is_meant);
         let points = cases.filter_map(|case| point(results, case, measure, column)).collect();
+        // Only numbers have an order that a line can follow.
+        let parted = part.and(place);
+        let mut joined = own.iter().enumerate().filter(|(other, _)| Some(*other) != parted);
+        let is_line = joined.all(|(_, axis)| axis.is_scale() || axis.values.len() < 2);
         ChartSet { title: title.to_owned(), points, is_line }
     };
-    let own = &results.axes[..results.axes.len() - usize::from(results.has_series)];
-    // Only numbers have an order that a line can follow.
-    let is_scale =
-        |axes: &[Axis]| axes.iter().all(|a| a.values.iter().flatten().all(Json::is_number));
-    let names = results.group_axis().map_or(vec![String::new()], |axis| axis.labels.clone());
-    let is_line = is_scale(own.get(1..).unwrap_or_default());
-    let groups = names.iter().enumerate().map(|(group, name)| set(name, Some(group), is_line));
-    let mut kept: Vec<ChartSet> = groups.filter(|set| differs(&set.points)).collect();
-    if kept.is_empty() {
-        kept.extend(Some(set("", None, is_scale(own))).filter(|set| differs(&set.points)));
-    } else if names.len() > 1 {
-        let means = overview(results, measure, column);
+    let names = place.map_or(vec![String::new()], |place| own[place].labels.clone());
+    let parts = names.iter().enumerate().map(|(part, name)| set(name, Some(part)));
+    let mut kept: Vec<ChartSet> = parts.filter(|set| differs(&set.points)).collect();
+    if !kept.is_empty() {
+        let means = overview(results, measure, column).filter(|_| names.len() > 1);
         kept.splice(..0, means.map(|(title, points)| ChartSet { title, points, is_line: false }));
+    } else if parting.is_none() {
+        kept.extend(Some(set("", None)).filter(|set| differs(&set.points)));
     }
     kept
 }

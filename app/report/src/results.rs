@@ -65,6 +65,13 @@ pub struct Axis {
     pub labels: Vec<String>,
 }
 
+impl Axis {
+    /// Whether its values are numbers, which have an order and can be plotted against.
+    pub fn is_scale(&self) -> bool {
+        self.values.iter().flatten().all(Json::is_number)
+    }
+}
+
 /// What stands in a cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
@@ -104,13 +111,21 @@ impl Case {
         self.steps.iter().filter_map(|step| step.record.as_deref())
     }
 
-    /// The finite numbers of a column, one a step.
+    /// The finite numbers of a column, one a step; 0 where they are rounding.
     pub fn numbers(&self, column: &str) -> Vec<f64> {
+        let rounding = self.rounding.get(column).copied().unwrap_or(0.0);
+        let kept = |number: f64| if number.abs() < rounding { 0.0 } else { number };
+        self.exact_numbers(column).into_iter().map(kept).collect()
+    }
+
+    /// The finite numbers of a column, one a step, as they were recorded. Seconds of what was taken
+    /// from the cache are none, or repeats would have a mean of work and of reading.
+    pub fn exact_numbers(&self, column: &str) -> Vec<f64> {
         if let Some(value) = self.params.get(column) {
             return value.as_f64().into_iter().collect();
         }
         let of = |record: &StepRecord| match column {
-            "seconds" => (record.status == StepStatus::Done).then_some(record.seconds),
+            "seconds" => is_work(record).then_some(record.seconds),
             _ => match column.strip_prefix("seconds.") {
                 Some(place) if is_time(record, place) => time(record, place),
                 _ => match scalar(record, column) {
@@ -119,9 +134,7 @@ impl Case {
                 },
             },
         };
-        let rounding = self.rounding.get(column).copied().unwrap_or(0.0);
-        let kept = |number: f64| if number.abs() < rounding { 0.0 } else { number };
-        self.records().filter_map(of).filter(|number| number.is_finite()).map(kept).collect()
+        self.records().filter_map(of).filter(|number| number.is_finite()).collect()
     }
 
     /// Mean and interval of a column.
@@ -144,12 +157,26 @@ impl Case {
         }
     }
 
+    /// How many of its steps are done.
+    pub fn n_done(&self) -> usize {
+        self.records().filter(|record| record.status == StepStatus::Done).count()
+    }
+
     /// How its steps ended: the worst of them, `to do` where one has not.
     pub fn status(&self) -> &'static str {
         let word = |step: &StepOf| step.record.as_ref().map_or("to do", |r| r.status.word());
         let words = || self.steps.iter().map(word);
         words().find(|word| *word != "done").or(words().next()).unwrap_or("to do")
     }
+}
+
+/// Whether the seconds of a step are those of its work: it is done, and did more than read values
+/// from the cache and write them to files.
+fn is_work(record: &StepRecord) -> bool {
+    let nodes = || record.nodes.values();
+    let is_cached = nodes().any(|node| node.cached.is_some());
+    let is_own = |node: &NodeRecord| node.seconds.is_some() && node.files.is_empty();
+    record.status == StepStatus::Done && (!is_cached || nodes().any(is_own))
 }
 
 /// The node of `node` or `node.part`, the places behind `seconds.`.
@@ -232,6 +259,17 @@ impl Results {
         self.cases.iter_mut().for_each(|case| case.rounding = rounding.clone());
     }
 
+    /// Whether some value of a measure was rounding and counts as 0.
+    pub fn has_rounding(&self) -> bool {
+        self.cases.iter().any(|case| {
+            let columns = case.rounding.iter();
+            columns.filter(|(_, least)| **least > 0.0).any(|(column, least)| {
+                let numbers = case.exact_numbers(column);
+                numbers.iter().any(|number| *number != 0.0 && number.abs() < *least)
+            })
+        })
+    }
+
     /// The parameters that vary, also in stores whose plan does not list them.
     pub fn varied(&self) -> Vec<String> {
         let mut varied: IndexSet<String> = self.plan.varied.iter().cloned().collect();
@@ -256,7 +294,6 @@ impl Results {
         // The axis of the rows goes to the front and the one of the series to the end.
         groups.sort_by_key(|axis| !holds(axis, &self.spec.group));
         groups.sort_by_key(|axis| holds(axis, &self.spec.series));
-        let n_groups = groups.len();
         for paths in groups {
             let of = |case: &Case| -> Vec<Json> {
                 paths
@@ -276,11 +313,37 @@ impl Results {
             let labels = labels::of_axis(&values);
             self.axes.push(Axis { paths, values, labels });
         }
+        self.move_constant_axes();
+        let varying = || self.axes.iter().filter(|axis| axis.values.len() > 1);
         // Numbers alone are something to plot against, not to tell apart.
-        let is_scale = |axis: &Axis| axis.values.iter().flatten().all(Json::is_number);
-        self.has_series =
-            n_groups > 1 || self.spec.series.is_some() || !self.axes.iter().all(is_scale);
-        self.has_series &= n_groups > 0;
+        self.has_series = varying().count() > 1
+            || self.spec.series.is_some()
+            || varying().any(|axis| !axis.is_scale());
+        self.has_series &= !self.axes.is_empty();
+    }
+
+    /// An axis with one value tells no series and no groups apart: where the program does not name
+    /// it, one that varies takes its place at either end.
+    fn move_constant_axes(&mut self) {
+        let n = self.axes.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        let varies = |place: &usize| self.axes[*place].values.len() > 1;
+        if self.spec.series.is_none()
+            && let Some(place) = order.iter().rposition(varies)
+        {
+            order[place..].rotate_left(1);
+        }
+        let n_others = n.saturating_sub(1);
+        if self.spec.group.is_none()
+            && let Some(place) = order.iter().take(n_others).position(varies)
+        {
+            order[..=place].rotate_right(1);
+        }
+        let mut axes: Vec<Option<Axis>> = self.axes.drain(..).map(Some).collect();
+        self.axes = order.iter().filter_map(|place| axes[*place].take()).collect();
+        for case in &mut self.cases {
+            case.at = order.iter().map(|place| case.at[*place]).collect();
+        }
     }
 
     /// The axis of the rows: the first that gives no series.
@@ -313,10 +376,19 @@ impl Results {
         &case.at[..case.at.len() - usize::from(self.has_series)]
     }
 
+    /// The places of the axes that tell rows apart: all but that of the series, without those of
+    /// one value where another varies.
+    pub fn row_axes(&self) -> Vec<usize> {
+        let own = self.axes.len() - usize::from(self.has_series);
+        let varying = |place: &usize| self.axes[*place].values.len() > 1;
+        let places: Vec<usize> = (0..own).filter(varying).collect();
+        if places.is_empty() { (0..own).collect() } else { places }
+    }
+
     /// The name of a row, and its parts behind the group's.
     pub fn row_label(&self, row: &[usize]) -> String {
-        let parts = row.iter().zip(&self.axes).map(|(place, axis)| axis.labels[*place].clone());
-        parts.collect::<Vec<_>>().join(" · ")
+        let part = |place: usize| self.axes[place].labels[row[place]].clone();
+        self.row_axes().into_iter().map(part).collect::<Vec<_>>().join(" · ")
     }
 
     /// Rows in the order of the program, each with its cases by series.
@@ -365,6 +437,21 @@ impl Results {
         let ended = || steps.values().flatten();
         let done = ended().filter(|record| record.status == StepStatus::Done).count();
         (steps.len(), done, ended().count() - done)
+    }
+
+    /// What is missing in all that is said of the steps: those that failed or are to do. Empty if
+    /// nothing is.
+    pub fn missing_in_words(&self) -> String {
+        let (n, done, failed) = self.counts();
+        let mut parts = Vec::new();
+        parts.extend((failed > 0).then(|| format!("{failed} failed")));
+        parts.extend((n > done + failed).then(|| format!("{} to do", n - done - failed)));
+        if parts.is_empty() {
+            return String::new();
+        }
+        format!("{done} of {n} steps are done, {}: what follows is without those.", {
+            parts.join(", ")
+        })
     }
 
     /// Whether all seconds were measured with nothing shared.

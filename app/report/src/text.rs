@@ -9,14 +9,18 @@ use crate::columns::{self, MeasureColumn};
 use crate::html::escape;
 use crate::pivot::{Pivot, PivotRow, best_mean};
 use crate::results::{Cell, Results};
+use crate::stats::estimate;
 
-/// Every case with the columns of the long table, all digits; RFC 4180.
+/// Every case with the columns of the long table, all digits, rounding included; RFC 4180. A step
+/// that is missing says so in the column `status`.
 pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
     let columns = long_columns(results, measures);
     let has_repeats = results.cases.iter().any(|case| case.steps.len() > 1);
     let varied = results.varied();
     let mut header = varied.clone();
-    header.extend(has_repeats.then(|| "repeats".to_owned()));
+    if has_repeats {
+        header.extend(["repeats", "done"].map(str::to_owned));
+    }
     for column in &columns {
         header.push(column.clone());
         header.extend(has_repeats.then(|| format!("{column} ±95%")));
@@ -31,20 +35,28 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
             Some(value) => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
         };
         let mut row: Vec<String> = varied.iter().map(param).collect();
-        row.extend(has_repeats.then(|| case.steps.len().to_string()));
+        if has_repeats {
+            row.extend([case.steps.len(), case.n_done()].map(|n| n.to_string()));
+        }
         for column in &columns {
-            let (value, half) = match case.cell(column) {
-                Cell::Empty => (String::new(), None),
-                Cell::Text(text) => (text, None),
-                Cell::Number(estimate) => (estimate.mean.to_string(), estimate.half_width),
+            let (value, half) = match (estimate(&case.exact_numbers(column)), case.cell(column)) {
+                (Some(exact), _) => (number(exact.mean), exact.half_width),
+                (None, Cell::Text(text)) => (text, None),
+                (None, _) => (String::new(), None),
             };
             row.push(value);
-            row.extend(has_repeats.then(|| half.map_or(String::new(), |half| half.to_string())));
+            row.extend(has_repeats.then(|| half.map_or(String::new(), number)));
         }
         row.push(case.status().to_owned());
         let _ = writer.write_record(&row);
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// A number that reads back as the same bits, with an exponent where it would be long.
+fn number(value: f64) -> String {
+    let is_long = value != 0.0 && !(1e-5..1e16).contains(&value.abs());
+    if is_long { format!("{value:e}") } else { value.to_string() }
 }
 
 /// The columns of the long table behind the parameters: measures, other chief outputs, seconds.
@@ -75,7 +87,7 @@ pub fn caption(table: &Pivot) -> String {
 }
 
 /// The answers and a table a measure.
-pub fn markdown(title: &str, answers: &[Answer], tables: &[Pivot]) -> String {
+pub fn markdown(title: &str, missing: &str, answers: &[Answer], tables: &[Pivot]) -> String {
     let plain = |text: &str| {
         let mut out = String::with_capacity(text.len());
         for c in escape(text).chars() {
@@ -88,6 +100,9 @@ pub fn markdown(title: &str, answers: &[Answer], tables: &[Pivot]) -> String {
         out
     };
     let mut text = format!("# {}\n", plain(title));
+    if !missing.is_empty() {
+        let _ = write!(text, "\n{missing}\n");
+    }
     for answer in answers {
         let _ = write!(text, "\n**{}**\n\n{}\n", plain(&answer.text), {
             plain(&answer.sentences.join(" "))
@@ -111,8 +126,11 @@ pub fn markdown(title: &str, answers: &[Answer], tables: &[Pivot]) -> String {
 }
 
 /// A tabular a measure, for the package `booktabs`.
-pub fn latex(title: &str, tables: &[Pivot]) -> String {
+pub fn latex(title: &str, missing: &str, tables: &[Pivot]) -> String {
     let mut text = format!("% {}\n% Needs \\usepackage{{booktabs}}.\n", one_line(title));
+    if !missing.is_empty() {
+        let _ = writeln!(text, "% {missing}");
+    }
     for table in tables {
         let _ = writeln!(text, "\n% {}", one_line(&caption(table)));
         let n_columns = table.columns.len();

@@ -339,10 +339,16 @@ impl Map {
                 target(self).insert(name, part);
             }
             Err(error) => {
-                let problem = Problem::error(format!("not understood: {error}"));
-                self.problems.push(match section {
-                    "programs" => problem.in_program(&name),
-                    _ => problem.at(&name),
+                let error = error.to_string().replace("u32", "a whole number above 0");
+                self.problems.push(match (section, misunderstood::<T>(&value)) {
+                    ("programs", Some(field)) => {
+                        let message = format!("\"{field}\" is not understood: {error}");
+                        Problem::error(message).in_program(&name)
+                    }
+                    ("programs", None) => {
+                        Problem::error(format!("not understood: {error}")).in_program(&name)
+                    }
+                    _ => Problem::error(format!("not understood: {error}")).at(&name),
                 });
                 self.leftovers.push((section, name, value));
             }
@@ -360,6 +366,16 @@ impl Map {
             }
         }
     }
+}
+
+/// The first field of an object that is not understood even alone, where all of them may be left
+/// out.
+fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
+    let is_bad = |(field, value): &(&String, &Json)| {
+        let alone = JsonMap::from_iter([((*field).clone(), (*value).clone())]);
+        T::deserialize(Json::Object(alone)).is_err()
+    };
+    value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
 }
 
 fn migrate(object: &mut JsonMap<String, Json>, from: u64, migrations: &[Migration]) {
@@ -467,6 +483,21 @@ mod tests {
         let mut object = JsonMap::new();
         migrate(&mut object, 2, &[add_two, add_three]);
         assert_eq!(object.keys().collect::<Vec<_>>(), ["three"]);
+    }
+
+    #[test]
+    fn a_bad_field_of_a_program_is_named() {
+        let said = |repeats: &str| {
+            let text = format!(
+                r#"{{"mve": 1, "programs": {{"p": {{"steps": [], "repeats": {repeats}}}}}}}"#
+            );
+            Map::parse(&text).unwrap().problems()[0].to_string()
+        };
+        for repeats in ["-2", "1.5", "\"many\"", "[3]"] {
+            let found = said(repeats);
+            assert!(found.starts_with("program \"p\": \"repeats\" is not understood: "), "{found}");
+            assert!(found.ends_with("expected a whole number above 0"), "{found}");
+        }
     }
 
     #[test]

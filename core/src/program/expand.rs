@@ -154,6 +154,9 @@ fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
     sorted
 }
 
+/// What to do where repeats write one file.
+const ADVICE_REPEATS: &str = "put {repeat} or {step} into the name";
+
 /// What is remembered of the steps so far to check the next.
 #[derive(Default)]
 struct Checker {
@@ -187,18 +190,29 @@ impl Checker {
         }
         for node in &plan.nodes {
             *self.keys.entry(node.key).or_default() += 1;
+            // A file beside another one, such as the materials of a mesh, is no second fault.
+            let mut is_told = false;
             for path in &node.writes {
                 let step = shown(params);
                 let other = self.writers.insert(one_case(path), step.clone());
                 // Of a file and a folder of one name, whichever comes second finds the other.
                 let folder = one_case(path).ancestors().skip(1).find_map(|f| self.writers.get(f));
                 let inside = self.folders.get(&one_case(path)).cloned();
-                if let Some(other) = other.or(folder.cloned()).or(inside) {
-                    let message = format!(
-                        "two steps write \"{}\": {other}; and {step}. Put a varied parameter or \
-                         {{step}} into the name",
-                        path.display()
-                    );
+                if let Some(other) = other.or(folder.cloned()).or(inside)
+                    && !std::mem::replace(&mut is_told, true)
+                    && self.reported.insert(format!("write {}", one_case(path).display()))
+                {
+                    let path = path.display();
+                    let message = match (other == step, step.is_empty()) {
+                        (true, true) => format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
+                        (true, false) => {
+                            format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}")
+                        }
+                        (false, _) => format!(
+                            "two steps write \"{path}\": {other}; and {step}. Put a varied \
+                             parameter or {{step}} into the name"
+                        ),
+                    };
                     self.problems.push(Problem::error(message).at(&node.name));
                 }
                 for folder in one_case(path).ancestors().skip(1) {

@@ -9,7 +9,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, VIEW, image_options};
+use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
 use crate::geometry::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
@@ -22,6 +22,7 @@ pub static COST: Entry<MakeCost> = Entry {
         VIEW.sides.spec(),
         VIEW.background.spec(),
         AREAS.spec(),
+        RENEWAL.spec(),
     ],
     build: |mesh, settings| {
         Ok(Box::new(ImageDriven::new(mesh, Squares, image_options(mesh, settings)?)))
@@ -40,19 +41,20 @@ impl Difference for Squares {
 
     #[inline(always)]
     fn change(&self, picture: &Picture, (): &(), patch: &Patch, (): &mut ()) -> i64 {
-        let rows = patch.changed.y[0]..patch.changed.y[1];
-        rows.map(|y| {
+        // Loops, not folds, which would not be compiled for the vectors of the machine.
+        let mut growth = 0;
+        for y in patch.changed.y[0]..patch.changed.y[1] {
             let x = patch.changed.x;
             let [from, to] = x.map(|x| y as usize * picture.size + x as usize);
             let (original, now) = (&picture.original[from..to], &picture.now[from..to]);
-            let pixels = original.iter().zip(now).zip(patch.row(y, x));
-            let growth = |((&original, &now), &new)| {
-                let [original, now, new] = [original, now, new].map(i32::from);
-                (new - now) * (new + now - 2 * original)
-            };
-            i64::from(pixels.map(growth).sum::<i32>())
-        })
-        .sum()
+            let mut of_row = 0;
+            for ((&original, &now), &new) in original.iter().zip(now).zip(patch.row(y, x)) {
+                let [original, now, new] = [i32::from(original), i32::from(now), i32::from(new)];
+                of_row += (new - now) * (new + now - 2 * original);
+            }
+            growth += i64::from(of_row);
+        }
+        growth
     }
 
     fn price(&self, growth: i64, _: usize, _: usize) -> f64 {

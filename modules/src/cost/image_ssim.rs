@@ -10,7 +10,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, VIEW, image_options};
+use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
 use crate::geometry::image_driven::{ImageDriven, Structure};
 use crate::prelude::*;
 
@@ -34,6 +34,7 @@ pub static COST: Entry<MakeCost> = Entry {
         VIEW.sides.spec(),
         VIEW.background.spec(),
         AREAS.spec(),
+        RENEWAL.spec(),
         MARGIN.spec(),
     ],
     build: |mesh, settings| {

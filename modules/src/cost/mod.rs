@@ -19,7 +19,7 @@ pub use quadric::Quadric;
 
 use crate::data::TriMesh;
 use crate::geometry::control::{Cancelled, Control};
-use crate::geometry::simplify::{Collapse, Collapsing, Proposal, QuadricOptions, Reach};
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, QuadricOptions, Reach, Renewal};
 
 /// All costs, for the parameters of modules.
 pub static COSTS: Choices<MakeCost> = Choices { entries: ENTRIES };
@@ -48,6 +48,16 @@ pub trait Cost: Send {
     /// How far from a collapse prices go stale.
     fn reach(&self) -> Reach {
         Reach::MERGED
+    }
+
+    /// When prices that went stale are asked for again.
+    fn renewal(&self) -> Renewal {
+        Renewal::AtOnce
+    }
+
+    /// Whether a batch of prices is shared among threads.
+    fn uses_threads(&self) -> bool {
+        false
     }
 
     /// Whether the price of a position never falls by a collapse nearby. Where the placement says

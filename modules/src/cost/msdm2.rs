@@ -10,7 +10,8 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::control::Control;
+use crate::geometry::control::{Cancelled, Control};
+use crate::geometry::msdm2::Msdm2Error;
 use crate::geometry::msdm2::collapse::{CollapsePrices, Counting};
 use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
 use crate::prelude::*;
@@ -41,18 +42,35 @@ pub static COST: Entry<MakeCost> = Entry {
 /// See the file's header.
 #[derive(Debug)]
 pub struct Msdm2 {
+    n_levels: usize,
+    counting: Counting,
+    /// Positions and faces of the input, until its prices are made.
+    input: Option<TriMesh>,
     prices: Option<CollapsePrices>,
 }
 
 impl Msdm2 {
     /// Prices against the mesh that is about to be simplified; one without a surface has nothing to
-    /// price.
+    /// price. The tree over it and its curvature are made when the simplification begins, where a
+    /// cancel is heard.
     pub fn new(mesh: &TriMesh, n_levels: usize, counting: Counting) -> Self {
-        Self { prices: CollapsePrices::new(mesh, n_levels, counting, Control::none()).ok() }
+        let (positions, faces) = (mesh.positions.clone(), mesh.faces.clone());
+        let input = Some(TriMesh { positions, faces, ..TriMesh::default() });
+        Self { n_levels, counting, input, prices: None }
     }
 }
 
 impl Cost for Msdm2 {
+    fn begin(&mut self, _state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+        let Some(mesh) = self.input.take() else { return Ok(()) };
+        match CollapsePrices::new(&mesh, self.n_levels, self.counting, control) {
+            Ok(prices) => self.prices = Some(prices),
+            Err(Msdm2Error::Cancelled(cancelled)) => return Err(cancelled),
+            Err(_) => {}
+        }
+        Ok(())
+    }
+
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
         if let Some(all) = &self.prices {
             all.price(state, batch, prices);

@@ -1,6 +1,7 @@
 //! The parameters that image-driven costs share: which pictures are taken.
 
 use crate::geometry::image_driven::{Areas, ImageOptions};
+use crate::geometry::simplify::Renewal;
 use crate::prelude::*;
 use crate::view::{ViewDefaults, ViewParams};
 
@@ -32,6 +33,21 @@ impl Enumeration for Areas {
 pub const AREAS: Param<Areas> =
     Param::one_of("areas", "How much of a picture a price looks at.", "Active");
 
+impl Enumeration for Renewal {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("AtOnce", "All edges whose faces have changed."),
+        (
+            "Lazy",
+            "Only those at the merged vertex; others wait at a third of their price and are priced \
+             again when they come up. Half of the work, and results as good.",
+        ),
+    ];
+    const VALUES: &'static [Self] = &[Self::AtOnce, Self::Lazy];
+}
+
+pub const RENEWAL: Param<Renewal> =
+    Param::one_of("renewal", "Which edges are priced again after each collapse.", "Lazy");
+
 /// Reads these parameters, for a mesh that must fit pictures.
 pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions, ModuleError> {
     let cameras = VIEW.read_cameras(settings)?;
@@ -60,5 +76,6 @@ pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions
         sides: settings.get(&VIEW.sides)?,
         background: settings.get(&VIEW.background)? as u8,
         areas: settings.get(&AREAS)?,
+        renewal: settings.get(&RENEWAL)?,
     })
 }

@@ -1,6 +1,6 @@
 //! A scalar field over the elements of a mesh.
 
-use mve_core::{Data, DataType};
+use mve_core::{Data, DataType, brief};
 use serde::{Deserialize, Serialize};
 
 use super::{Domain, TriMesh};
@@ -54,8 +54,34 @@ impl Data for Field {
         let finite = || self.values.iter().filter(|value| value.is_finite());
         let low = finite().copied().fold(f64::INFINITY, f64::min);
         let high = finite().copied().fold(f64::NEG_INFINITY, f64::max);
-        let range =
-            if low <= high { format!(" from {low:.6} to {high:.6}") } else { String::new() };
-        format!("{}, {} values{range}", self.name, self.values.len())
+        if self.values.is_empty() {
+            return "no field".to_owned();
+        }
+        let range = match low <= high {
+            true => format!(" from {} to {}", brief(low), brief(high)),
+            false => String::new(),
+        };
+        let name = if self.name.is_empty() { "unnamed" } else { &self.name };
+        let n = match self.values.len() {
+            1 => "1 value".to_owned(),
+            n => format!("{n} values"),
+        };
+        format!("{name}, {n}{range}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_what_there_is() {
+        let field = |name: &str, values: &[f64]| {
+            let (name, unit) = (name.to_owned(), String::new());
+            Field { name, unit, domain: Domain::Vertex, values: values.to_vec() }.summary()
+        };
+        assert_eq!(field("", &[]), "no field");
+        assert_eq!(field("distance", &[1e-9, f64::NAN, 2.0]), "distance, 3 values from 1e-9 to 2");
+        assert_eq!(field("", &[f64::NAN]), "unnamed, 1 value");
     }
 }

@@ -5,10 +5,11 @@
 
 use std::io::{self, Cursor, Write};
 
-use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError, Limits};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageError, Limits};
 
 use crate::data::{Image, PixelKind};
+use crate::geometry::control::Control;
 
 /// Most pixels in a row, or rows, of a picture that is read.
 const MAX_SIDE: u32 = 1 << 15;
@@ -16,12 +17,15 @@ const MAX_SIDE: u32 = 1 << 15;
 /// Most bytes that reading a picture may take; a few kilobytes of file can ask for any number.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// Bytes of pixels that are packed between two looks at the control: a few milliseconds.
+const PIECE: usize = 1 << 16;
+
 /// Writes a picture as PNG, 8 bits, gray or color.
 ///
 /// # Errors
 /// `InvalidInput` for a picture without a pixel or with too many for the format; whatever the
-/// writer reports.
-pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
+/// writer reports; `Other` when `control` ends it.
+pub fn write_png(image: &Image, out: &mut dyn Write, control: Control) -> io::Result<()> {
     let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidInput, message.to_owned());
     if image.bytes.is_empty() {
         return Err(invalid("the image has no pixel"));
@@ -29,15 +33,24 @@ pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let (Ok(width), Ok(height)) = (u32::try_from(image.width), u32::try_from(image.height)) else {
         return Err(invalid("the image is too large for a PNG file"));
     };
-    let kind = match image.kind {
-        PixelKind::Gray => ExtendedColorType::L8,
-        PixelKind::Rgb => ExtendedColorType::Rgb8,
-    };
-    let encoder = PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
-    encoder.write_image(&image.bytes, width, height, kind).map_err(|error| match error {
-        ImageError::IoError(error) => error,
-        other => io::Error::other(other.to_string()),
-    })
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_color(match image.kind {
+        PixelKind::Gray => png::ColorType::Grayscale,
+        PixelKind::Rgb => png::ColorType::Rgb,
+    });
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut header = encoder.write_header()?;
+    let mut stream = header.stream_writer_with_size(PIECE)?;
+    let n_pieces = image.bytes.len().div_ceil(PIECE);
+    for (place, piece) in image.bytes.chunks(PIECE).enumerate() {
+        let cancelled = control.at(place as f64 / n_pieces as f64);
+        cancelled.map_err(|cancelled| io::Error::other(cancelled.to_string()))?;
+        stream.write_all(piece)?;
+    }
+    stream.finish()?;
+    Ok(header.finish()?)
 }
 
 /// Reads a PNG file as a picture of this name: gray where the file is, else color. Deeper samples
@@ -69,13 +82,15 @@ pub fn read_png(bytes: &[u8], name: &str) -> Result<Image, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use proptest::prelude::*;
 
     use super::*;
 
     fn written(image: &Image) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_png(image, &mut bytes).unwrap();
+        write_png(image, &mut bytes, Control::none()).unwrap();
         bytes
     }
 
@@ -88,8 +103,20 @@ mod tests {
             assert_eq!(written(&image), written(&image));
         }
         let empty = Image::filled("a", [0, 5], PixelKind::Gray, 0);
-        let message = write_png(&empty, &mut Vec::new()).unwrap_err().to_string();
+        let message = write_png(&empty, &mut Vec::new(), Control::none()).unwrap_err().to_string();
         assert!(message.contains("no pixel"), "{message}");
+    }
+
+    #[test]
+    fn packing_ends_where_it_is_told_to() {
+        let image = Image::filled("a", [2000, 1000], PixelKind::Rgb, 7);
+        let report = |share: f64| {
+            if share < 0.5 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let mut bytes = Vec::new();
+        let error = write_png(&image, &mut bytes, Control::new(&report)).unwrap_err();
+        assert_eq!(error.to_string(), "cancelled");
+        assert!(bytes.len() < written(&image).len());
     }
 
     #[test]

@@ -40,6 +40,7 @@ mod tests {
     use mve_core::testing::Trial;
 
     use crate::data::{Image, PixelKind};
+    use crate::geometry::control::Control;
     use crate::io::png::write_png;
     use crate::prelude::*;
 
@@ -49,7 +50,7 @@ mod tests {
         let path = folder.path().join("a.png");
         let image = Image::filled("image", [7, 3], PixelKind::Rgb, 200);
         let mut bytes = Vec::new();
-        write_png(&image, &mut bytes).unwrap();
+        write_png(&image, &mut bytes, Control::none()).unwrap();
         let load = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
             Trial::of(&super::MODULE).set("path", path.to_str().unwrap()).run()

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use crate::geometry::contact_sheet::{SheetOptions, contact_sheet};
+use crate::geometry::control::Control;
 use crate::io::png::write_png;
 use crate::io::save_atomic;
 use crate::prelude::*;
@@ -58,8 +59,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             }
         };
     io.check()?;
-    save_atomic(&path, |out| write_png(&image, out))
-        .map_err(|error| ModuleError::Numeric(error.to_string()))
+    let report = |share| io.flow(share);
+    let saved = save_atomic(&path, |out| write_png(&image, out, Control::new(&report)));
+    saved.map_err(|error| match io.check() {
+        Err(cancelled) => cancelled,
+        Ok(()) => ModuleError::Numeric(error.to_string()),
+    })
 }
 
 #[cfg(test)]

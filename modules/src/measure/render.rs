@@ -203,8 +203,9 @@ mod tests {
         let name = Layer::COLOR.to_owned();
         mesh.set_layer(Layer { name, domain: Domain::Face, values, index: vec![0; 12] });
         let white = images(trial(cube(DVec3::ZERO)).set("shading", "Flat"));
-        let color = images(trial(mesh.clone()).set("shading", "Flat"));
-        let gray = images(trial(mesh).set("shading", "Flat").set("gray", true));
+        let mesh = || mesh.clone();
+        let color = images(trial(mesh()).set("shading", "Flat"));
+        let gray = images(trial(mesh()).set("shading", "Flat").set("gray", true));
         assert_eq!((color[0].kind, gray[0].kind), (PixelKind::Rgb, PixelKind::Gray));
         for (k, &light) in white[0].bytes.iter().enumerate() {
             let [red, green, blue] = [0, 1, 2].map(|c| color[0].bytes[3 * k + c]);
@@ -213,5 +214,12 @@ mod tests {
             // 0.299 + 0.587 / 2.
             assert!((f64::from(gray[0].bytes[k]) - 0.5925 * f64::from(light)).abs() <= 1.0);
         }
+        // Without light there is the color and the background, and nothing between. (Half of 255 is
+        // rounded either way.)
+        let unlit = images(trial(mesh()).set("shading", "Unlit"));
+        let pixels = || unlit[0].bytes.chunks_exact(3);
+        let is_color = |pixel: &[u8]| [[255, 127, 0], [255, 128, 0]].iter().any(|c| pixel == c);
+        assert!(pixels().all(|pixel| pixel == [0; 3] || is_color(pixel)));
+        assert!(pixels().filter(|pixel| is_color(pixel)).count() > 100);
     }
 }

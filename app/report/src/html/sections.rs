@@ -39,7 +39,8 @@ pub(super) fn summary(page: &Page) -> String {
         parts.push(format!("{} to do", n - done - failed));
     }
     format!(
-        "<p class=\"lead\">Program <i>{}</i>{product}. {}, {} of computing.</p>\n",
+        "<p class=\"lead\">Program <i>{}</i>{product}. {}; {} of computing, summed over \
+         steps.</p>\n",
         escape(&results.plan.program),
         parts.join(", "),
         labels::duration(seconds)

@@ -39,6 +39,12 @@ pub(super) fn pivots(page: &Page) -> String {
              (Student’s t).</p>\n",
         );
     }
+    if page.results.has_rounding() {
+        text.push_str(
+            "<p class=\"note\">Values of a measure below 10⁻¹² of its largest are rounding and \
+             count as 0.</p>\n",
+        );
+    }
     text.push_str("<div class=\"tables\">\n");
     for table in page.tables {
         text.push_str(&pivot(table));

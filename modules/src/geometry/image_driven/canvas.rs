@@ -78,10 +78,13 @@ impl Canvas {
         let first = (seen.x[0] - self.area.x[0]) as usize / LANES;
         let last = (seen.x[1] - 1 - self.area.x[0]) as usize / LANES;
         let left = self.area.x[0] + (first * LANES) as i32;
-        for y in seen.y[0]..seen.y[1] {
-            let row = (y - self.area.y[0]) as usize * self.n_across;
-            let mut lanes = small.lanes(left, y);
-            for there in &mut self.blocks[row + first..=row + last] {
+        let mut start = small.lanes(left, seen.y[0]);
+        let n_skipped = (seen.y[0] - self.area.y[0]) as usize;
+        let rows = self.blocks.chunks_exact_mut(self.n_across).skip(n_skipped);
+        for row in rows.take(seen.height()) {
+            let mut lanes = start;
+            start.go_down();
+            for there in &mut row[first..=last] {
                 let (is_inside, inv_depths) = lanes.next();
                 let is_seen = inv_depths.simd_gt(there.inv_depths) & cast::<_, f32x8>(is_inside);
                 there.inv_depths = is_seen.bitselect(inv_depths, there.inv_depths);

@@ -47,16 +47,26 @@ pub(super) struct Change {
     pub position: DVec3,
     /// The numbers of the faces that go.
     numbers: Vec<u32>,
-    /// The same, each at the first free place from that of its
+    /// Where they are more than [`FEW`]: the same, each at the first free place from that of its
     /// [`Change::slot`] on; a power of two of places, mostly free.
     slots: Vec<u32>,
 }
 
+/// So many numbers are compared with one after the other, which takes no branch.
+const FEW: usize = 24;
+
 impl Change {
+    /// No faces yet.
+    fn at(kept: VertexId, position: DVec3) -> Self {
+        // Room for most changes, so that few of them move while they are made.
+        let room = || Vec::with_capacity(16);
+        Self { kept: kept.0, position, old: room(), new: room(), ..Self::default() }
+    }
+
     /// The change that a proposal would be.
     pub fn proposed(state: &Collapsing, proposal: &Proposal) -> Self {
         let (kept, gone) = (proposal.ends.kept, proposal.ends.gone);
-        let mut change = Self { kept: kept.0, position: proposal.position, ..Self::default() };
+        let mut change = Self::at(kept, proposal.position);
         for face in state.faces_around(kept).chain(state.faces_around(gone)) {
             let Some(old) = Patched::of(state, face) else { continue };
             change.old.push(old);
@@ -77,7 +87,7 @@ impl Change {
         face_before: impl Fn(u32) -> [u32; 3],
     ) -> Self {
         let kept = collapse.kept;
-        let mut change = Self { kept: kept.0, position: collapse.position, ..Self::default() };
+        let mut change = Self::at(kept, collapse.position);
         let point_before = |v: VertexId| match v {
             v if v == kept => collapse.before[0],
             v if v == collapse.gone => collapse.before[1],
@@ -103,8 +113,11 @@ impl Change {
         self.ring.extend(self.old.iter().flat_map(|old| old.vertices));
         self.ring.sort_unstable();
         self.ring.dedup();
-        self.slots.resize((16 * self.old.len()).next_power_of_two(), NO_FACE);
         self.numbers.extend(self.old.iter().map(|old| old.face));
+        if self.numbers.len() <= FEW {
+            return self;
+        }
+        self.slots.resize((16 * self.old.len()).next_power_of_two(), NO_FACE);
         for old in &self.old {
             let mut slot = self.slot(old.face);
             while self.slots[slot] != NO_FACE {
@@ -125,6 +138,9 @@ impl Change {
     /// Whether a face goes.
     #[inline(always)]
     pub fn removes(&self, face: u32) -> bool {
+        if self.numbers.len() <= FEW {
+            return self.numbers.contains(&face);
+        }
         let mut slot = self.slot(face);
         loop {
             let there = self.slots[slot];
@@ -138,8 +154,6 @@ impl Change {
     /// Which of eight faces go, a bit each.
     #[inline(always)]
     pub fn removes_lanes(&self, faces: [u32; LANES]) -> u32 {
-        // Comparing with all is faster for few, as it takes no branch.
-        const FEW: usize = 24;
         if self.numbers.len() > FEW {
             let bit = |lane: usize| u32::from(self.removes(faces[lane])) << lane;
             return (0..LANES).fold(0, |bits, lane| bits | bit(lane));

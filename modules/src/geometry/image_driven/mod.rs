@@ -10,9 +10,15 @@
 //! pictures, which [`Areas::Whole`] does, for comparison.
 //!
 //! Departures from the paper: faces are shaded flat, so that a collapse changes no other faces than
-//! those around its edge; edges are priced again after a collapse when their own faces have
-//! changed, not when some other part of the surface comes before or behind them in a picture, nor
-//! when only pixels beside them change that a window of [`Structure`] sees, too.
+//! those around its edge; a price goes stale when the faces of its edge have changed, not when
+//! some other part of the surface comes before or behind them in a picture, nor when only pixels
+//! beside them change that a window of [`Structure`] sees, too.
+//!
+//! Stale prices are asked for again lazily ([`Renewal::Lazy`]), which halves the work: on `cow` to
+//! 3,000 faces 30,036 prices instead of 61,424, of which 8,706 are the first ones. The pictures of
+//! cow, spot, fandisk and the bunny come out as near to the original as with [`Renewal::AtOnce`]: RMS
+//! by -1.6 to +0.8 % and SSIM by up to 0.0002 different, without a trend. To let the edges at the
+//! merged vertex wait, too, would save another fifth, at up to 5 % of RMS.
 
 mod canvas;
 mod change;
@@ -38,7 +44,7 @@ use crate::cost::Cost;
 use crate::data::TriMesh;
 use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::render::{CameraSet, Lens, Sides};
-use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
+use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach, Renewal};
 
 /// How much of the pictures a price looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +69,8 @@ pub struct ImageOptions {
     pub background: u8,
     /// How much of the pictures a price looks at.
     pub areas: Areas,
+    /// When edges are priced again after a collapse.
+    pub renewal: Renewal,
 }
 
 impl ImageOptions {
@@ -73,6 +81,7 @@ impl ImageOptions {
         sides: Sides::Front,
         background: 255,
         areas: Areas::Active,
+        renewal: Renewal::Lazy,
     };
 }
 
@@ -228,8 +237,9 @@ impl<D: Difference> Cost for ImageDriven<D> {
     }
 
     fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
-        let changes: Vec<Change> =
-            batch.iter().map(|proposal| Change::proposed(state, proposal)).collect();
+        // Threads that have had something to do just before are awake for the cameras.
+        let proposed = |proposal| Change::proposed(state, proposal);
+        let changes: Vec<Change> = batch.par_iter().with_min_len(8).map(proposed).collect();
         let of_camera = |camera| self.ask(camera, state, &changes);
         let growths: Vec<Vec<i64>> =
             (0..self.cameras.len()).into_par_iter().map(of_camera).collect();
@@ -255,6 +265,14 @@ impl<D: Difference> Cost for ImageDriven<D> {
             self.faces[new.face as usize] = new.vertices;
         }
         self.pending.push(change);
+    }
+
+    fn renewal(&self) -> Renewal {
+        self.options.renewal
+    }
+
+    fn uses_threads(&self) -> bool {
+        true
     }
 
     // The faces of an edge are those around its ends.

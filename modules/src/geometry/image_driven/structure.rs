@@ -86,7 +86,7 @@ pub struct Buffers {
     bytes: Vec<u8>,
     /// y, y² and x y of a row.
     pixels: Means,
-    /// Means along the rows that change.
+    /// Means along all rows that the windows in question see.
     along_rows: Means,
 }
 
@@ -97,13 +97,16 @@ fn load(list: &[f32], from: usize) -> f32x8 {
     f32x8::new(std::array::from_fn(|lane| part[lane]))
 }
 
-/// Eight weighted means of 11 numbers each; the k-th of all begin at `at(k)`.
+/// Eight weighted means of 11 numbers each: those of `list` from `first` on and each so many further.
 #[inline(always)]
-fn means<'a>(at: impl Fn(usize) -> (&'a [f32], usize)) -> f32x8 {
-    let mut sum = f32x8::splat(0.0);
-    for (k, weight) in WEIGHTS.iter().enumerate() {
-        let (list, from) = at(k);
-        sum += f32x8::splat(*weight) * load(list, from);
+fn means(list: &[f32], first: usize, step: usize) -> f32x8 {
+    // One look at the length for all.
+    let list = &list[first..first + (WINDOW - 1) * step + LANES];
+    let at = |k: usize| load(list, k * step);
+    // The weights are the same on both sides.
+    let mut sum = f32x8::splat(WEIGHTS[RADIUS]) * at(RADIUS);
+    for (k, weight) in WEIGHTS[..RADIUS].iter().enumerate() {
+        sum += f32x8::splat(*weight) * (at(k) + at(WINDOW - 1 - k));
     }
     sum
 }
@@ -130,7 +133,7 @@ fn products(y: &[u8], x: &[u8], to: &mut Means) {
 fn along_row(pixels: &Means, n_windows: usize, to: [&mut [f32]; 3]) {
     for (pixels, to) in pixels.iter().zip(to) {
         for from in (0..n_windows).step_by(LANES) {
-            let found = means(|k| (pixels.as_slice(), from + k));
+            let found = means(pixels, from, 1);
             to[from..from + LANES].copy_from_slice(found.as_array());
         }
     }
@@ -171,58 +174,58 @@ impl Windows {
         self.n + LANES
     }
 
-    /// Means along the rows that a patch changes, of the windows in `columns`, into the buffers.
+    /// Means along all rows of the windows in `rows` and `columns`, as a patch makes them, into the
+    /// buffers; returns the length of a row there.
     #[inline(always)]
-    fn new_rows(picture: &Picture, patch: &Patch, columns: [usize; 2], buffers: &mut Buffers) {
+    fn new_rows(
+        &self,
+        picture: &Picture,
+        patch: &Patch,
+        [rows, columns]: [[usize; 2]; 2],
+        buffers: &mut Buffers,
+    ) -> usize {
         let n_windows = columns[1] - columns[0];
-        let stride = whole_blocks(n_windows);
-        let rows = patch.changed.y[0]..patch.changed.y[1];
+        let width = whole_blocks(n_windows);
+        let rows = rows[0]..rows[1] + WINDOW - 1;
         let Buffers { bytes, pixels, along_rows } = buffers;
         for list in along_rows.iter_mut() {
-            list.resize(stride * rows.len(), 0.0);
+            list.resize(width * rows.len(), 0.0);
         }
         let pixel_columns = [columns[0], columns[1] + WINDOW - 1];
         // The part of the row that the patch has new values for.
         let x = patch.changed.x.map(|x| x.clamp(pixel_columns[0] as i32, pixel_columns[1] as i32));
         for (at, y) in rows.enumerate() {
-            let [from, to] = pixel_columns.map(|x| y as usize * picture.size + x);
+            let row = at * width..(at + 1) * width;
+            let changed = patch.changed.y.map(|y| y as usize);
+            if y < changed[0] || y >= changed[1] {
+                let start = y * self.stride() + columns[0];
+                for (list, kept) in along_rows.iter_mut().zip(&self.along_rows) {
+                    let blocks = list[row.clone()].chunks_exact_mut(LANES);
+                    for (to, from) in blocks.zip(kept[start..start + width].chunks_exact(LANES)) {
+                        to.copy_from_slice(from);
+                    }
+                }
+                continue;
+            }
+            let [from, to] = pixel_columns.map(|x| y * picture.size + x);
             bytes.clear();
             bytes.extend_from_slice(&picture.now[from..to]);
             let [first, end] = x.map(|x| x as usize - pixel_columns[0]);
-            bytes[first..end].copy_from_slice(patch.row(y, x));
+            bytes[first..end].copy_from_slice(patch.row(y as i32, x));
             products(bytes, &picture.original[from..to], pixels);
-            let row = at * stride..(at + 1) * stride;
             let [y, yy, xy] = along_rows;
             let to = [&mut y[row.clone()], &mut yy[row.clone()], &mut xy[row]];
             along_row(pixels, n_windows, to);
         }
+        width
     }
 
-    /// The similarities of eight windows of a row from `column` on, as a patch makes them;
-    /// `buffers` holds the patch's rows, of windows from column `first` on, with `width` from row
-    /// to row.
+    /// The similarities of eight windows, of which the first has the place `place`; what is along
+    /// their rows begins at `at` in the buffers, with `width` from row to row.
     #[inline(always)]
-    fn new_windows(
-        &self,
-        patch: &Patch,
-        row: usize,
-        [first, column, width]: [usize; 3],
-        buffers: &Buffers,
-    ) -> i32x8 {
-        let changed = patch.changed.y.map(|y| y as usize);
-        let found = |map: usize| {
-            means(|k| {
-                let y = row + k;
-                if changed[0] <= y && y < changed[1] {
-                    let at = (y - changed[0]) * width + column - first;
-                    (buffers.along_rows[map].as_slice(), at)
-                } else {
-                    (self.along_rows[map].as_slice(), y * self.stride() + column)
-                }
-            })
-        };
-        let means = [found(0), found(1), found(2)];
-        let place = row * self.stride() + column;
+    fn new_windows(&self, place: usize, along_rows: &Means, at: usize, width: usize) -> i32x8 {
+        let [y, yy, xy] = along_rows;
+        let means = [means(y, at, width), means(yy, at, width), means(xy, at, width)];
         similarity(means, load(&self.original[0], place), load(&self.original[1], place))
     }
 }
@@ -250,9 +253,7 @@ impl Difference for Structure {
         }
         for row in 0..n {
             for column in (0..n).step_by(LANES) {
-                let of = |map: usize| {
-                    means(|k| (kept.along_rows[map].as_slice(), (row + k) * stride + column))
-                };
+                let of = |map: usize| means(&kept.along_rows[map], row * stride + column, stride);
                 let (mean, square) = (of(0), of(1));
                 let place = row * stride + column..row * stride + column + LANES;
                 kept.original[0][place.clone()].copy_from_slice(mean.as_array());
@@ -271,13 +272,13 @@ impl Difference for Structure {
         buffers: &mut Buffers,
     ) -> i64 {
         let Some([rows, columns]) = reached(&patch.changed, self.margin, kept.n) else { return 0 };
-        Windows::new_rows(picture, patch, columns, buffers);
-        let width = whole_blocks(columns[1] - columns[0]);
+        let width = kept.new_rows(picture, patch, [rows, columns], buffers);
         let mut loss = 0;
         for row in rows[0]..rows[1] {
             for column in (columns[0]..columns[1]).step_by(LANES) {
-                let new = kept.new_windows(patch, row, [columns[0], column, width], buffers);
                 let place = row * kept.stride() + column;
+                let at = (row - rows[0]) * width + column - columns[0];
+                let new = kept.new_windows(place, &buffers.along_rows, at, width);
                 let n = (columns[1] - column).min(LANES);
                 let pairs = new.as_array().iter().zip(&kept.similarity[place..place + n]);
                 loss += pairs.map(|(new, now)| i64::from(now - new)).sum::<i64>();
@@ -289,19 +290,19 @@ impl Difference for Structure {
     fn update(&self, picture: &Picture, kept: &mut Windows, patch: &Patch, buffers: &mut Buffers) {
         let margin = Self::EXACT_MARGIN;
         let Some([rows, columns]) = reached(&patch.changed, margin, kept.n) else { return };
-        Windows::new_rows(picture, patch, columns, buffers);
-        let width = whole_blocks(columns[1] - columns[0]);
+        let width = kept.new_rows(picture, patch, [rows, columns], buffers);
         for row in rows[0]..rows[1] {
             for column in (columns[0]..columns[1]).step_by(LANES) {
-                let new = kept.new_windows(patch, row, [columns[0], column, width], buffers);
                 let place = row * kept.stride() + column;
+                let at = (row - rows[0]) * width + column - columns[0];
+                let new = kept.new_windows(place, &buffers.along_rows, at, width);
                 let n = (columns[1] - column).min(LANES);
                 kept.similarity[place..place + n].copy_from_slice(&new.as_array()[..n]);
             }
         }
         let (stride, n) = (kept.stride(), columns[1] - columns[0]);
         for (along, new) in kept.along_rows.iter_mut().zip(&buffers.along_rows) {
-            for (row, new) in (patch.changed.y[0] as usize..).zip(new.chunks_exact(width)) {
+            for (row, new) in (rows[0]..).zip(new.chunks_exact(width)) {
                 along[row * stride + columns[0]..][..n].copy_from_slice(&new[..n]);
             }
         }

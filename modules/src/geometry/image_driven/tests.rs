@@ -49,6 +49,10 @@ impl<D: Difference> Cost for Checked<D> {
     fn reach(&self) -> Reach {
         self.active.reach()
     }
+
+    fn renewal(&self) -> Renewal {
+        self.active.renewal()
+    }
 }
 
 const SMALL: ImageOptions = ImageOptions {
@@ -57,6 +61,7 @@ const SMALL: ImageOptions = ImageOptions {
     sides: Sides::Both,
     background: 90,
     areas: Areas::Active,
+    renewal: Renewal::Lazy,
 };
 
 fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {

@@ -9,7 +9,7 @@ use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
 use crate::geometry::control::{Cancelled, Control};
 use crate::geometry::render::{
-    Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, luminance,
+    Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, luminance, may_be_seen,
 };
 use crate::geometry::simplify::Collapsing;
 
@@ -110,16 +110,20 @@ impl View {
         if are_placed { area.within(&whole) } else { whole }
     }
 
-    /// Whether a face that goes may be seen: it has area and shows its drawn side.
-    #[inline]
-    fn may_be_seen(&self, old: &Patched) -> bool {
-        let [a, b, c] = old.vertices;
-        let corner = |v: u32| self.corners[v as usize];
-        let [a, b, c] = [corner(a), corner(b), corner(c)];
-        let wide = |from: i32, to: i32| i64::from(to - from);
-        let across = wide(a.x, b.x) * wide(a.y, c.y) - wide(a.y, b.y) * wide(a.x, c.x);
-        let are_placed = a.is_placed() && b.is_placed() && c.is_placed();
-        !are_placed || if self.sides == Sides::Front { across < 0 } else { across != 0 }
+    /// Whether a change may be seen: some face of it, before or after, may be.
+    #[inline(always)]
+    fn may_be_seen(&self, change: &Change, moved: Corner) -> bool {
+        // Written out: a map over an array is not always inlined.
+        let after = |v: u32| self.corner_after(change, moved, v);
+        let before = |v: u32| self.corners[v as usize];
+        let is_seen = |placed: [Corner; 3]| may_be_seen(placed, self.sides);
+        change
+            .new
+            .iter()
+            .any(|&Patched { vertices: [a, b, c], .. }| is_seen([after(a), after(b), after(c)]))
+            || change.old.iter().any(|&Patched { vertices: [a, b, c], .. }| {
+                is_seen([before(a), before(b), before(c)])
+            })
     }
 
     /// Finds what the picture would be after a change, where it would differ; `false` where it
@@ -127,34 +131,24 @@ impl View {
     #[inline(always)]
     pub fn redraw(&self, change: &Change, canvas: &mut Canvas, patch: &mut Patch) -> bool {
         let moved = self.lens.corner(change.position);
+        if !self.may_be_seen(change, moved) {
+            return false;
+        }
         let area = self.area(change, moved);
         if area.is_empty() {
             return false;
         }
-        let mut is_clear = false;
+        canvas.clear(&area);
         for new in &change.new {
-            // Written out: a map over an array is not always inlined.
             let [a, b, c] = new.vertices;
             let corner = |v: u32| self.corner_after(change, moved, v);
             let placed = [corner(a), corner(b), corner(c)];
-            if !(placed[0].is_placed() && placed[1].is_placed() && placed[2].is_placed()) {
-                if !std::mem::replace(&mut is_clear, true) {
-                    canvas.clear(&area);
-                }
+            if !is_placed(placed) {
                 self.draw_clipped(new, canvas);
             } else if let Some(triangle) = Triangle::new(placed, self.sides) {
-                if !std::mem::replace(&mut is_clear, true) {
-                    canvas.clear(&area);
-                }
                 let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
                 canvas.draw(new.face, &triangle, value);
             }
-        }
-        if !is_clear {
-            if !change.old.iter().any(|old| self.may_be_seen(old)) {
-                return false;
-            }
-            canvas.clear(&area);
         }
         self.resolve(change, canvas, area, patch)
     }
@@ -209,12 +203,15 @@ impl View {
     #[inline(always)]
     fn resolve_block(&self, change: &Change, drawn: &Block, pixel: usize) -> (u64, u64) {
         let layers = &self.layers;
-        let inv_depths = f32x8::new(lanes(&layers.inv_depths, pixel));
-        let nexts = lanes(&layers.nexts, pixel);
-        let nexts = i32x8::new(std::array::from_fn(|lane| nexts[lane] as i32));
         let now = u64::from_le_bytes(lanes(&layers.values, pixel));
         let goes = change.removes_lanes(lanes(&layers.faces, pixel));
         let is_drawn = drawn.inv_depths.simd_gt(f32x8::splat(0.0)).to_bitmask();
+        if goes | is_drawn == 0 {
+            return (now, now);
+        }
+        let inv_depths = f32x8::new(lanes(&layers.inv_depths, pixel));
+        let nexts = lanes(&layers.nexts, pixel);
+        let nexts = i32x8::new(std::array::from_fn(|lane| nexts[lane] as i32));
         let is_nearer = drawn.inv_depths.simd_gt(inv_depths).to_bitmask();
         let bytes = |bits: u32| BYTES[bits as usize & 0xFF];
         let (over, changes) = (bytes(is_drawn), bytes(goes | is_nearer));

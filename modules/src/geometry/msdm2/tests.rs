@@ -249,14 +249,17 @@ fn a_mesh_is_not_different_from_itself() {
     }
 }
 
-/// FIXME: where two sheets touch in one place, a vertex finds the other's curvature by chance, so
-/// this mesh with two pairs of vertices in one place is not quite itself. (The published program
-/// says 0.128.)
+/// Where two sheets touch in one place, a vertex finds the other's curvature by chance. So this mesh,
+/// with two pairs of vertices in one place, is not quite itself: 0.041 by the published rules (0.128
+/// in the published program, which meets the faces in another order) and 0.052 by the mended ones,
+/// which know no more of sheets.
 #[test]
 fn two_sheets_in_one_place_are_mixed_up() {
     let Some(mesh) = model("suzanne.obj") else { return };
-    let found = measured(&mesh, &mesh, Variant::Published).symmetric();
-    assert!((0.0..0.06).contains(&found), "{found}");
+    let by = |rules| measured(&mesh, &mesh, rules).symmetric();
+    let (published, mended) = (by(Variant::Published), by(Variant::Mended));
+    assert!((0.0410..0.0412).contains(&published), "{published}");
+    assert!((0.0515..0.0517).contains(&mended), "{mended}");
 }
 
 /// Sizes far out of the ordinary change nothing.

@@ -22,4 +22,4 @@ pub use pictures::{Frame, PictureOptions, picture, pictures};
 pub use project::{Corner, Lens, MAX_SIZE};
 pub use raster::{LANES, Rect, Row, Side, Sides, Triangle};
 pub use shade::{NormalSource, Paint, Shading, Surface};
-pub use visible::{NO_FACE, Visible, corners, face_triangles, side_seen};
+pub use visible::{NO_FACE, Visible, corners, face_triangles, is_placed, may_be_seen, side_seen};

@@ -128,11 +128,13 @@ pub struct Small {
     slopes: [f32; 2],
 }
 
-/// Blocks of pixels of a [`Small`] triangle, from left to right.
+/// Blocks of pixels of a [`Small`] triangle, from left to right and row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes {
     edges: [i32x8; 3],
-    steps: [i32x8; 3],
+    /// What edge functions gain to the next block, and to the next row.
+    right: [i32x8; 3],
+    down: [i32x8; 3],
     inv_depth: f32x8,
     slopes: [f32x8; 2],
 }
@@ -143,16 +145,17 @@ impl Small {
     #[inline(always)]
     pub fn lanes(&self, x: i32, y: i32) -> Lanes {
         let (dx, dy) = (x - self.first[0], y - self.first[1]);
+        let numbers = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
         let edge = |k: usize| {
             let [right, down] = self.steps[k];
-            let first = self.start[k] + dx * right + dy * down;
-            let lane = |n: i32| first + n * right;
-            i32x8::new([first, lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7)])
+            i32x8::splat(self.start[k] + dx * right + dy * down) + numbers * i32x8::splat(right)
         };
-        let step = |k: usize| i32x8::splat(self.steps[k][0] * LANES as i32);
+        let right = |k: usize| i32x8::splat(self.steps[k][0] * LANES as i32);
+        let down = |k: usize| i32x8::splat(self.steps[k][1]);
         Lanes {
             edges: [edge(0), edge(1), edge(2)],
-            steps: [step(0), step(1), step(2)],
+            right: [right(0), right(1), right(2)],
+            down: [down(0), down(1), down(2)],
             inv_depth: f32x8::splat(self.inv_depth),
             slopes: [f32x8::splat(self.slopes[0]), f32x8::splat(self.slopes[1])],
         }
@@ -168,8 +171,15 @@ impl Lanes {
         let is_inside = (e0 | e1 | e2).simd_ge(i32x8::splat(0));
         let slope = |k: usize, edge: i32x8| f32x8::from_i32x8(edge) * self.slopes[k];
         let inv_depths = self.inv_depth + (slope(0, e1) + slope(1, e2));
-        self.edges = [e0 + self.steps[0], e1 + self.steps[1], e2 + self.steps[2]];
+        self.edges = [e0 + self.right[0], e1 + self.right[1], e2 + self.right[2]];
         (is_inside, inv_depths)
+    }
+
+    /// Goes to the block below. Below the last row of the bounds no block may be asked for.
+    #[inline(always)]
+    pub fn go_down(&mut self) {
+        let [e0, e1, e2] = self.edges;
+        self.edges = [e0 + self.down[0], e1 + self.down[1], e2 + self.down[2]];
     }
 }
 
@@ -210,7 +220,7 @@ impl Row {
 impl Triangle {
     /// Of three corners that have a place; `None` if no center of a pixel can be in it, or if it
     /// shows a side that is not drawn.
-    #[inline]
+    #[inline(always)]
     pub fn new([a, mut b, mut c]: [Corner; 3], sides: Sides) -> Option<Self> {
         let across = |from: Corner, to: Corner, at: [i32; 2]| {
             let along = [i64::from(to.x - from.x), i64::from(to.y - from.y)];

@@ -5,7 +5,7 @@
 //! the surface's color (white: 1), times 255, rounded to the nearest whole number, once. The gray of
 //! a color is its luminance by the NTSC weights. Nothing is gamma-corrected; see `luminance`.
 //!
-//! `Flat` gives a face one light. `Gouraud` lights the corners and interpolates between them
+//! `Flat` gives a face one light, `Unlit` every face a light of 1. `Gouraud` lights the corners and interpolates between them
 //! (H. Gouraud, "Continuous shading of curved surfaces", IEEE Transactions on Computers C-20(6),
 //! 1971), in space rather than in the picture as he does: the three weights of a pixel are the
 //! volumes that its ray spans with the edges of the face, as seen from the eye. This holds for faces
@@ -31,6 +31,8 @@ pub enum Shading {
     Flat,
     /// Luminance at the corners, by normals there, and interpolated.
     Gouraud,
+    /// No light: colors as they are, to be read by a color bar.
+    Unlit,
 }
 
 /// Where the normals of `Gouraud` come from.
@@ -117,9 +119,10 @@ enum Colors<'a> {
 /// A mesh with all that its pictures have in common.
 pub struct Surface<'a> {
     mesh: &'a TriMesh,
-    /// `None` for flat shading.
+    /// `None` where each face has one light.
     normals: Option<Normals<'a>>,
     colors: Colors<'a>,
+    is_lit: bool,
 }
 
 /// What the pixels of one face have in common.
@@ -146,7 +149,7 @@ impl<'a> Surface<'a> {
     ) -> Result<Self, Cancelled> {
         let layer = || Attribute::of(mesh, Layer::NORMAL, vec3);
         let normals = match (shading, source) {
-            (Shading::Flat, _) => None,
+            (Shading::Flat | Shading::Unlit, _) => None,
             (Shading::Gouraud, NormalSource::Layer) => layer().map(Normals::Layer),
             (Shading::Gouraud, NormalSource::Faces) => None,
         };
@@ -163,7 +166,8 @@ impl<'a> Surface<'a> {
             Paint::Texture(image) => Attribute::of(mesh, Layer::TEXCOORD, vec2)
                 .map(|texcoords| Colors::Texture(texcoords, image)),
         };
-        Ok(Self { mesh, normals, colors: colors.unwrap_or(Colors::White) })
+        let is_lit = shading != Shading::Unlit;
+        Ok(Self { mesh, normals, colors: colors.unwrap_or(Colors::White), is_lit })
     }
 
     /// The mesh.
@@ -228,7 +232,7 @@ impl<'a> Surface<'a> {
         let own = normal(points);
         let mut facet = Facet { face, ..Facet::NONE };
         let Some(normals) = &self.normals else {
-            facet.lights = [lit(own, lens, side); 3];
+            facet.lights = [if self.is_lit { lit(own, lens, side) } else { 1.0 }; 3];
             if self.is_colored() {
                 self.color(&mut facet, lens.camera.eye, points);
             }

@@ -118,8 +118,17 @@ pub fn corners(mesh: &TriMesh, lens: &Lens) -> Vec<Corner> {
 
 /// Whether all corners have a place on the grid.
 #[inline(always)]
-fn is_placed(corners: [Corner; 3]) -> bool {
-    corners.iter().all(|corner| corner.is_placed())
+pub fn is_placed([a, b, c]: [Corner; 3]) -> bool {
+    a.is_placed() && b.is_placed() && c.is_placed()
+}
+
+/// Whether a face at these corners may be seen: it has area and shows a side that is drawn, or it
+/// must be clipped to know.
+#[inline(always)]
+pub fn may_be_seen(placed: [Corner; 3], sides: Sides) -> bool {
+    let turns = turns(placed);
+    let shows = if sides == Sides::Front { turns < 0 } else { turns != 0 };
+    shows || !is_placed(placed)
 }
 
 /// Twice the area on the grid, negative where the front is seen: rows count downward.

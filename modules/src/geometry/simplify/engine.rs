@@ -9,9 +9,9 @@ use super::attributes::{Attributes, SeamRule};
 use super::connectivity::{Marks, Merged, Rings};
 use super::pulse::Pulse;
 use super::queue::{Entry, Queue};
-use super::state::{Collapsing, flag, next_in_face, previous_in_face};
+use super::state::{Collapsing, flag};
 use super::{
-    Boundary, Candidates, Collapse, Ends, Outcome, Proposal, Reach, Seconds, Simplified,
+    Boundary, Candidates, Collapse, Ends, Outcome, Proposal, Reach, Renewal, Seconds, Simplified,
     SimplifyOptions, Statistics,
 };
 use crate::cost::Cost;
@@ -27,48 +27,42 @@ const FIRST_BATCH: usize = 64;
 const SHORT: Duration = Duration::from_micros(500);
 const LONG: Duration = Duration::from_millis(20);
 
-/// How many of the edges that come up next are priced, or read, along with the first: their loads
-/// from memory overlap.
-const AHEAD: usize = 12;
-
-/// Waiting edges at a neighbor of the merged vertex are looked at up to this valence.
-const MAX_WAKE_VALENCE: usize = 1024;
-
 /// A run of the engine.
 pub(super) struct Engine<'a> {
     mesh: &'a TriMesh,
-    state: Collapsing,
+    pub(super) state: Collapsing,
     attributes: Attributes,
-    queue: Queue,
+    pub(super) queue: Queue,
     /// Whether edges are priced again only when they come up: the price of one that is stale is
     /// not above the one of now.
-    is_lazy: bool,
+    pub(super) is_lazy: bool,
     cost: &'a mut dyn Cost,
     placement: &'a mut dyn Placement,
-    reach: Reach,
+    pub(super) reach: Reach,
+    pub(super) renewal: Renewal,
     options: SimplifyOptions,
     pulse: Pulse<'a>,
     statistics: Statistics,
     /// Edges of the next batch of prices.
     batch: usize,
     start: Instant,
-    marks: Marks,
-    scratch: Scratch,
+    pub(super) marks: Marks,
+    pub(super) scratch: Scratch,
 }
 
 /// Buffers that live across collapses.
 #[derive(Default)]
-struct Scratch {
+pub(super) struct Scratch {
     ends: Vec<Ends>,
     candidates: Vec<Candidates>,
     batch: Vec<Proposal>,
     /// Edge and number of the candidate of each proposal of the batch.
     origins: Vec<(u32, u8)>,
     prices: Vec<f64>,
-    edges: Vec<u32>,
-    ring: Vec<u32>,
-    rings: Rings,
-    merged: Merged,
+    pub edges: Vec<u32>,
+    pub ring: Vec<u32>,
+    pub rings: Rings,
+    pub merged: Merged,
 }
 
 impl<'a> Engine<'a> {
@@ -116,6 +110,7 @@ impl<'a> Engine<'a> {
         Ok(Self {
             is_lazy: cost.only_grows() && placement.only_grows(),
             reach: cost.reach().max(placement.reach()),
+            renewal: cost.renewal(),
             mesh,
             attributes,
             state,
@@ -148,12 +143,7 @@ impl<'a> Engine<'a> {
             }
             self.pulse.beat(self.state.n_faces)?;
             if self.queue.is_stale(entry.edge) {
-                let queue = &self.queue;
-                let is_stale = |&edge: &u32| edge != entry.edge && queue.is_stale(edge);
-                self.scratch.edges.clear();
-                self.scratch.edges.push(entry.edge);
-                self.scratch.edges.extend(queue.coming().take(AHEAD).filter(is_stale));
-                warm_ends(&self.state, self.scratch.edges.iter().copied());
+                self.list_coming(entry.edge);
                 self.price_edges()?;
                 continue;
             }
@@ -361,81 +351,8 @@ impl<'a> Engine<'a> {
         self.statistics.n_collapses += 1;
         let largest = &mut self.statistics.largest_cost;
         *largest = Some(largest.map_or(entry.price, |price| price.max(entry.price)));
-        if self.is_lazy && self.reach == Reach::MERGED {
-            self.mark_stale();
-        } else {
-            self.find_stale(kept.0);
-        }
-        self.wake_parked(kept.0);
-        self.scratch.edges.sort_unstable();
-        self.scratch.edges.dedup();
+        self.list_stale(kept.0);
         self.price_edges()
-    }
-
-    /// Lists the edges within reach of a merge.
-    fn find_stale(&mut self, merged: u32) {
-        let Scratch { edges, ring, .. } = &mut self.scratch;
-        edges.clear();
-        ring.clear();
-        ring.push(merged);
-        self.marks.clear();
-        self.marks.is_new(merged);
-        let mut from = 0;
-        for _ in 0..=self.reach.0 {
-            let to = ring.len();
-            for at in from..to {
-                let vertex = ring[at];
-                for corner in self.state.corners_around(vertex) {
-                    let before = previous_in_face(corner);
-                    for (half_edge, other) in [(corner, next_in_face(corner)), (before, before)] {
-                        let other = self.state.vertex_at(other);
-                        if self.marks.is_new(other) {
-                            ring.push(other);
-                            edges.push(self.state.edge_at(half_edge));
-                        } else if vertex != merged {
-                            // An edge between vertices that are both known; sorted out below.
-                            edges.push(self.state.edge_at(half_edge));
-                        }
-                    }
-                }
-            }
-            from = to;
-        }
-    }
-
-    /// Marks the prices of the edges at the merged vertex as stale, and lists those that were put
-    /// off, to be priced at once.
-    fn mark_stale(&mut self) {
-        let Scratch { edges, ring, merged, .. } = &mut self.scratch;
-        edges.clear();
-        ring.clear();
-        for &(edge, other) in &merged.spokes {
-            self.queue.mark_stale(edge);
-            if !self.queue.contains(edge) {
-                edges.push(edge);
-            }
-            if self.state.flags[other as usize] & flag::PARKED != 0 {
-                ring.push(other);
-            }
-        }
-    }
-
-    /// Adds the edges that were put off at the neighbors of the merged vertex.
-    fn wake_parked(&mut self, merged: u32) {
-        let Scratch { edges, ring, rings, .. } = &mut self.scratch;
-        self.state.flags[merged as usize] &= !flag::PARKED;
-        for &vertex in ring.iter() {
-            if self.state.flags[vertex as usize] & flag::PARKED == 0
-                || !self.state.gather(vertex, MAX_WAKE_VALENCE, &mut rings.kept)
-            {
-                continue;
-            }
-            self.state.flags[vertex as usize] &= !flag::PARKED;
-            for spoke in &rings.kept {
-                let [to_after, to_before, _] = spoke.edges(&self.state.faces);
-                edges.extend([to_after, to_before].iter().filter(|&&e| !self.queue.contains(e)));
-            }
-        }
     }
 }
 
@@ -459,19 +376,6 @@ fn rule(state: &Collapsing, attributes: &Attributes, edge: u32, ends: &Ends) -> 
         (false, true) => SeamRule::OnlyAtGone,
         (true, true) => SeamRule::Nowhere,
     }
-}
-
-/// Reads what pricing these edges will read. The loads do not wait for each other here, as they do
-/// in the work itself, so they overlap. It changes no result.
-fn warm_ends(state: &Collapsing, edges: impl Iterator<Item = u32>) {
-    let mut sum = 0.0;
-    for [kept, gone] in edges.map(|edge| state.edges[edge as usize]) {
-        for v in [kept as usize, gone as usize] {
-            sum += state.vertices.get(v).map_or(0.0, |vertex| vertex.position.x);
-            sum += state.quadrics.get(v).map_or(0.0, |quadric| quadric.a[0] + quadric.c);
-        }
-    }
-    std::hint::black_box(sum);
 }
 
 /// Takes an edge off the queue until something near it changes.

@@ -1,5 +1,8 @@
 //! Tests of what goes stale around a collapse, and of the rules where a seam ends.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::{DVec2, DVec3};
 
 use super::attributes::{Attributes, SeamRule};
@@ -54,6 +57,44 @@ fn what_is_beyond_the_reach_needs_no_new_price() {
         assert_eq!(exact.statistics.n_faces, 60);
         assert_ne!(shorter.mesh, all.mesh, "a reach of {} should show", rings - 1);
     }
+}
+
+/// A cost that counts what it is asked.
+struct Counted {
+    cost: Crowding,
+    renewal: Renewal,
+    n_asked: Arc<AtomicUsize>,
+}
+
+impl Cost for Counted {
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        self.n_asked.fetch_add(batch.len(), Ordering::Relaxed);
+        self.cost.price(state, batch, prices);
+    }
+
+    fn reach(&self) -> Reach {
+        self.cost.reach
+    }
+
+    fn renewal(&self) -> Renewal {
+        self.renewal
+    }
+}
+
+#[test]
+fn lazy_prices_that_fall_little_change_no_result() {
+    // One collapse changes the sum of lengths around a vertex by much less than two thirds.
+    let mesh = torus(12);
+    let with = |renewal| {
+        let n_asked = Arc::new(AtomicUsize::new(0));
+        let cost = Crowding { rings: 1, reach: Reach::NEIGHBORS };
+        let cost = Counted { cost, renewal, n_asked: n_asked.clone() };
+        let mesh = run_with(&mesh, cost, Midpoint, to_faces(100)).mesh;
+        (mesh, n_asked.load(Ordering::Relaxed))
+    };
+    let (at_once, lazy) = (with(Renewal::AtOnce), with(Renewal::Lazy));
+    assert_eq!(lazy.0, at_once.0);
+    assert!(lazy.1 < at_once.1, "{} prices instead of {}", lazy.1, at_once.1);
 }
 
 const SHIFT: DVec2 = DVec2::new(0.5, 0.0);

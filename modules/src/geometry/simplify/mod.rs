@@ -25,6 +25,7 @@ mod engine_tests;
 mod order;
 mod pulse;
 mod queue;
+mod stale;
 mod state;
 mod stop;
 #[cfg(test)]
@@ -127,6 +128,21 @@ impl Reach {
     pub const MERGED: Self = Self(0);
     /// Also the other edges of its neighbors.
     pub const NEIGHBORS: Self = Self(1);
+}
+
+/// When prices that went stale are asked for again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Renewal {
+    /// All of them at once, after each collapse.
+    #[default]
+    AtOnce,
+    /// Those of edges at the merged vertex at once. An edge farther off waits at a third of its
+    /// earlier price, or at that price if it is negative, and is priced again when it comes up or
+    /// a little before: so a price that falls is noticed in time unless it falls below a third.
+    ///
+    /// After the lazy queue of J. Cohen, D. Manocha and M. Olano, "Simplifying polygonal models using
+    /// successive mappings", IEEE Visualization 1997, where edges wait at the earlier price itself.
+    Lazy,
 }
 
 /// The ends of an edge that may collapse.
@@ -250,5 +266,16 @@ pub fn simplify(
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Simplified, Cancelled> {
-    engine::Engine::new(mesh, cost, placement, options, control)?.run()
+    // Threads that are called together for each of many short batches should not have to be woken
+    // each time. A pool of its own keeps the work of others out of the waits between.
+    let is_shared = cost.uses_threads()
+        && rayon::current_num_threads() > 1
+        && rayon::current_thread_index().is_none();
+    let n_threads = rayon::current_num_threads();
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().ok();
+    let mut run = || engine::Engine::new(mesh, cost, placement, options, control)?.run();
+    match is_shared.then(pool).flatten() {
+        Some(pool) => pool.install(run),
+        None => run(),
+    }
 }

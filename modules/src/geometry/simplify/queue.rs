@@ -131,6 +131,11 @@ impl Queue {
         self.run.iter().rev().filter(|&&key| self.is_current(key)).map(|&key| edge_of(key))
     }
 
+    /// Edges that were set below the end of the run, the earliest of them among the first.
+    pub fn coming_late(&self) -> impl Iterator<Item = u32> + '_ {
+        self.late.iter().filter(|&&key| self.is_current(key)).map(|&key| edge_of(key))
+    }
+
     /// Whether the edge is on the queue.
     #[inline]
     pub fn contains(&self, edge: u32) -> bool {
@@ -147,6 +152,16 @@ impl Queue {
     #[inline]
     pub fn mark_stale(&mut self, edge: u32) {
         self.slots[edge as usize].is_stale = true;
+    }
+
+    /// Lets an edge wait at a part of its price, unless it is stale already or the price is
+    /// negative, and marks it as stale.
+    pub fn put_off(&mut self, edge: u32, share: f64) {
+        let Slot { price, length_squared, choice, is_stale } = self.slots[edge as usize];
+        if !is_stale && price > 0.0 {
+            self.set(Entry { price: share * price, length_squared, edge }, choice);
+        }
+        self.mark_stale(edge);
     }
 
     /// The candidate that the edge was set with.

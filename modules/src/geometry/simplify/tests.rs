@@ -354,7 +354,10 @@ proptest! {
 /// A grid with texture coordinates equal to position / 8, and a seam along `x = 4` beyond which
 /// they are shifted by 10. Every corner of one side shares the values of the other layers.
 fn textured() -> TriMesh {
-    let mut mesh = grid(8, |x, y| 0.3 * (x * 0.5).sin() + 0.2 * (y * 0.8).cos());
+    textured_on(grid(8, |x, y| 0.3 * (x * 0.5).sin() + 0.2 * (y * 0.8).cos()))
+}
+
+fn textured_on(mut mesh: TriMesh) -> TriMesh {
     let at = |f: usize, k: usize| mesh.positions[mesh.faces[f][k].idx()];
     let is_right = |f: usize| (0..3).map(|k| at(f, k).x).sum::<f64>() > 12.0;
     let texcoords: Vec<DVec2> = (0..3 * mesh.faces.len())
@@ -402,6 +405,17 @@ fn texcoord(mesh: &TriMesh, corner: usize) -> DVec2 {
     values[layer.index[corner] as usize]
 }
 
+/// How far a face of either side reaches over the seam, which was at x = 4.
+fn off_seam(mesh: &TriMesh) -> f64 {
+    let group = mesh.layer(Layer::GROUP).unwrap();
+    let LayerValues::Label(names) = &group.values else { panic!("groups are labels") };
+    let over = mesh.faces.iter().zip(&group.index).flat_map(|(face, &side)| {
+        let sign = if names[side as usize] == "right" { -1.0 } else { 1.0 };
+        face.map(|v| sign * (mesh.positions[v.idx()].x - 4.0))
+    });
+    over.fold(0.0, f64::max)
+}
+
 #[test]
 fn seams_stay_and_values_follow() {
     let mesh = textured();
@@ -417,10 +431,15 @@ fn seams_stay_and_values_follow() {
             let off = texcoord(&result, 3 * f + k) - DVec2::new(shift, 0.0) - p.truncate() / 8.0;
             // A twentieth of the texture: the way a vertex moves off its edge.
             assert!(off.length() < 0.05, "{off} at {p}");
-            // The planes on the seam hold it to a thousandth of an edge.
-            assert!(if is_right { p.x > 4.0 - 1e-3 } else { p.x < 4.0 + 1e-3 }, "{p}");
         }
     }
+    // The seam curves with the surface, and each of its edges has two planes at right angles to the
+    // faces there, which lean. Where edges merge these cannot all hold, so a vertex leaves the plane
+    // of the seam a little: 2.2e-5 of an edge was measured.
+    assert!(off_seam(&result) < 3e-5, "{}", off_seam(&result));
+    // On a flat sheet they are one plane.
+    let flat = by_quadric(&textured_on(grid(8, |_, _| 0.0)), 40).mesh;
+    assert!(off_seam(&flat) < 1e-12, "{}", off_seam(&flat));
     let normals = result.layer(Layer::NORMAL).unwrap();
     assert_eq!(normals.values, LayerValues::Vec3(vec![DVec3::Z]));
 }
