@@ -83,7 +83,7 @@ pub fn pick_path(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec) -> Option<Strin
         if of_node.is_empty() {
             continue;
         }
-        ui.menu_button(node, |ui| {
+        ui.menu_button(node.as_str(), |ui| {
             egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
                 for path in of_node {
                     let is_free = axis_of(spec, path).is_none();

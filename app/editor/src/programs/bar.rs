@@ -88,7 +88,7 @@ impl ProgramPanel {
         let combo = ComboBox::from_id_salt("program").selected_text(RichText::new(name).strong());
         let shown = combo.width(160.0).show_ui(ui, |ui| {
             for other in scene.map.programs.keys() {
-                if ui.selectable_label(other == name, other).clicked() {
+                if ui.selectable_label(other == name, other.as_str()).clicked() {
                     self.choose(other);
                 }
             }

@@ -63,8 +63,6 @@ pub struct News {
     pub ended: Vec<Arc<StepRecord>>,
     /// Whether no new step may start.
     is_paused: bool,
-    /// The run is over.
-    is_over: bool,
 }
 
 /// A program under way.
@@ -104,7 +102,6 @@ impl Job {
                 let report = (!outcome.is_stopped).then(|| write_report(&folder));
                 (outcome, report)
             });
-            lock(&shared.0).is_over = true;
             // The window may be gone; then nobody needs to know.
             let _ = outbox.send(Message::Finished(outcome));
             wake();

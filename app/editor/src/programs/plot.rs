@@ -290,6 +290,7 @@ fn draw(
     selected: Option<&str>,
 ) -> Option<usize> {
     let [log_x, log_y] = log;
+    let strong = ui.visuals().strong_text_color();
     let at = |spot: &Spot| [on_axis(spot.x, log_x), on_axis(spot.y, log_y)];
     let names = [choice.x, choice.y].map(|place| sheet.columns[place].name.as_str());
     let mut plot = Plot::new(("results", names, log))
@@ -319,8 +320,7 @@ fn draw(
         let is_selected = |spot: &&Spot| sheet.step(spot.row).is_some_and(|s| Some(s.id.as_str()) == selected);
         if let Some(spot) = spots.clone().find(is_selected) {
             let ring = Points::new("", PlotPoints::from(vec![at(spot)])).filled(false);
-            let color = plot.ctx().style_of(plot.ctx().theme()).visuals.strong_text_color();
-            plot.points(ring.shape(MarkerShape::Circle).radius(7.0).color(color).allow_hover(false));
+            plot.points(ring.shape(MarkerShape::Circle).radius(7.0).color(strong).allow_hover(false));
         }
     });
     let response = named(shown.response, &format!("Plot of {} against {}", names[1], names[0]));

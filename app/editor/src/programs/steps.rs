@@ -106,7 +106,7 @@ fn show_buttons(
         ui.spacing_mut().item_spacing.x = 0.0;
         let button = ui.menu_button("\u{2795}", |ui| {
             for path in paths(scene.map, scene.registry) {
-                if !step.contains_key(&path) && ui.button(&path).clicked() {
+                if !step.contains_key(&path) && ui.button(path.as_str()).clicked() {
                     let value = current(scene.map, scene.registry, &path);
                     edits.push(Edit::SetInStep { step: place, path, value });
                 }

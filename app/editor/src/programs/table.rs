@@ -51,7 +51,7 @@ impl ProgramPanel {
     }
 
     /// Shows failed steps, each with its reason.
-    pub(super) fn show_failed(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    pub(super) fn show_failed(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let n_failed = self.failed_rows().count();
         if n_failed == 0 {
             return;
@@ -206,7 +206,6 @@ impl TableState {
 
     /// The names of the columns; whether a person sorted by one.
     fn show_head(&mut self, ui: &mut Ui, sheet: &Sheet, layout: &Layout, rect: Rect) -> bool {
-        ui.painter().rect_filled(rect, 0.0, ui.visuals().faint_bg_color.to_opaque());
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
         ui.painter().hline(rect.x_range(), rect.bottom(), ui.visuals().widgets.noninteractive.bg_stroke);
         let mut left = rect.left();
