@@ -210,7 +210,10 @@ fn values_are_edited_and_the_rest_stays() {
     press(&mut harness, "Remove value 3 of axis 1");
     press(&mut harness, "Add value to axis 1");
     let axes = json!([{"make.segments": [4, 2, 1]}]);
-    assert_eq!(program(&harness, "sizes")["axes"][0]["make.segments"][0], axes[0]["make.segments"][0]);
+    assert_eq!(
+        program(&harness, "sizes")["axes"][0]["make.segments"][0],
+        axes[0]["make.segments"][0]
+    );
     press(&mut harness, "Make values of make.segments");
     press(&mut harness, "Set values");
     let made = program(&harness, "sizes");
@@ -241,7 +244,8 @@ fn a_paused_program_starts_no_step() {
     let folder = tempfile::tempdir().unwrap();
     let faces: Vec<u32> = vec![3000, 2000, 1000, 500, 250, 120, 60];
     let costs = json!(["EdgeLength", "Quadric"]);
-    let axes = json!([{"make.segments": [24, 32]}, {"cut.cost": costs}, {"cut.target_faces": faces}]);
+    let axes =
+        json!([{"make.segments": [24, 32]}, {"cut.cost": costs}, {"cut.target_faces": faces}]);
     let programs = json!({"costs": {"axes": axes, "report": {
         "measures": [{"column": "info.volume", "better": "higher"}], "against": ["info.faces"]}}});
     let mut harness = window(Bench::new(programs, folder.path()), Theme::Dark);
@@ -259,9 +263,7 @@ fn a_paused_program_starts_no_step() {
         press(&mut harness, "Resume");
     }
     wait(&mut harness, "the end", |harness| !harness.state().panel.is_running());
-    wait(&mut harness, "the table", |harness| {
-        harness.query_by_label_contains("28 done").is_some()
-    });
+    wait(&mut harness, "the table", |harness| harness.query_by_label_contains("28 done").is_some());
     picture(&mut harness, "programs-dark");
     let programs = json!(harness.state().map.programs);
     let mut other = window(Bench::new(programs, folder.path()), Theme::Light);

@@ -56,11 +56,13 @@ pub fn add_value(scene: &Scene, place: usize, axis: &Axis) -> Edit {
     let Some(next) = list.last().map(|last| second(&declared, last, scene.folder)) else {
         return again;
     };
-    let is_new = !list.iter().any(|known| chosen_id(known).unwrap_or_default() == next || *known == next);
+    let is_new =
+        !list.iter().any(|known| chosen_id(known).unwrap_or_default() == next || *known == next);
     let options = declared.options();
-    let unused = options.iter().map(|option| Json::from(option.id)).find(|id| {
-        list.iter().all(|known| chosen_id(known) != id.as_str())
-    });
+    let unused = options
+        .iter()
+        .map(|option| Json::from(option.id))
+        .find(|id| list.iter().all(|known| chosen_id(known) != id.as_str()));
     let value = if is_new { Some(next) } else { unused };
     let Some(value) = value else { return again };
     let values = list.iter().cloned().chain([value]).collect();
@@ -113,7 +115,8 @@ pub fn show_head(ui: &mut Ui, place: usize, axis: &Axis, n_axes: usize, edits: &
         ui.weak(count(n_rows(axis), "value"));
         if !is_even(axis) {
             ui.colored_label(ui.visuals().error_fg_color, "lists differ in length");
-            let even_out = named(ui.small_button("Even out"), &format!("Even out axis {}", place + 1));
+            let even_out =
+                named(ui.small_button("Even out"), &format!("Even out axis {}", place + 1));
             if even_out.on_hover_text("short lists repeat their last value").clicked() {
                 edits.push(Edit::EvenOut { axis: place });
             }
@@ -194,9 +197,10 @@ pub fn can_generate(declared: &Declared) -> bool {
 /// Every name that a value may have, those that are there already first and as they are.
 pub fn every(declared: &Declared, list: &[Json]) -> Vec<Json> {
     let options = declared.options();
-    let missing = options.iter().map(|option| Json::from(option.id)).filter(|id| {
-        list.iter().all(|known| chosen_id(known) != id.as_str())
-    });
+    let missing = options
+        .iter()
+        .map(|option| Json::from(option.id))
+        .filter(|id| list.iter().all(|known| chosen_id(known) != id.as_str()));
     list.iter().cloned().chain(missing).collect()
 }
 
@@ -257,7 +261,7 @@ impl Draft {
 
 fn show_range(ui: &mut Ui, range: &mut Range) {
     ui.horizontal_wrapped(|ui| {
-        let mut number = |ui: &mut Ui, number: &mut f64, name: &str| {
+        let number = |ui: &mut Ui, number: &mut f64, name: &str| {
             let speed = (number.abs() / 100.0).max(1e-3);
             ui.label(name.to_lowercase());
             named(ui.add(DragValue::new(number).speed(speed).max_decimals(12)), name);

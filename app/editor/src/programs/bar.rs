@@ -61,7 +61,8 @@ impl ProgramPanel {
             let text = RichText::new(store.display().to_string()).weak();
             let link = ui.add_enabled(is_there, egui::Link::new(text));
             let link = link.on_disabled_hover_text("The folder of the results; a run makes it.");
-            if named(link, "Open the folder of results").on_hover_text("open the folder").clicked() {
+            if named(link, "Open the folder of results").on_hover_text("open the folder").clicked()
+            {
                 actions.push(Action::OpenFile(store));
             }
         });
@@ -72,7 +73,8 @@ impl ProgramPanel {
         if let Some(mut new_name) = self.bar.new_name.take() {
             let field = TextEdit::singleline(&mut new_name).desired_width(160.0);
             let response = named(ui.add(field), "New name of the program");
-            let is_free = !new_name.trim().is_empty() && !scene.map.programs.contains_key(new_name.trim());
+            let is_free =
+                !new_name.trim().is_empty() && !scene.map.programs.contains_key(new_name.trim());
             if response.lost_focus() {
                 let to = new_name.trim().to_owned();
                 if is_free && !ui.input(|input| input.key_pressed(egui::Key::Escape)) {
@@ -199,7 +201,11 @@ impl ProgramPanel {
             ui.horizontal_wrapped(|ui| {
                 ui.label(words.join(" \u{b7} "));
                 if let Some(note) = &self.note {
-                    let color = if note.is_trouble { ui.visuals().error_fg_color } else { ui.visuals().weak_text_color() };
+                    let color = if note.is_trouble {
+                        ui.visuals().error_fg_color
+                    } else {
+                        ui.visuals().weak_text_color()
+                    };
                     ui.colored_label(color, &note.text);
                 }
             });
@@ -224,7 +230,8 @@ impl ProgramPanel {
         named(bar, &format!("Progress: {text}"));
         for (place, step) in self.running.iter().take(MOST_LINES) {
             let Some(of_program) = job.program.steps.get(*place) else { continue };
-            let share = step.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
+            let share =
+                step.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
             let time = in_words(step.since.elapsed());
             let text = format!("{}  \u{2013}  {}{share}, {time}", label(of_program), step.node);
             ui.add(egui::Label::new(RichText::new(text).small().weak()).truncate());

@@ -46,9 +46,7 @@ impl Declared<'_> {
             }
             Self::Module(registry) => {
                 let modules = registry.modules().iter().map(|info| info.module);
-                modules
-                    .map(|m| Named { id: m.id, summary: m.summary, params: m.params })
-                    .collect()
+                modules.map(|m| Named { id: m.id, summary: m.summary, params: m.params }).collect()
             }
             _ => Vec::new(),
         }
@@ -96,9 +94,7 @@ fn find(
     let inner = value.and_then(|value| value.get(id)).and_then(Json::as_object);
     let of_map = list.find(id).and_then(|entry| find(entry.params, inner, nested));
     // The program may choose another entry than the map does.
-    of_map.or_else(|| {
-        (0..list.len()).find_map(|place| find(list.spec(place).params, None, nested))
-    })
+    of_map.or_else(|| (0..list.len()).find_map(|place| find(list.spec(place).params, None, nested)))
 }
 
 /// The value that a path has in the map.

@@ -15,31 +15,85 @@ pub type Axis = IndexMap<String, Vec<Json>>;
 #[allow(missing_docs)] // The fields are what their names say, in every variant.
 pub enum Edit {
     /// A parameter varies on an axis of its own.
-    AddAxis { path: String, values: Vec<Json> },
-    RemoveAxis { axis: usize },
-    MoveAxis { from: usize, to: usize },
+    AddAxis {
+        path: String,
+        values: Vec<Json>,
+    },
+    RemoveAxis {
+        axis: usize,
+    },
+    MoveAxis {
+        from: usize,
+        to: usize,
+    },
     /// A parameter advances together with those of an axis, with one value for every row.
-    JoinAxis { axis: usize, path: String, value: Json },
+    JoinAxis {
+        axis: usize,
+        path: String,
+        value: Json,
+    },
     /// A parameter leaves an axis; the last one takes the axis with it.
-    RemoveParam { axis: usize, path: String },
+    RemoveParam {
+        axis: usize,
+        path: String,
+    },
     /// The values of a parameter. The other lists of the axis are cut, or repeat their last value.
-    SetList { axis: usize, path: String, values: Vec<Json> },
-    SetValue { axis: usize, path: String, row: usize, value: Json },
+    SetList {
+        axis: usize,
+        path: String,
+        values: Vec<Json>,
+    },
+    SetValue {
+        axis: usize,
+        path: String,
+        row: usize,
+        value: Json,
+    },
     /// A row below this one, with its values.
-    AddRow { axis: usize, row: usize },
-    RemoveRow { axis: usize, row: usize },
-    MoveRow { axis: usize, from: usize, to: usize },
+    AddRow {
+        axis: usize,
+        row: usize,
+    },
+    RemoveRow {
+        axis: usize,
+        row: usize,
+    },
+    MoveRow {
+        axis: usize,
+        from: usize,
+        to: usize,
+    },
     /// Lists that are too short repeat their last value.
-    EvenOut { axis: usize },
-    AddStep { step: IndexMap<String, Json> },
-    RemoveStep { step: usize },
-    MoveStep { from: usize, to: usize },
-    SetInStep { step: usize, path: String, value: Json },
+    EvenOut {
+        axis: usize,
+    },
+    AddStep {
+        step: IndexMap<String, Json>,
+    },
+    RemoveStep {
+        step: usize,
+    },
+    MoveStep {
+        from: usize,
+        to: usize,
+    },
+    SetInStep {
+        step: usize,
+        path: String,
+        value: Json,
+    },
     /// The step leaves a parameter as the map has it.
-    LeaveInStep { step: usize, path: String },
+    LeaveInStep {
+        step: usize,
+        path: String,
+    },
     /// None and 1 are the same; the file says nothing then.
-    SetRepeats { repeats: u32 },
-    SetTimeLimit { seconds: Option<f64> },
+    SetRepeats {
+        repeats: u32,
+    },
+    SetTimeLimit {
+        seconds: Option<f64>,
+    },
 }
 
 impl Edit {
@@ -82,17 +136,18 @@ impl Edit {
     }
 
     fn apply_to_axis(self, spec: &mut ProgramSpec) {
-        let lists_of = |axis: usize| spec.axes.get_mut(axis);
+        let axes = &mut spec.axes;
         match self {
             Self::JoinAxis { axis, path, value } => {
-                let Some(lists) = lists_of(axis).filter(|lists| !lists.contains_key(&path)) else {
+                let Some(lists) = axes.get_mut(axis).filter(|lists| !lists.contains_key(&path))
+                else {
                     return;
                 };
                 let values = vec![value; n_rows(lists)];
                 lists.insert(path, values);
             }
             Self::SetList { axis, path, values } => {
-                let Some(lists) = lists_of(axis).filter(|_| !values.is_empty()) else { return };
+                let Some(lists) = axes.get_mut(axis).filter(|_| !values.is_empty()) else { return };
                 let n = values.len();
                 if let Some(list) = lists.get_mut(&path) {
                     *list = values;
@@ -100,21 +155,23 @@ impl Edit {
                 }
             }
             Self::SetValue { axis, path, row, value } => {
-                let list = lists_of(axis).and_then(|lists| lists.get_mut(&path));
+                let list = axes.get_mut(axis).and_then(|lists| lists.get_mut(&path));
                 if let Some(known) = list.and_then(|list| list.get_mut(row)) {
                     *known = value;
                 }
             }
-            Self::AddRow { axis, row } => change_rows(lists_of(axis), |list| {
+            Self::AddRow { axis, row } => change_rows(axes.get_mut(axis), |list| {
                 let row = row.min(list.len().saturating_sub(1));
                 let value = list.get(row).cloned().unwrap_or_default();
                 list.insert((row + 1).min(list.len()), value);
             }),
-            Self::RemoveRow { axis, row } => change_rows(lists_of(axis), |list| remove(list, row)),
-            Self::MoveRow { axis, from, to } => {
-                change_rows(lists_of(axis), |list| shift(list, from, to));
+            Self::RemoveRow { axis, row } => {
+                change_rows(axes.get_mut(axis), |list| remove(list, row))
             }
-            Self::EvenOut { axis } => change_rows(lists_of(axis), |_| {}),
+            Self::MoveRow { axis, from, to } => {
+                change_rows(axes.get_mut(axis), |list| shift(list, from, to));
+            }
+            Self::EvenOut { axis } => change_rows(axes.get_mut(axis), |_| {}),
             _ => {}
         }
     }

@@ -64,9 +64,9 @@ impl Range {
             Kind::Integer { hard, .. } => {
                 numbers.map(|x| Json::from((x.round() as i64).clamp(hard.0, hard.1))).collect()
             }
-            Kind::Seed { .. } => {
-                numbers.map(|x| Json::from(x.round().clamp(0.0, f64::from(u32::MAX)) as u32)).collect()
-            }
+            Kind::Seed { .. } => numbers
+                .map(|x| Json::from(x.round().clamp(0.0, f64::from(u32::MAX)) as u32))
+                .collect(),
             Kind::Number { hard, .. } => {
                 numbers.map(|x| Json::from(tidy(x).clamp(hard.0, hard.1))).collect()
             }

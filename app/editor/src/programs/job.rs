@@ -71,8 +71,6 @@ pub struct Job {
     pub program: Arc<Program>,
     /// How.
     pub how: How,
-    /// When it was started.
-    pub started: Instant,
     cancel: CancelToken,
     shared: Arc<(Mutex<News>, Condvar)>,
 }
@@ -89,7 +87,6 @@ impl Job {
         let job = Self {
             program,
             how,
-            started: Instant::now(),
             cancel: CancelToken::new(),
             shared: Arc::default(),
         };

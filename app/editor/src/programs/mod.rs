@@ -202,7 +202,8 @@ impl ProgramPanel {
     fn hear_job(&mut self) {
         let Some(job) = &self.job else { return };
         let (ended, running) = job.news();
-        let places = |steps: &IndexMap<usize, RunningStep>| steps.keys().copied().collect::<Vec<_>>();
+        let places =
+            |steps: &IndexMap<usize, RunningStep>| steps.keys().copied().collect::<Vec<_>>();
         self.is_sheet_stale |= !ended.is_empty() || places(&running) != places(&self.running);
         self.running = running;
         self.records.extend(ended.into_iter().map(|record| (record.id.clone(), record)));
@@ -217,7 +218,10 @@ impl ProgramPanel {
         self.check_next();
     }
 
-    fn finish(&mut self, outcome: Result<(ProgramOutcome, Option<Result<PathBuf, String>>), String>) {
+    fn finish(
+        &mut self,
+        outcome: Result<(ProgramOutcome, Option<Result<PathBuf, String>>), String>,
+    ) {
         self.job = None;
         self.running.clear();
         // What became of single steps, the store knows best.
@@ -250,7 +254,9 @@ impl ProgramPanel {
     fn make_sheet(&mut self) {
         self.is_sheet_stale = false;
         self.sheet_made = Instant::now();
-        let Some(program) = self.shown_program().or_else(|| self.sheet.program.clone()) else { return };
+        let Some(program) = self.shown_program().or_else(|| self.sheet.program.clone()) else {
+            return;
+        };
         let is_of_job = self.job.as_ref().is_some_and(|job| Arc::ptr_eq(&job.program, &program));
         let running = &self.running;
         let is_running = |place: usize| is_of_job && running.contains_key(&place);
@@ -322,7 +328,8 @@ impl ProgramPanel {
 
     /// Starts to run the steps that the store does not have.
     fn run(&mut self, scene: &Scene, retry: Retry) {
-        let Some((program, store)) = self.sound_program(scene).filter(|_| self.job.is_none()) else {
+        let Some((program, store)) = self.sound_program(scene).filter(|_| self.job.is_none())
+        else {
             return;
         };
         let how = How { retry, ..self.how };

@@ -46,7 +46,11 @@ pub fn in_words(time: Duration) -> String {
         s => {
             let minutes = (s / 60.0).round() as u64;
             let (hours, minutes) = (minutes / 60, minutes % 60);
-            if hours < 48 { format!("{hours} h {minutes:02} min") } else { format!("{} days", hours / 24) }
+            if hours < 48 {
+                format!("{hours} h {minutes:02} min")
+            } else {
+                format!("{} days", hours / 24)
+            }
         }
     }
 }

@@ -4,7 +4,9 @@ use std::collections::{HashMap, HashSet};
 use std::ops::RangeInclusive;
 
 use eframe::egui::{self, Color32, ComboBox, Pos2, RichText, Ui};
-use egui_plot::{GridInput, GridMark, Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+use egui_plot::{
+    GridInput, GridMark, Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points,
+};
 use mve_core::brief;
 
 use super::ProgramPanel;
@@ -87,7 +89,8 @@ impl PlotState {
     /// What is plotted; `None` while there are no numbers.
     fn choice(&self, sheet: &Sheet) -> Option<Choice> {
         let program = sheet.program.as_ref()?;
-        let place = |name: &String| sheet.column(name).filter(|place| sheet.columns[*place].is_number);
+        let place =
+            |name: &String| sheet.column(name).filter(|place| sheet.columns[*place].is_number);
         let chosen = |name: &Option<String>| name.as_ref().and_then(place);
         let series = match self.series.as_deref() {
             Some("") => None,
@@ -112,7 +115,8 @@ impl PlotState {
         choice: Choice,
         curves: &[Curve],
     ) -> [bool; 2] {
-        let can_be = |of: fn(&Spot) -> f64| curves.iter().flat_map(|c| &c.points).all(|s| of(s) > 0.0);
+        let can_be =
+            |of: fn(&Spot) -> f64| curves.iter().flat_map(|c| &c.points).all(|s| of(s) > 0.0);
         let (can_be_x, can_be_y) = (can_be(|spot| spot.x), can_be(|spot| spot.y));
         let mut log = [
             can_be_x && self.is_log_x.unwrap_or_else(|| is_wide(curves, |spot| spot.x)),
@@ -177,7 +181,9 @@ fn default_series(sheet: &Sheet) -> Option<usize> {
     let said = program.report.series.as_ref().and_then(|name| sheet.column(name));
     let is_name = |place: &usize| {
         let column = &sheet.columns[*place];
-        matches!(column.source, Source::Param(_)) && !column.is_number && n_values(sheet, *place) > 1
+        matches!(column.source, Source::Param(_))
+            && !column.is_number
+            && n_values(sheet, *place) > 1
     };
     said.or_else(|| (0..sheet.columns.len()).rev().find(is_name))
 }
@@ -214,7 +220,8 @@ fn default_y(sheet: &Sheet, x: usize) -> Option<usize> {
     let chief: Vec<usize> = (0..sheet.columns.len()).filter(chief).collect();
     let last = chief.last().and_then(|place| node(*place));
     let first_of_last = chief.iter().find(|place| node(**place) == last).copied();
-    first_of_last.or_else(|| sheet.column("seconds").filter(|place| sheet.columns[*place].is_number))
+    first_of_last
+        .or_else(|| sheet.column("seconds").filter(|place| sheet.columns[*place].is_number))
 }
 
 fn n_values(sheet: &Sheet, column: usize) -> usize {
@@ -317,10 +324,13 @@ fn draw(
             plot.points(dots.color(curve.color).radius(3.5));
         }
         let spots = curves.iter().flat_map(|curve| &curve.points);
-        let is_selected = |spot: &&Spot| sheet.step(spot.row).is_some_and(|s| Some(s.id.as_str()) == selected);
+        let is_selected =
+            |spot: &&Spot| sheet.step(spot.row).is_some_and(|s| Some(s.id.as_str()) == selected);
         if let Some(spot) = spots.clone().find(is_selected) {
             let ring = Points::new("", PlotPoints::from(vec![at(spot)])).filled(false);
-            plot.points(ring.shape(MarkerShape::Circle).radius(7.0).color(strong).allow_hover(false));
+            plot.points(
+                ring.shape(MarkerShape::Circle).radius(7.0).color(strong).allow_hover(false),
+            );
         }
     });
     let response = named(shown.response, &format!("Plot of {} against {}", names[1], names[0]));
@@ -413,7 +423,8 @@ mod tests {
 
     #[test]
     fn a_line_for_each_value_and_each_other_axis() {
-        let columns = [param("a.file"), param("b.n"), param("b.way"), output("c.faces"), output("c.rms")];
+        let columns =
+            [param("a.file"), param("b.n"), param("b.way"), output("c.faces"), output("c.rms")];
         let rows: [&[&str]; 6] = [
             &["p", "2", "A", "20", "1"],
             &["p", "1", "A", "10", "2"],
@@ -426,7 +437,9 @@ mod tests {
         let choice = Choice { x: 3, y: 4, series: Some(2) };
         let found: Vec<_> = curves(&sheet, choice)
             .iter()
-            .map(|curve| (curve.name.clone(), curve.points.iter().map(|s| s.row).collect::<Vec<_>>()))
+            .map(|curve| {
+                (curve.name.clone(), curve.points.iter().map(|s| s.row).collect::<Vec<_>>())
+            })
             .collect();
         let expected = [("A", vec![1, 0]), ("B", vec![2, 3]), ("A", vec![4, 5])];
         assert_eq!(found, expected.map(|(name, rows)| (name.to_owned(), rows)));

@@ -94,7 +94,11 @@ pub type Records = HashMap<String, Arc<StepRecord>>;
 
 impl Sheet {
     /// The table of a program, from what is known of its steps.
-    pub fn new(program: &Arc<Program>, records: &Records, is_running: impl Fn(usize) -> bool) -> Self {
+    pub fn new(
+        program: &Arc<Program>,
+        records: &Records,
+        is_running: impl Fn(usize) -> bool,
+    ) -> Self {
         let mut seen = HashSet::new();
         let places = 0..program.steps.len();
         let steps: Vec<_> = places
@@ -109,10 +113,13 @@ impl Sheet {
             .map(|(place, record)| {
                 let step = &program.steps[*place];
                 let state = state(record.map(|record| &record.status), is_running(*place));
-                let cell = |column: &Column| {
-                    cell(&column.source, step, record.map(Arc::as_ref), &state)
-                };
-                Row { place: *place, cells: columns.iter().map(cell).collect(), state: state.clone() }
+                let cell =
+                    |column: &Column| cell(&column.source, step, record.map(Arc::as_ref), &state);
+                Row {
+                    place: *place,
+                    cells: columns.iter().map(cell).collect(),
+                    state: state.clone(),
+                }
             })
             .collect();
         weigh(program, &mut columns, &rows);

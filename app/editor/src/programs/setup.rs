@@ -136,7 +136,8 @@ impl SetupState {
                 };
                 let label = egui::Link::new(RichText::new(path).color(color));
                 let doc = declared.spec().map_or("no such parameter in the map", |spec| spec.doc);
-                let doc = if matches!(declared, Declared::Module(_)) { "the module itself" } else { doc };
+                let doc =
+                    if matches!(declared, Declared::Module(_)) { "the module itself" } else { doc };
                 if ui.add(label).on_hover_text(doc).clicked() {
                     let node = path.split('.').next().unwrap_or_default();
                     actions.push(Action::ShowNode(node.to_owned()));
@@ -202,7 +203,11 @@ impl SetupState {
         let draft = match spec.kind {
             Kind::Enumeration { .. } | Kind::Choice { .. } => {
                 // There is nothing to ask: all names, those that are there already as they are.
-                edits.push(Edit::SetList { axis, path: path.to_owned(), values: every(declared, list) });
+                edits.push(Edit::SetList {
+                    axis,
+                    path: path.to_owned(),
+                    values: every(declared, list),
+                });
                 return;
             }
             Kind::InputFile { .. } => {
@@ -233,7 +238,8 @@ impl SetupState {
             None => false,
         };
         let Some(mut opened) = is_here.then(|| self.opened.take()).flatten() else { return };
-        let frame = Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6).corner_radius(4);
+        let frame =
+            Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6).corner_radius(4);
         let stays = frame.show(ui, |ui| match &mut opened {
             Opened::Nested { path, row, .. } => {
                 let list = axis.get(path);

@@ -41,7 +41,8 @@ impl ProgramPanel {
             let panel = egui::Panel::left(ui.id().with("setup")).default_size(width);
             let panel = panel.min_size(260.0).resizable(true).frame(egui::Frame::new());
             panel.show(ui, |ui| self.show_setup(ui, scene, &mut actions));
-            let frame = egui::Frame::new().inner_margin(egui::Margin { left: 8, ..Default::default() });
+            let frame =
+                egui::Frame::new().inner_margin(egui::Margin { left: 8, ..Default::default() });
             let rest = egui::CentralPanel::default().frame(frame);
             rest.show(ui, |ui| self.show_results(ui, scene, &mut actions));
         } else {

@@ -48,7 +48,8 @@ fn next_step(scene: &Scene, spec: &ProgramSpec) -> IndexMap<String, Json> {
         return last.clone();
     }
     let of_axes = spec.axes.iter().flatten();
-    let first = of_axes.map(|(path, list)| (path.clone(), list.first().cloned().unwrap_or_default()));
+    let first =
+        of_axes.map(|(path, list)| (path.clone(), list.first().cloned().unwrap_or_default()));
     let step: IndexMap<String, Json> = first.collect();
     if !step.is_empty() {
         return step;
@@ -143,7 +144,10 @@ pub fn show_limits(ui: &mut Ui, spec: &ProgramSpec, edits: &mut Vec<Edit>) {
         ui.add_space(12.0);
         let mut is_limited = spec.time_limit.is_some();
         let switch = ui.checkbox(&mut is_limited, "time limit");
-        if switch.on_hover_text("a step that takes longer is stopped and counts as failed").changed() {
+        if switch
+            .on_hover_text("a step that takes longer is stopped and counts as failed")
+            .changed()
+        {
             edits.push(Edit::SetTimeLimit { seconds: is_limited.then_some(FIRST_LIMIT) });
         }
         let Some(before) = spec.time_limit else { return };

@@ -58,7 +58,8 @@ impl ProgramPanel {
         }
         let title = RichText::new(format!("{} failed", count(n_failed, "step")));
         let title = title.color(ui.visuals().error_fg_color);
-        let header = eframe::egui::CollapsingHeader::new(title).id_salt("failed").default_open(true);
+        let header =
+            eframe::egui::CollapsingHeader::new(title).id_salt("failed").default_open(true);
         header.show(ui, |ui| {
             let scroll = ScrollArea::vertical().id_salt("failed").max_height(96.0);
             scroll.auto_shrink([false, true]).show(ui, |ui| {
@@ -67,7 +68,8 @@ impl ProgramPanel {
                     let step = self.sheet.program.as_ref().and_then(|p| p.steps.get(row.place));
                     let Some(step) = step else { continue };
                     ui.horizontal_wrapped(|ui| {
-                        let load = icon_button(ui, "Load into the map", "Load failed step into the map");
+                        let load =
+                            icon_button(ui, "Load into the map", "Load failed step into the map");
                         if load.clicked() {
                             actions.push(load_step(step));
                         }
@@ -117,7 +119,13 @@ impl ProgramPanel {
         let folder = store.join("steps").join(&step.id);
         let row = &self.sheet.rows[row];
         let has_run = matches!(row.state, State::Done | State::Failed(_));
-        let open = button_if(ui, has_run, "\u{1f4c2}", "Open the folder of the selected step", "not run yet");
+        let open = button_if(
+            ui,
+            has_run,
+            "\u{1f4c2}",
+            "Open the folder of the selected step",
+            "not run yet",
+        );
         if open.clicked() {
             actions.push(Action::OpenFile(folder));
         }
@@ -192,7 +200,13 @@ impl TableState {
         self.layout = (!is_sorted).then_some(layout);
     }
 
-    fn bring_into_view(&mut self, ui: &Ui, sheet: &Sheet, layout: &Layout, origin: eframe::egui::Pos2) {
+    fn bring_into_view(
+        &mut self,
+        ui: &Ui,
+        sheet: &Sheet,
+        layout: &Layout,
+        origin: eframe::egui::Pos2,
+    ) {
         if !std::mem::take(&mut self.is_to_be_seen) {
             return;
         }
@@ -207,7 +221,11 @@ impl TableState {
     /// The names of the columns; whether a person sorted by one.
     fn show_head(&mut self, ui: &mut Ui, sheet: &Sheet, layout: &Layout, rect: Rect) -> bool {
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
-        ui.painter().hline(rect.x_range(), rect.bottom(), ui.visuals().widgets.noninteractive.bg_stroke);
+        ui.painter().hline(
+            rect.x_range(),
+            rect.bottom(),
+            ui.visuals().widgets.noninteractive.bg_stroke,
+        );
         let mut left = rect.left();
         let mut is_sorted = false;
         for &(place, width) in &layout.columns {
