@@ -46,27 +46,37 @@ pub fn vary(path: &str, scene: &Scene, spec: &ProgramSpec) -> Edit {
     }
 }
 
-/// The edit that adds a row to an axis: a value that goes on from the last one where that makes
+/// The edit that adds a row to an axis: a value that goes on from the last ones where that makes
 /// sense, else the same once more.
 pub fn add_value(scene: &Scene, place: usize, axis: &Axis) -> Edit {
     let row = n_rows(axis).saturating_sub(1);
     let again = Edit::AddRow { axis: place, row };
     let Some((path, list)) = axis.first().filter(|_| axis.len() == 1) else { return again };
     let declared = declared(scene.map, scene.registry, path);
-    let Some(next) = list.last().map(|last| second(&declared, last, scene.folder)) else {
-        return again;
-    };
-    let is_new =
-        !list.iter().any(|known| chosen_id(known).unwrap_or_default() == next || *known == next);
-    let options = declared.options();
-    let unused = options
-        .iter()
-        .map(|option| Json::from(option.id))
-        .find(|id| list.iter().all(|known| chosen_id(known) != id.as_str()));
-    let value = if is_new { Some(next) } else { unused };
-    let Some(value) = value else { return again };
+    let Some(value) = next_value(scene, &declared, list) else { return again };
     let values = list.iter().cloned().chain([value]).collect();
     Edit::SetList { axis: place, path: path.clone(), values }
+}
+
+/// A value that goes on from a list and is not in it.
+fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json> {
+    let options = declared.options();
+    if !options.is_empty() {
+        let is_free = |id: &Json| list.iter().all(|known| chosen_id(known) != id.as_str());
+        return options.iter().map(|option| Json::from(option.id)).find(is_free);
+    }
+    let last = list.last()?;
+    let numbers: Vec<f64> = list.iter().rev().take(2).filter_map(Json::as_f64).collect();
+    let next = match (numbers.as_slice(), declared.spec()) {
+        ([y, x], Some(spec)) if x != y => {
+            let is_geometric = x * y > 0.0 && !(0.7..1.5).contains(&(y / x));
+            let next = if is_geometric { y * y / x } else { y + (y - x) };
+            let range = Range { from: next, to: next, count: 1, spacing: Spacing::Linear };
+            range.values(&spec.kind).pop()?
+        }
+        _ => second(declared, last, scene.folder),
+    };
+    (!list.contains(&next)).then_some(next)
 }
 
 /// The edit that lets a parameter advance with those of an axis.
@@ -85,7 +95,7 @@ pub fn pick_path(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec) -> Option<Strin
         if of_node.is_empty() {
             continue;
         }
-        ui.menu_button(node.as_str(), |ui| {
+        let menu = ui.menu_button(node.as_str(), |ui| {
             egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
                 for path in of_node {
                     let is_free = axis_of(spec, path).is_none();
@@ -101,6 +111,7 @@ pub fn pick_path(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec) -> Option<Strin
                 }
             });
         });
+        named(menu.response, &format!("Parameters of {node}"));
     }
     if all.is_empty() {
         ui.weak("The map has no parameters.");

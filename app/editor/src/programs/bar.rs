@@ -184,59 +184,66 @@ impl ProgramPanel {
 
     /// How far the program is, and which steps run.
     fn show_progress(&self, ui: &mut Ui, name: &str) {
-        let rows = &self.sheet.rows;
-        let is_shown = self.sheet.program.as_ref().is_some_and(|program| program.name == name);
-        let n_failed = self.failed_rows().count();
-        let n_done = rows.iter().filter(|row| row.state == State::Done).count();
-        let mut words = vec![match (is_shown, self.being_checked.is_some()) {
-            (true, _) => count(rows.len(), "step"),
-            (false, true) => "being checked".to_owned(),
-            (false, false) => "no steps yet".to_owned(),
-        }];
-        if is_shown {
-            words.extend((n_done > 0).then(|| format!("{n_done} done")));
-            words.extend((n_failed > 0).then(|| format!("{n_failed} failed")));
-        }
         let Some(job) = &self.job else {
             ui.horizontal_wrapped(|ui| {
-                ui.label(words.join(" \u{b7} "));
-                if let Some(note) = &self.note {
-                    let color = if note.is_trouble {
-                        ui.visuals().error_fg_color
-                    } else {
-                        ui.visuals().weak_text_color()
-                    };
-                    ui.colored_label(color, &note.text);
-                }
+                ui.label(self.state_in_words(name));
+                let Some(note) = &self.note else { return };
+                let visuals = ui.visuals();
+                let color = match note.is_trouble {
+                    true => visuals.error_fg_color,
+                    false => visuals.weak_text_color(),
+                };
+                ui.colored_label(color, &note.text);
             });
             return;
         };
-        if job.program.name != name {
-            words.push(format!("\u{201c}{}\u{201d} is running", job.program.name));
-        }
         let pace = self.pace();
         let total = job.program.steps.iter().map(|step| &step.id).collect::<HashSet<_>>().len();
         let n_ended = total - pace.left;
-        let left = match (job.is_stopping(), job.is_paused(), pace.time_left()) {
+        let mut words = Vec::new();
+        if job.program.name != name {
+            words.push(format!("\u{201c}{}\u{201d} is running", job.program.name));
+        }
+        words.push(format!("{n_ended} of {}", count(total, "step")));
+        let n_failed = self.failed_rows().count();
+        words.extend((n_failed > 0).then(|| format!("{n_failed} failed")));
+        words.push(match (job.is_stopping(), job.is_paused(), pace.time_left()) {
             (true, ..) => "stopping".to_owned(),
             (_, true, _) => "paused".to_owned(),
             (.., Some(left)) => format!("about {} left", in_words(left)),
             (.., None) => "time left not known yet".to_owned(),
-        };
-        words.extend([format!("{n_ended} of {total}"), left]);
+        });
         let text = words.join(" \u{b7} ");
         let share = n_ended as f32 / total.max(1) as f32;
         let bar = ui.add(ProgressBar::new(share).desired_height(18.0).text(text.as_str()));
         named(bar, &format!("Progress: {text}"));
-        for (place, step) in self.running.iter().take(MOST_LINES) {
-            let Some(of_program) = job.program.steps.get(*place) else { continue };
-            let share =
-                step.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
-            let time = in_words(step.since.elapsed());
-            let text = format!("{}  \u{2013}  {}{share}, {time}", label(of_program), step.node);
-            ui.add(egui::Label::new(RichText::new(text).small().weak()).truncate());
+        // As many lines as there can be, so that what stands below does not jump.
+        for nth in 0..pace.jobs.min(total).min(MOST_LINES) {
+            let line = self.running.get_index(nth).and_then(|(place, running)| {
+                let share = running.share.map(|share| format!(" {:.0} %", share * 100.0));
+                let (share, time) = (share.unwrap_or_default(), in_words(running.since.elapsed()));
+                let step = label(job.program.steps.get(*place)?);
+                Some(format!("{step}  \u{2013}  {}{share}, {time}", running.node))
+            });
+            let text = RichText::new(line.unwrap_or_else(|| " ".to_owned())).small().weak();
+            ui.add(egui::Label::new(text).truncate());
         }
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(250));
+    }
+
+    /// How many steps the shown program has, and what became of them.
+    fn state_in_words(&self, name: &str) -> String {
+        let rows = &self.sheet.rows;
+        if self.sheet.program.as_ref().is_none_or(|program| program.name != name) {
+            let is_checked = self.being_checked.is_none();
+            return if is_checked { "no steps yet" } else { "being checked" }.to_owned();
+        }
+        let n_failed = self.failed_rows().count();
+        let n_done = rows.iter().filter(|row| row.state == State::Done).count();
+        let mut words = vec![count(rows.len(), "step")];
+        words.extend((n_done > 0).then(|| format!("{n_done} done")));
+        words.extend((n_failed > 0).then(|| format!("{n_failed} failed")));
+        words.join(" \u{b7} ")
     }
 
     /// How fast the program under way is.

@@ -84,12 +84,7 @@ impl Job {
         outbox: Sender<Message>,
         wake: Wake,
     ) -> Self {
-        let job = Self {
-            program,
-            how,
-            cancel: CancelToken::new(),
-            shared: Arc::default(),
-        };
+        let job = Self { program, how, cancel: CancelToken::new(), shared: Arc::default() };
         let (program, cancel) = (Arc::clone(&job.program), job.cancel.clone());
         let shared = Arc::clone(&job.shared);
         std::thread::spawn(move || {

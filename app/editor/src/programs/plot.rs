@@ -194,16 +194,14 @@ fn default_x(sheet: &Sheet, series: Option<usize>) -> Option<usize> {
     let is_free = |place: &usize| {
         Some(*place) != series && sheet.columns[*place].is_number && n_values(sheet, *place) > 1
     };
-    let mut places = (0..sheet.columns.len()).filter(is_free);
-    let counts_faces = |place: &usize| {
-        let column = &sheet.columns[*place];
-        matches!(&column.source, Source::Output(_, name) if name.ends_with("faces"))
+    let free: Vec<usize> = (0..sheet.columns.len()).filter(is_free).collect();
+    let counts_faces = |place: &&usize| {
+        let column = &sheet.columns[**place];
+        matches!(&column.source, Source::Output(_, name) if name == "faces" || name == "n_faces")
     };
-    let is_varied = |place: &usize| matches!(sheet.columns[*place].source, Source::Param(_));
-    let all: Vec<usize> = places.by_ref().collect();
-    let faces = || all.iter().rev().find(|place| counts_faces(place));
-    let varied = || all.iter().find(|place| is_varied(place));
-    faces().or_else(varied).copied().or_else(|| sheet.column("seconds"))
+    let is_varied = |place: &&usize| matches!(sheet.columns[**place].source, Source::Param(_));
+    let faces = free.iter().rev().find(counts_faces);
+    faces.or_else(|| free.iter().find(is_varied)).copied().or_else(|| sheet.column("seconds"))
 }
 
 /// What is plotted: the first chief output of the last node that has one, else the time.
@@ -225,7 +223,8 @@ fn default_y(sheet: &Sheet, x: usize) -> Option<usize> {
 }
 
 fn n_values(sheet: &Sheet, column: usize) -> usize {
-    sheet.rows.iter().map(|row| &row.cells[column].text).collect::<HashSet<_>>().len()
+    let texts = sheet.rows.iter().map(|row| &row.cells[column].text);
+    texts.filter(|text| !text.is_empty()).collect::<HashSet<_>>().len()
 }
 
 /// The lines of a plot. What is varied besides splits lines of one name, unless it changes along
@@ -358,18 +357,33 @@ fn on_axis(number: f64, is_log: bool) -> f64 {
 }
 
 fn axis_text(mark: GridMark, _: &RangeInclusive<f64>, is_log: bool) -> String {
-    // Sums of steps have rounding errors that nobody wants to read.
-    let number = if is_log { 10_f64.powf(mark.value) } else { mark.value };
-    let number = if number.abs() < mark.step_size * 1e-6 && !is_log { 0.0 } else { number };
-    brief(format!("{number:.9e}").parse().unwrap_or(number))
+    if is_log {
+        // What comes out of the power has rounding errors that nobody wants to read.
+        let number = 10_f64.powf(mark.value);
+        return brief(format!("{number:.9e}").parse().unwrap_or(number));
+    }
+    let number = if mark.value.abs() < mark.step_size * 1e-6 { 0.0 } else { mark.value };
+    // As many digits as tell one mark from the next.
+    let digits = (-mark.step_size.log10()).ceil().clamp(0.0, 15.0) as usize;
+    match (1e-4..1e6).contains(&number.abs()) {
+        true => format!("{number:.digits$}"),
+        false => brief(number),
+    }
 }
 
-/// Marks of a logarithmic axis: 1, 2, 5 of each decade, the others thin; whole decades where the
-/// axis is long.
+/// Marks of a logarithmic axis: 1, 2 and 5 of each decade, the others thin. On an axis shorter than
+/// a third of a decade the marks are as far from each other as on a linear one.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (from, to) = input.bounds;
-    if !(from.is_finite() && to.is_finite()) || to - from > 600.0 {
+    let span = to - from;
+    if !(from.is_finite() && to.is_finite()) || span > 600.0 || span <= 0.0 {
         return Vec::new();
+    }
+    if span < 0.35 {
+        let step_size = 10_f64.powf((span / 2.0).log10().floor());
+        let marks = (from / step_size).ceil() as i64..=(to / step_size).floor() as i64;
+        let mark = |place: i64| GridMark { value: place as f64 * step_size, step_size };
+        return marks.map(mark).collect();
     }
     let mut marks = Vec::new();
     for decade in from.floor() as i32..=to.ceil() as i32 {
@@ -461,5 +475,10 @@ mod tests {
         let texts: Vec<_> =
             decades(input).into_iter().map(|mark| axis_text(mark, &(0.0..=1.0), true)).collect();
         assert_eq!(texts, ["100", "200", "500", "1000", "2000"]);
+        let text = |value, step_size| axis_text(GridMark { value, step_size }, &(0.0..=1.0), false);
+        assert_eq!(
+            [text(1.0002, 1e-4), text(0.3, 0.1), text(4000.0, 1e3)],
+            ["1.0002", "0.3", "4000"]
+        );
     }
 }

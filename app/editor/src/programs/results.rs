@@ -195,6 +195,7 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
     for path in &program.varied {
         add(path.clone(), Source::Param(path.clone()));
     }
+    add("status".to_owned(), Source::Status);
     let mut outputs = IndexSet::new();
     let mut times = IndexSet::new();
     for (node, record) in records.iter().flat_map(|record| &record.nodes) {
@@ -202,10 +203,19 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
         times.insert((node, None));
         times.extend(record.phases.keys().map(|phase| (node, Some(phase))));
     }
-    // Outputs of one node stand together, in the order in which nodes were met first.
+    // What the program names stands first; then outputs of one node stand together, in the order
+    // in which nodes were met first.
     let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
     let rank = |node: &String| nodes.iter().position(|known| *known == node);
-    outputs.sort_by(|a, b| rank(a.0).cmp(&rank(b.0)));
+    let urgency = |name: &str| {
+        let report = &program.report;
+        let measures = report.measures.iter().map(|measure| measure.column.as_str());
+        let mut said = measures.chain(report.against.iter().map(String::as_str));
+        said.position(|said| said == name).unwrap_or(usize::MAX)
+    };
+    let key =
+        |(node, output): (&String, &String)| (urgency(&format!("{node}.{output}")), rank(node));
+    outputs.sort_by(|a, b| key(*a).cmp(&key(*b)));
     times.sort_by(|a, b| rank(a.0).cmp(&rank(b.0)));
     for (node, output) in outputs {
         let name = format!("{node}.{output}");
@@ -219,7 +229,6 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
         let source = Source::NodeSeconds(node.clone(), phase.cloned());
         add(format!("seconds.{node}{part}"), source);
     }
-    add("status".to_owned(), Source::Status);
     all
 }
 

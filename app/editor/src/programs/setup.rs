@@ -10,8 +10,8 @@ use super::axis::{
 };
 use super::declare::{Declared, declared};
 use super::edit::{Axis, Edit, axis_of, n_rows};
-use super::widgets::{icon_button, named, small_button};
-use super::{Action, DraggedParam, Scene, generate, steps, value};
+use super::widgets::{drop_zone, icon_button, named, small_button};
+use super::{Action, Scene, generate, steps, value};
 
 /// Rows of an axis beyond which it scrolls by itself.
 const MOST_ROWS: usize = 14;
@@ -42,7 +42,7 @@ impl SetupState {
     ) -> Vec<Edit> {
         let mut edits = Vec::new();
         let frame = Frame::new().inner_margin(4);
-        let (_, dropped) = ui.dnd_drop_zone::<DraggedParam, _>(frame, |ui| {
+        let dropped = drop_zone(ui, frame, |ui| {
             ui.set_min_width(ui.available_width());
             for (place, axis) in spec.axes.iter().enumerate() {
                 self.show_axis(ui, scene, spec, (place, axis), &mut edits, actions);
@@ -77,7 +77,7 @@ impl SetupState {
         actions: &mut Vec<Action>,
     ) {
         let frame = Frame::group(ui.style()).inner_margin(6);
-        let (_, dropped) = ui.dnd_drop_zone::<DraggedParam, _>(frame, |ui| {
+        let dropped = drop_zone(ui, frame, |ui| {
             ui.set_min_width(ui.available_width());
             show_head(ui, place, axis, spec.axes.len(), edits);
             let is_long = n_rows(axis) > MOST_ROWS;

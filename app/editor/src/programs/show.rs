@@ -2,7 +2,8 @@
 
 use eframe::egui::{self, Ui};
 
-use super::{Action, DraggedParam, ProgramPanel, Scene};
+use super::widgets::drop_zone;
+use super::{Action, ProgramPanel, Scene};
 
 /// Widths from which tables and results stand side by side, in points.
 const WIDE: f32 = 760.0;
@@ -54,7 +55,7 @@ impl ProgramPanel {
     /// What stands in a panel without a program.
     fn show_nothing(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         let frame = egui::Frame::new().inner_margin(16);
-        let (_, dropped) = ui.dnd_drop_zone::<DraggedParam, _>(frame, |ui| {
+        let dropped = drop_zone(ui, frame, |ui| {
             ui.set_min_size(egui::vec2(ui.available_width(), 120.0));
             ui.label("This map has no program.");
             ui.weak(

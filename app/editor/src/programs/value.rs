@@ -77,7 +77,8 @@ fn add_number(ui: &mut Ui, drag: DragValue, name: &str, spec: &ParamSpec) {
 fn options(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -> Option<Json> {
     let current = chosen_id(value).unwrap_or_default();
     let mut chosen = None;
-    let combo = ComboBox::from_id_salt(id).selected_text(current).width(FIELD_WIDTH);
+    let text = brief_value(value);
+    let combo = ComboBox::from_id_salt(id).selected_text(&text).width(FIELD_WIDTH).truncate();
     let shown = combo.show_ui(ui, |ui| {
         for option in declared.options() {
             let label = ui.selectable_label(option.id == current, option.id);
@@ -86,7 +87,7 @@ fn options(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -
             }
         }
     });
-    named(shown.response, &format!("{name}: {current}")).on_hover_text(brief_value(value));
+    named(shown.response, &format!("{name}: {current}")).on_hover_text(&text);
     chosen
 }
 

@@ -1,6 +1,10 @@
 //! Small controls that say their name to those who cannot see them.
 
-use eframe::egui::{Button, Response, RichText, Ui};
+use std::sync::Arc;
+
+use eframe::egui::{Button, Frame, Response, RichText, StrokeKind, Ui};
+
+use super::DraggedParam;
 
 /// Gives a control the name that a screen reader says.
 pub fn named(response: Response, name: &str) -> Response {
@@ -29,4 +33,19 @@ pub fn button_if(ui: &mut Ui, is_enabled: bool, text: &str, name: &str, why: &st
 /// `1 step`, `2 steps`.
 pub fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// A frame that parameters can be dropped on; the one that was. It looks as the frame does until
+/// one is dragged over it. Of zones within each other the inner one takes it.
+pub fn drop_zone(
+    ui: &mut Ui,
+    frame: Frame,
+    add_contents: impl FnOnce(&mut Ui),
+) -> Option<Arc<DraggedParam>> {
+    let response = frame.show(ui, add_contents).response;
+    if response.dnd_hover_payload::<DraggedParam>().is_some() {
+        let stroke = ui.visuals().selection.stroke;
+        ui.painter().rect_stroke(response.rect, 4.0, stroke, StrokeKind::Inside);
+    }
+    response.dnd_release_payload::<DraggedParam>()
 }
