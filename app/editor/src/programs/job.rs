@@ -1,5 +1,6 @@
 //! One run of a program, on a thread of its own.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -205,8 +206,16 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, String> {
     let page = folder.join(PAGE);
     let fail = |error: std::io::Error| format!("{}: {error}", page.display());
     let text = report.text(Format::Html, Some(folder));
-    let fresh = tempfile::Builder::new().prefix(".tmp").tempfile_in(folder).map_err(fail)?;
-    std::fs::write(fresh.path(), text).map_err(fail)?;
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What the user's mask leaves of it, unlike the owner-only default of temporary files.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut fresh = builder.prefix(".tmp").tempfile_in(folder).map_err(fail)?;
+    fresh.write_all(text.as_bytes()).map_err(fail)?;
+    fresh.as_file().sync_all().map_err(fail)?;
     fresh.persist(&page).map_err(|error| fail(error.error))?;
     Ok(page)
 }

@@ -43,10 +43,8 @@ type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// What the panel shows.
 pub struct Scene<'a> {
-    /// The map.
+    /// The map. Another state of it is another `Arc`.
     pub map: &'a Arc<Map>,
-    /// Number of its state, as its document counts them.
-    pub revision: u64,
     /// The folder that its input paths are relative to.
     pub folder: &'a Path,
     /// Name of its file; empty before it has one.

@@ -15,6 +15,8 @@ use super::widgets::named;
 
 /// How near the pointer must be to a point, in points of the screen.
 const REACH: f32 = 12.0;
+/// Height and width below which nothing is plotted.
+const SMALLEST: f32 = 80.0;
 /// A quotient of the largest and smallest number from which a logarithmic axis shows more.
 const WORTH_LOG: f64 = 20.0;
 
@@ -75,6 +77,10 @@ impl ProgramPanel {
             ui.allocate_space(ui.available_size());
             return;
         };
+        // Without room there is nothing to see, and no way from numbers to points.
+        if ui.available_height() < SMALLEST || ui.available_width() < SMALLEST {
+            return;
+        }
         let curves = curves(&self.sheet, choice);
         let log = self.plot.show_controls(ui, &self.sheet, choice, &curves);
         let selected = self.table.selected.as_deref();
@@ -295,11 +301,50 @@ fn draw(
     log: [bool; 2],
     selected: Option<&str>,
 ) -> Option<usize> {
-    let [log_x, log_y] = log;
-    let strong = ui.visuals().strong_text_color();
-    let at = |spot: &Spot| [on_axis(spot.x, log_x), on_axis(spot.y, log_y)];
+    let at = |spot: &Spot| [on_axis(spot.x, log[0]), on_axis(spot.y, log[1])];
     let names = [choice.x, choice.y].map(|place| sheet.columns[place].name.as_str());
-    let mut plot = Plot::new(("results", names, log))
+    let spots = || curves.iter().flat_map(|curve| &curve.points);
+    let is_selected =
+        |spot: &&Spot| sheet.step(spot.row).is_some_and(|step| Some(step.id.as_str()) == selected);
+    let strong = ui.visuals().strong_text_color();
+    let ring = spots().find(is_selected).map(|spot| {
+        let ring = Points::new("", PlotPoints::from(vec![at(spot)])).filled(false);
+        ring.shape(MarkerShape::Circle).radius(7.0).color(strong).allow_hover(false)
+    });
+    let shown = empty_plot(names, log, spots().map(at)).show(ui, |plot| {
+        for curve in curves {
+            let points: Vec<[f64; 2]> = curve.points.iter().map(at).collect();
+            let line = Line::new(&curve.name, PlotPoints::from(points.clone()));
+            plot.line(line.color(curve.color).width(1.5));
+            let dots = Points::new(&curve.name, PlotPoints::from(points));
+            plot.points(dots.color(curve.color).radius(3.5));
+        }
+        ring.into_iter().for_each(|ring| plot.points(ring));
+    });
+    let response = named(shown.response, &format!("Plot of {} against {}", names[1], names[0]));
+    let pointer: Pos2 = response.hover_pos()?;
+    let screen = |spot: &Spot| {
+        let [x, y] = at(spot);
+        shown.transform.position_from_point(&PlotPoint::new(x, y))
+    };
+    let near = spots().map(|spot| (screen(spot).distance(pointer), spot));
+    let (_, spot) =
+        near.filter(|(distance, _)| *distance <= REACH).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let is_clicked = response.clicked();
+    response.on_hover_ui_at_pointer(|ui| {
+        ui.strong(sheet.step(spot.row).map(label).unwrap_or_default());
+        ui.label(format!("{} {}\n{} {}", names[0], brief(spot.x), names[1], brief(spot.y)));
+    });
+    is_clicked.then_some(spot.row)
+}
+
+/// A plot of these points without the points: its axes, grid and legend.
+fn empty_plot<'a>(
+    names: [&str; 2],
+    [log_x, log_y]: [bool; 2],
+    points: impl Iterator<Item = [f64; 2]> + Clone,
+) -> Plot<'a> {
+    let mut plot = Plot::new(("results", names, log_x, log_y))
         .legend(Legend::default())
         .x_axis_label(RichText::new(names[0]).small())
         .y_axis_label(RichText::new(names[1]).small())
@@ -308,48 +353,31 @@ fn draw(
         .label_formatter(|_| None)
         .show_crosshair(false)
         .allow_scroll(false);
+    if let Some((from, to)) = room(points.clone().map(|[x, _]| x)) {
+        plot = plot.include_x(from).include_x(to);
+    }
+    if let Some((from, to)) = room(points.map(|[_, y]| y)) {
+        plot = plot.include_y(from).include_y(to);
+    }
     if log_x {
         plot = plot.x_grid_spacer(decades);
     }
     if log_y {
         plot = plot.y_grid_spacer(decades);
     }
-    let shown = plot.show(ui, |plot| {
-        for curve in curves {
-            let points: Vec<[f64; 2]> = curve.points.iter().map(at).collect();
-            let line = Line::new(&curve.name, PlotPoints::from(points.clone()));
-            plot.line(line.color(curve.color).width(1.5));
-            let dots = Points::new(&curve.name, PlotPoints::from(points));
-            plot.points(dots.color(curve.color).radius(3.5));
-        }
-        let spots = curves.iter().flat_map(|curve| &curve.points);
-        let is_selected =
-            |spot: &&Spot| sheet.step(spot.row).is_some_and(|s| Some(s.id.as_str()) == selected);
-        if let Some(spot) = spots.clone().find(is_selected) {
-            let ring = Points::new("", PlotPoints::from(vec![at(spot)])).filled(false);
-            plot.points(
-                ring.shape(MarkerShape::Circle).radius(7.0).color(strong).allow_hover(false),
-            );
-        }
+    plot
+}
+
+/// What an axis must show besides its numbers, where they differ by no more than rounding: a plot
+/// of nothing else would magnify that, or have no extent at all.
+fn room(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let (from, to) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), number| {
+        (from.min(number), to.max(number))
     });
-    let response = named(shown.response, &format!("Plot of {} against {}", names[1], names[0]));
-    let pointer: Pos2 = response.hover_pos()?;
-    let screen = |spot: &Spot| {
-        let [x, y] = at(spot);
-        shown.transform.position_from_point(&PlotPoint::new(x, y))
-    };
-    let spots = curves.iter().flat_map(|curve| &curve.points);
-    let near = spots.map(|spot| (screen(spot).distance(pointer), spot));
-    let (distance, spot) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if distance > REACH {
-        return None;
-    }
-    let is_clicked = response.clicked();
-    response.on_hover_ui_at_pointer(|ui| {
-        ui.strong(sheet.step(spot.row).map(label).unwrap_or_default());
-        ui.label(format!("{} {}\n{} {}", names[0], brief(spot.x), names[1], brief(spot.y)));
-    });
-    is_clicked.then_some(spot.row)
+    let size = from.abs().max(to.abs());
+    let margin = if size == 0.0 { 1.0 } else { size * 1e-3 };
+    (from <= to && to - from < size * 1e-6 + f64::MIN_POSITIVE)
+        .then_some((from - margin, to + margin))
 }
 
 fn on_axis(number: f64, is_log: bool) -> f64 {
@@ -467,6 +495,15 @@ mod tests {
         let rows: [&[&str]; 3] = [&["1", "10", "3"], &["2", "20", "2"], &["3", "30", "1"]];
         let sheet = sheet(&columns, &rows);
         assert_eq!(curves(&sheet, Choice { x: 0, y: 2, series: None }).len(), 1);
+    }
+
+    #[test]
+    fn numbers_that_differ_by_rounding_get_room() {
+        assert_eq!(room([0.0, 0.0].into_iter()), Some((-1.0, 1.0)));
+        let (from, to) = room([2.0, 2.0 + 1e-12].into_iter()).unwrap();
+        assert!(from < 1.999 && to > 2.001);
+        assert_eq!(room([2.0, 2.1].into_iter()), None);
+        assert_eq!(room(std::iter::empty()), None);
     }
 
     #[test]

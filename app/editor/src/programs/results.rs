@@ -286,13 +286,12 @@ fn scalar_cell(scalar: &Scalar) -> Cell {
 fn weigh(program: &Program, columns: &mut [Column], rows: &[Row]) {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let cells = |place: usize| rows.iter().map(move |row| &row.cells[place]);
-    for place in 0..columns.len() {
+    for (place, column) in columns.iter_mut().enumerate() {
         let full = || cells(place).filter(|cell| !cell.text.is_empty());
         let is_number = full().next().is_some() && full().all(|cell| cell.number.is_some());
         let differs = full().any(|cell| Some(cell) != full().next());
         let is_new = || (0..place).all(|other| cells(other).ne(cells(place)));
-        let is_against = program.report.against.contains(&columns[place].name);
-        let column = &mut columns[place];
+        let is_against = program.report.against.contains(&column.name);
         column.is_number = is_number;
         let numbers = full().filter_map(|cell| cell.number);
         column.best = match column.better {
@@ -310,5 +309,32 @@ fn weigh(program: &Program, columns: &mut [Column], rows: &[Row]) {
             Source::NodeSeconds(..) => column.better.is_some() || is_against,
             _ => true,
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_cells_stand_last_whichever_way_rows_are_sorted() {
+        let cell = |text: &str| Cell { text: text.to_owned(), number: text.parse().ok() };
+        let texts = ["10", "", "9", "odd"];
+        let rows = texts.iter().enumerate().map(|(place, text)| Row {
+            place,
+            state: State::Done,
+            cells: vec![cell(text)],
+        });
+        let sheet = Sheet { rows: rows.collect(), ..Sheet::default() };
+        assert_eq!(sheet.order(0, true), [2, 0, 3, 1]);
+        assert_eq!(sheet.order(0, false), [0, 2, 3, 1]);
+    }
+
+    #[test]
+    fn a_step_is_named_by_what_it_sets() {
+        let params = [("a.way", Json::from("A")), ("b.n", Json::from(3))];
+        let params = params.into_iter().map(|(path, value)| (path.to_owned(), value)).collect();
+        let step = Step { id: String::new(), repeat: 2, params };
+        assert_eq!(label(&step), "a.way A, b.n 3, repeat 2");
     }
 }
