@@ -299,3 +299,21 @@ fn a_paused_program_starts_no_step() {
     });
     picture(&mut other, "programs-light");
 }
+
+/// The window does not wait for a large program to be checked, and draws only rows that are seen.
+#[test]
+fn ten_thousand_steps_leave_the_window_quick() {
+    let folder = tempfile::tempdir().unwrap();
+    let segments: Vec<u32> = (1..=100).collect();
+    let sizes: Vec<f64> = segments.iter().map(|n| f64::from(*n) / 10.0).collect();
+    let axes = json!([{"make.segments": segments}, {"make.size_x": sizes}]);
+    let bench = Bench::new(json!({"large": {"axes": axes}}), folder.path());
+    let mut harness = window(bench, Theme::Dark);
+    wait(&mut harness, "the check", |harness| harness.query_by_label("10000 steps").is_some());
+    let start = Instant::now();
+    harness.run_steps(20);
+    let frame = start.elapsed() / 20;
+    println!("a frame of a program of 10,000 steps: {frame:?}");
+    let n_rows = harness.query_all_by_label_contains("status to do").count();
+    assert!(n_rows > 0 && n_rows < 60, "{n_rows} rows drawn");
+}

@@ -17,8 +17,9 @@ use super::widgets::named;
 const REACH: f32 = 12.0;
 /// Height and width below which nothing is plotted.
 const SMALLEST: f32 = 80.0;
-/// A quotient of the largest and smallest number from which a logarithmic axis shows more.
-const WORTH_LOG: f64 = 20.0;
+/// Quotients of the largest and smallest number for which a logarithmic axis shows more. Beyond
+/// them the smallest is a rounding error, which would take up most of the axis.
+const WORTH_LOG: RangeInclusive<f64> = 20.0..=1e9;
 
 /// Colors of lines that are told apart by eyes of all kinds (Okabe and Ito 2008), without the black
 /// and the yellow, which one of the themes would hide.
@@ -289,7 +290,7 @@ fn follows(sheet: &Sheet, leader: usize, follower: usize) -> bool {
 fn is_wide(curves: &[Curve], of: fn(&Spot) -> f64) -> bool {
     let numbers = || curves.iter().flat_map(|curve| &curve.points).map(of);
     let (least, most) = (numbers().fold(f64::MAX, f64::min), numbers().fold(0.0, f64::max));
-    least > 0.0 && most / least > WORTH_LOG
+    least > 0.0 && WORTH_LOG.contains(&(most / least))
 }
 
 /// Draws the plot; the row whose point was clicked.
@@ -413,12 +414,15 @@ fn decades(input: GridInput) -> Vec<GridMark> {
         let mark = |place: i64| GridMark { value: place as f64 * step_size, step_size };
         return marks.map(mark).collect();
     }
+    // On a long axis only some decades have room for their number.
+    let every = (span / 6.0).ceil().max(1.0) as i32;
     let mut marks = Vec::new();
     for decade in from.floor() as i32..=to.ceil() as i32 {
         for digit in 1..10_i32 {
             let value = f64::from(decade) + f64::from(digit).log10();
             let step_size = match digit {
-                1 => 1.0,
+                1 if decade.rem_euclid(every) == 0 => f64::from(every),
+                1 => 0.9,
                 2 | 5 => 0.3,
                 _ => 0.08,
             };
@@ -512,6 +516,9 @@ mod tests {
         let texts: Vec<_> =
             decades(input).into_iter().map(|mark| axis_text(mark, &(0.0..=1.0), true)).collect();
         assert_eq!(texts, ["100", "200", "500", "1000", "2000"]);
+        let long = decades(GridInput { bounds: (-17.0, 0.0), base_step_size: 0.5 });
+        let far = long.iter().filter(|mark| mark.step_size > 2.0).count();
+        assert_eq!((long.len(), far), (18, 6));
         let text = |value, step_size| axis_text(GridMark { value, step_size }, &(0.0..=1.0), false);
         assert_eq!(
             [text(1.0002, 1e-4), text(0.3, 0.1), text(4000.0, 1e3)],

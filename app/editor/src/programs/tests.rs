@@ -45,7 +45,7 @@ fn a_parameter_that_is_varied_gets_one_more_value() {
     let programs = json!({"old": {"axes": [{"make.segments": [1, 4]}], "note": [1]}});
     let (name, spec) = vary(&map(programs), "make", "segments");
     assert_eq!(name, "old");
-    assert_eq!(json!(spec), json!({"axes": [{"make.segments": [1, 4, 8]}], "note": [1]}));
+    assert_eq!(json!(spec), json!({"axes": [{"make.segments": [1, 4, 16]}], "note": [1]}));
 }
 
 #[test]
