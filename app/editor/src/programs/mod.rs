@@ -8,6 +8,7 @@
 mod axis;
 mod bar;
 mod check;
+mod curves;
 mod declare;
 mod edit;
 mod generate;

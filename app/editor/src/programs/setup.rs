@@ -15,6 +15,8 @@ use super::{Action, Scene, generate, steps, value};
 
 /// Rows of an axis beyond which it scrolls by itself.
 const MOST_ROWS: usize = 14;
+/// Height of a row, in points.
+const ROW_HEIGHT: f32 = 22.0;
 
 /// What the tables remember from frame to frame.
 #[derive(Default)]
@@ -81,13 +83,18 @@ impl SetupState {
             ui.set_min_width(ui.available_width());
             show_head(ui, place, axis, spec.axes.len(), edits);
             let is_long = n_rows(axis) > MOST_ROWS;
-            let height = if is_long { 24.0 * MOST_ROWS as f32 } else { f32::INFINITY };
+            let height = if is_long { 25.0 * MOST_ROWS as f32 } else { f32::INFINITY };
             let scroll = ScrollArea::both().id_salt(("axis", place)).max_height(height);
-            scroll.auto_shrink([false, true]).show(ui, |ui| {
-                Grid::new(("axis", place)).striped(true).min_row_height(22.0).show(ui, |ui| {
-                    self.show_names(ui, scene, (place, axis), edits, actions);
-                    for row in 0..n_rows(axis) {
-                        self.show_row(ui, scene, (place, axis), row, edits);
+            let scroll = scroll.auto_shrink([false, true]);
+            // The names are the first row; only rows that are seen are drawn.
+            scroll.show_rows(ui, ROW_HEIGHT, n_rows(axis) + 1, |ui, seen| {
+                let grid = Grid::new(("axis", place)).striped(true).start_row(seen.start);
+                grid.min_row_height(ROW_HEIGHT).show(ui, |ui| {
+                    for row in seen {
+                        match row.checked_sub(1) {
+                            None => self.show_names(ui, scene, (place, axis), edits, actions),
+                            Some(row) => self.show_row(ui, scene, (place, axis), row, edits),
+                        }
                     }
                 });
             });
