@@ -1,0 +1,102 @@
+//! Checks a program on a thread: how many steps it has, what is wrong with it, and which steps its
+//! store has already.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mve_core::{Map, Problem, Program, Registry, StepRecord, Store};
+
+/// A program of a map, to be checked.
+#[derive(Clone)]
+pub struct Subject {
+    /// The map.
+    pub map: Arc<Map>,
+    /// Name of the program.
+    pub name: String,
+    /// The folder that input paths are relative to.
+    pub folder: PathBuf,
+    /// Name of the map's file.
+    pub map_file: String,
+    /// The modules.
+    pub registry: Registry,
+    /// The folder of the program's results.
+    pub store: PathBuf,
+}
+
+impl Subject {
+    /// Whether a check of one answers for the other: where nodes are drawn does not matter.
+    pub fn asks_the_same_as(&self, other: &Self) -> bool {
+        let same_map = Arc::ptr_eq(&self.map, &other.map)
+            || (self.map.title == other.map.title
+                && self.map.nodes == other.map.nodes
+                && self.map.links == other.map.links
+                && self.map.programs.get(&self.name) == other.map.programs.get(&self.name));
+        same_map
+            && self.name == other.name
+            && self.folder == other.folder
+            && self.map_file == other.map_file
+            && self.store == other.store
+    }
+}
+
+/// What a check found.
+pub struct Checked {
+    /// What was checked.
+    pub subject: Subject,
+    /// The program, if it can run.
+    pub program: Option<Arc<Program>>,
+    /// What is wrong with it, and what is odd about it.
+    pub problems: Vec<Problem>,
+    /// The steps that its store has.
+    pub records: Vec<Arc<StepRecord>>,
+    /// Why the store cannot be used.
+    pub trouble: Option<String>,
+}
+
+/// Checks a program, and looks into its store without changing it.
+pub fn check(subject: Subject) -> Checked {
+    let Subject { map, name, folder, map_file, registry, store } = &subject;
+    let mut problems: Vec<Problem> = map.problems().to_vec();
+    let mut program = None;
+    match Program::new(map, name, registry, folder) {
+        Ok(mut sound) => {
+            problems.extend(sound.warnings.iter().cloned());
+            sound.map_file.clone_from(map_file);
+            program = Some(Arc::new(sound));
+        }
+        Err(found) => problems.extend(found),
+    }
+    if problems.iter().any(Problem::is_error) {
+        program = None;
+    }
+    let (mut records, mut trouble) = (Vec::new(), None);
+    match (&program, Store::look(store)) {
+        (_, Err(error)) => trouble = Some(error.to_string()),
+        (Some(program), Ok(Some(store))) => {
+            let places = 0..program.steps.len();
+            records = places.filter_map(|place| program.record(&store, place)).collect();
+        }
+        _ => {}
+    }
+    Checked { subject, program, problems, records, trouble }
+}
+
+/// The folder of a program's results: the one that `mve program` takes by itself.
+pub fn store_folder(output_folder: &Path, map_file: &str, program: &str) -> PathBuf {
+    let stem = Path::new(map_file).file_stem().map_or("map".into(), |stem| stem.to_string_lossy());
+    let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+    let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
+    output_folder.join(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_go_where_the_command_puts_them() {
+        let folder = |file, program| store_folder(Path::new("mve-out"), file, program);
+        assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
+        assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
+    }
+}

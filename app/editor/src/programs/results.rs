@@ -1,0 +1,340 @@
+//! The results of a program as a table: its columns, and a row a step, made from records.
+
+use std::cmp::Ordering;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use indexmap::IndexSet;
+use mve_core::{Better, Program, Scalar, Step, StepRecord, StepStatus, brief, brief_value};
+use serde_json::Value as Json;
+
+/// How many outputs of one node a person reads first.
+const MOST_OF_A_NODE: usize = 4;
+
+/// What a column shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Number of the repeat.
+    Repeat,
+    /// A parameter that is varied, by its path.
+    Param(String),
+    /// An output of a node.
+    Output(String, String),
+    /// Seconds of the step.
+    Seconds,
+    /// Seconds of a node, or of a part of its work.
+    NodeSeconds(String, Option<String>),
+    /// What became of the step.
+    Status,
+}
+
+/// A column of the table.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// Its name, as in `results.csv`.
+    pub name: String,
+    /// What it shows.
+    pub source: Source,
+    /// Whether it is worth the room among the first columns.
+    pub is_chief: bool,
+    /// Whether its cells are numbers.
+    pub is_number: bool,
+    /// Which values are better, where the program says so.
+    pub better: Option<Better>,
+    /// The best of its numbers.
+    pub best: Option<f64>,
+}
+
+/// A cell: what is shown, and the number that it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// Its text; numbers are brief.
+    pub text: String,
+    /// Its number, to the last digit.
+    pub number: Option<f64>,
+}
+
+/// What became of a step so far.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// It has not run.
+    ToDo,
+    /// It runs.
+    Running,
+    /// It is done.
+    Done,
+    /// It is not done, and why.
+    Failed(String),
+}
+
+/// A step.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its place among the steps of the program.
+    pub place: usize,
+    /// What became of it.
+    pub state: State,
+    /// A cell for each column.
+    pub cells: Vec<Cell>,
+}
+
+/// The whole table.
+#[derive(Clone, Default)]
+pub struct Sheet {
+    /// The program whose steps these are.
+    pub program: Option<Arc<Program>>,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// A row for each step, in the order of the program. Of two steps with one id the first.
+    pub rows: Vec<Row>,
+}
+
+/// Records by the id of their step.
+pub type Records = HashMap<String, Arc<StepRecord>>;
+
+impl Sheet {
+    /// The table of a program, from what is known of its steps.
+    pub fn new(
+        program: &Arc<Program>,
+        records: &Records,
+        is_running: impl Fn(usize) -> bool,
+    ) -> Self {
+        let mut seen = HashSet::new();
+        let places = 0..program.steps.len();
+        let steps: Vec<_> = places
+            .filter(|place| seen.insert(&program.steps[*place].id))
+            .map(|place| (place, records.get(&program.steps[place].id)))
+            .collect();
+        let found: Vec<&StepRecord> =
+            steps.iter().filter_map(|(_, record)| record.map(Arc::as_ref)).collect();
+        let mut columns = columns(program, &found);
+        let rows: Vec<Row> = steps
+            .iter()
+            .map(|(place, record)| {
+                let step = &program.steps[*place];
+                let state = state(record.map(|record| &record.status), is_running(*place));
+                let cell =
+                    |column: &Column| cell(&column.source, step, record.map(Arc::as_ref), &state);
+                Row {
+                    place: *place,
+                    cells: columns.iter().map(cell).collect(),
+                    state: state.clone(),
+                }
+            })
+            .collect();
+        weigh(program, &mut columns, &rows);
+        Self { program: Some(Arc::clone(program)), columns, rows }
+    }
+
+    /// The place of a column.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.name == name)
+    }
+
+    /// The number in a cell.
+    pub fn number(&self, row: usize, column: usize) -> Option<f64> {
+        self.rows.get(row)?.cells.get(column)?.number
+    }
+
+    /// The step of a row.
+    pub fn step(&self, row: usize) -> Option<&Step> {
+        self.program.as_ref()?.steps.get(self.rows.get(row)?.place)
+    }
+
+    /// The order of rows by a column. Empty cells stand last either way, equal ones as they were.
+    pub fn order(&self, column: usize, is_rising: bool) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.rows.len()).collect();
+        let empty = Cell::default();
+        let cell = |row: usize| self.rows[row].cells.get(column).unwrap_or(&empty);
+        order.sort_by(|a, b| compare(cell(*a), cell(*b), is_rising));
+        order
+    }
+}
+
+/// The parameters of a step in a line.
+pub fn label(step: &Step) -> String {
+    let params = step.params.iter().map(|(path, value)| format!("{path} {}", brief_value(value)));
+    let repeat = (step.repeat > 0).then(|| format!("repeat {}", step.repeat));
+    let all: Vec<_> = params.chain(repeat).collect();
+    if all.is_empty() { "the map as it is".to_owned() } else { all.join(", ") }
+}
+
+fn compare(a: &Cell, b: &Cell, is_rising: bool) -> Ordering {
+    let turned = |order: Ordering| if is_rising { order } else { order.reverse() };
+    match (a.number, b.number) {
+        _ if a.text.is_empty() || b.text.is_empty() => a.text.is_empty().cmp(&b.text.is_empty()),
+        (Some(a), Some(b)) => turned(a.total_cmp(&b)),
+        (Some(_), None) => Ordering::Less,
+        (None, Some(_)) => Ordering::Greater,
+        (None, None) => turned(a.text.cmp(&b.text)),
+    }
+}
+
+fn state(status: Option<&StepStatus>, is_running: bool) -> State {
+    match status {
+        Some(status) => match status.reason() {
+            Some(reason) => State::Failed(reason.to_owned()),
+            None => State::Done,
+        },
+        None if is_running => State::Running,
+        None => State::ToDo,
+    }
+}
+
+fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
+    let mut all = Vec::new();
+    let mut add = |name: String, source: Source| {
+        let better = program.report.measures.iter().find(|measure| measure.column == name);
+        let better = better.map(|measure| measure.better);
+        let (is_chief, is_number, best) = (false, false, None);
+        all.push(Column { name, source, is_chief, is_number, better, best });
+    };
+    if program.steps.iter().any(|step| step.repeat > 0) {
+        add("repeat".to_owned(), Source::Repeat);
+    }
+    for path in &program.varied {
+        add(path.clone(), Source::Param(path.clone()));
+    }
+    add("status".to_owned(), Source::Status);
+    let mut outputs = IndexSet::new();
+    let mut times = IndexSet::new();
+    for (node, record) in records.iter().flat_map(|record| &record.nodes) {
+        outputs.extend(record.scalars.keys().map(|output| (node, output)));
+        times.insert((node, None));
+        times.extend(record.phases.keys().map(|phase| (node, Some(phase))));
+    }
+    // What the program names stands first; then outputs of one node stand together, in the order
+    // in which nodes were met first.
+    let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
+    let rank = |node: &String| nodes.iter().position(|known| *known == node);
+    let urgency = |name: &str| {
+        let report = &program.report;
+        let measures = report.measures.iter().map(|measure| measure.column.as_str());
+        let mut said = measures.chain(report.against.iter().map(String::as_str));
+        said.position(|said| said == name).unwrap_or(usize::MAX)
+    };
+    let key =
+        |(node, output): (&String, &String)| (urgency(&format!("{node}.{output}")), rank(node));
+    outputs.sort_by(|a, b| key(*a).cmp(&key(*b)));
+    times.sort_by(|a, b| rank(a.0).cmp(&rank(b.0)));
+    for (node, output) in outputs {
+        let name = format!("{node}.{output}");
+        if !program.varied.contains(&name) {
+            add(name, Source::Output(node.clone(), output.clone()));
+        }
+    }
+    add("seconds".to_owned(), Source::Seconds);
+    for (node, phase) in times {
+        let part = phase.map_or(String::new(), |phase| format!(".{phase}"));
+        let source = Source::NodeSeconds(node.clone(), phase.cloned());
+        add(format!("seconds.{node}{part}"), source);
+    }
+    all
+}
+
+fn cell(source: &Source, step: &Step, record: Option<&StepRecord>, state: &State) -> Cell {
+    let seconds = |seconds: f64| Cell { text: format!("{seconds:.3}"), number: Some(seconds) };
+    let of_node = |node: &String| record.and_then(|record| record.nodes.get(node));
+    match source {
+        Source::Repeat => number(f64::from(step.repeat)),
+        Source::Param(path) => step.params.get(path).map_or_else(Cell::default, param_cell),
+        Source::Output(node, output) => {
+            let scalar = of_node(node).and_then(|node| node.scalars.get(output));
+            scalar.map_or_else(Cell::default, scalar_cell)
+        }
+        Source::Seconds => record.map_or_else(Cell::default, |record| seconds(record.seconds)),
+        Source::NodeSeconds(node, phase) => {
+            let found = of_node(node).and_then(|node| match phase {
+                None => node.seconds,
+                Some(phase) => node.phases.get(phase).copied(),
+            });
+            found.map_or_else(Cell::default, seconds)
+        }
+        Source::Status => {
+            let text = match (state, record) {
+                (State::Running, _) => "running".to_owned(),
+                (_, None) => "to do".to_owned(),
+                (_, Some(record)) => record.status.word().to_owned(),
+            };
+            Cell { text, number: None }
+        }
+    }
+}
+
+fn number(number: f64) -> Cell {
+    match number.is_nan() {
+        true => Cell::default(),
+        false => Cell { text: brief(number), number: Some(number) },
+    }
+}
+
+fn param_cell(value: &Json) -> Cell {
+    match value.as_f64() {
+        Some(exact) => number(exact),
+        None => Cell { text: brief_value(value), number: None },
+    }
+}
+
+fn scalar_cell(scalar: &Scalar) -> Cell {
+    match scalar {
+        Scalar::Number(value) => number(*value),
+        other => Cell { text: other.to_string(), number: None },
+    }
+}
+
+/// Finds which columns hold numbers, which are worth the room, and the best of each.
+fn weigh(program: &Program, columns: &mut [Column], rows: &[Row]) {
+    let mut n_of_node: HashMap<String, usize> = HashMap::new();
+    let cells = |place: usize| rows.iter().map(move |row| &row.cells[place]);
+    for (place, column) in columns.iter_mut().enumerate() {
+        let full = || cells(place).filter(|cell| !cell.text.is_empty());
+        let is_number = full().next().is_some() && full().all(|cell| cell.number.is_some());
+        let differs = full().any(|cell| Some(cell) != full().next());
+        let is_new = || (0..place).all(|other| cells(other).ne(cells(place)));
+        let is_against = program.report.against.contains(&column.name);
+        column.is_number = is_number;
+        let numbers = full().filter_map(|cell| cell.number);
+        column.best = match column.better {
+            Some(Better::Lower) => numbers.min_by(f64::total_cmp),
+            Some(Better::Higher) => numbers.max_by(f64::total_cmp),
+            None => None,
+        };
+        column.is_chief = match &column.source {
+            Source::Output(node, _) if column.better.is_none() && !is_against => {
+                let n = n_of_node.entry(node.clone()).or_default();
+                let is_chief = *n < MOST_OF_A_NODE && (differs || rows.len() < 2) && is_new();
+                *n += usize::from(is_chief);
+                is_chief
+            }
+            Source::NodeSeconds(..) => column.better.is_some() || is_against,
+            _ => true,
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_cells_stand_last_whichever_way_rows_are_sorted() {
+        let cell = |text: &str| Cell { text: text.to_owned(), number: text.parse().ok() };
+        let texts = ["10", "", "9", "odd"];
+        let rows = texts.iter().enumerate().map(|(place, text)| Row {
+            place,
+            state: State::Done,
+            cells: vec![cell(text)],
+        });
+        let sheet = Sheet { rows: rows.collect(), ..Sheet::default() };
+        assert_eq!(sheet.order(0, true), [2, 0, 3, 1]);
+        assert_eq!(sheet.order(0, false), [0, 2, 3, 1]);
+    }
+
+    #[test]
+    fn a_step_is_named_by_what_it_sets() {
+        let params = [("a.way", Json::from("A")), ("b.n", Json::from(3))];
+        let params = params.into_iter().map(|(path, value)| (path.to_owned(), value)).collect();
+        let step = Step { id: String::new(), repeat: 2, params };
+        assert_eq!(label(&step), "a.way A, b.n 3, repeat 2");
+    }
+}

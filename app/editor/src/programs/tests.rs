@@ -1,0 +1,59 @@
+//! The panel without a window: what it makes of a dragged parameter, and where steps go.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use mve_core::{Map, ProgramSpec};
+use serde_json::json;
+
+use super::*;
+
+fn map(programs: Json) -> Arc<Map> {
+    let text = json!({
+        "mve": 1,
+        "nodes": {
+            "make": {"module": "Box", "params": {"segments": 8}},
+            "cut": {"module": "Simplificator"},
+        },
+        "links": ["make.mesh -> cut.mesh"],
+        "programs": programs,
+    });
+    Arc::new(Map::parse(&text.to_string()).unwrap())
+}
+
+fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
+    let registry = mve_modules::registry();
+    let here = Path::new(".");
+    let scene =
+        Scene { map, folder: here, map_file: "box.json", registry: &registry, output_folder: here };
+    let mut panel = ProgramPanel::new(Arc::new(|| ()));
+    match panel.vary(node, param, &scene).remove(0) {
+        Action::SetProgram { name, spec: Some(spec) } => (name, spec),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_dragged_parameter_becomes_an_axis_of_two_values() {
+    let (name, spec) = vary(&map(json!({})), "make", "segments");
+    assert_eq!(name, "sweep");
+    assert_eq!(json!(spec), json!({"axes": [{"make.segments": [8, 16]}]}));
+}
+
+#[test]
+fn a_parameter_that_is_varied_gets_one_more_value() {
+    let programs = json!({"old": {"axes": [{"make.segments": [1, 4]}], "note": [1]}});
+    let (name, spec) = vary(&map(programs), "make", "segments");
+    assert_eq!(name, "old");
+    assert_eq!(json!(spec), json!({"axes": [{"make.segments": [1, 4, 16]}], "note": [1]}));
+}
+
+#[test]
+fn a_step_is_loaded_in_an_order_that_works() {
+    let params = [("b.way.weight", json!(1)), ("b.way", json!("A")), ("b.module", json!("M"))];
+    let params = params.into_iter().map(|(path, value)| (path.to_owned(), value)).collect();
+    let step = mve_core::Step { id: String::new(), repeat: 0, params };
+    let Action::LoadStep(params) = load_step(&step) else { panic!() };
+    let paths: Vec<_> = params.iter().map(|(_, path, _)| path.as_str()).collect();
+    assert_eq!(paths, ["module", "way", "way.weight"]);
+}
