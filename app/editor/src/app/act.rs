@@ -117,10 +117,10 @@ impl Editor {
         let file = session.document.path().map(|path| path.display().to_string());
         let scene = programs::Scene {
             map: session.document.map(),
-            revision: session.document.revision(),
             folder: &folder,
             map_file: file.as_deref().unwrap_or(""),
             registry: &shared.registry,
+            output_folder: &shared.output_folder,
         };
         let actions = session.programs.vary(node, param, &scene);
         let edits: Vec<Edit> = actions.into_iter().filter_map(edit_of).collect();
