@@ -111,11 +111,8 @@ impl Canvas {
                 // Tab would also move the focus on.
                 ui.ctx().memory_mut(|memory| memory.request_focus(super::search_field()));
             }
-            Key::F => self.fit(),
-            Key::Home => {
-                actions.push(Action::Select(Vec::new()));
-                self.fit();
-            }
+            Key::F => self.fit_selection(),
+            Key::Home => self.fit(),
             Key::Delete | Key::Backspace if !selection.is_empty() => {
                 actions.push(Action::Edit(vec![Edit::Remove(selection.iter().cloned().collect())]));
             }

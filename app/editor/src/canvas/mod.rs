@@ -93,6 +93,15 @@ pub enum Action {
     Vary(String, String),
 }
 
+/// What is to be shown in the next frame.
+#[derive(Clone, Copy, Debug, Default)]
+enum Wanted {
+    #[default]
+    Nothing,
+    All,
+    Selection,
+}
+
 /// What the canvas keeps from one frame to the next.
 #[derive(Default)]
 pub struct Canvas {
@@ -107,7 +116,7 @@ pub struct Canvas {
     /// What the open menu of the background is about.
     menu_wire: Option<Link>,
     menu_at: [f64; 2],
-    wants_fit: bool,
+    wants: Wanted,
     /// A node to move into the middle of the view.
     wants_node: Option<String>,
     view: Option<View>,
@@ -116,7 +125,12 @@ pub struct Canvas {
 impl Canvas {
     /// Shows the whole map.
     pub fn fit(&mut self) {
-        self.wants_fit = true;
+        self.wants = Wanted::All;
+    }
+
+    /// Shows what is selected, or the whole map where nothing is.
+    pub fn fit_selection(&mut self) {
+        self.wants = Wanted::Selection;
     }
 
     /// Shows what is in the middle at so many points of the screen for one unit of the canvas.
@@ -184,16 +198,15 @@ impl Canvas {
         let camera = self.camera.unwrap_or_default();
         let mut view = View { camera, screen };
         let is_first = self.camera.is_none() && screen.area() > 0.0;
-        if is_first || std::mem::take(&mut self.wants_fit) {
-            let selected = scene.document.selection().iter().filter_map(node_of);
-            let none = std::iter::empty();
-            let bounds = match is_first {
-                true => self.shapes.bounds(none),
-                false => self.shapes.bounds(selected),
-            };
-            if let Some(bounds) = bounds {
-                view.camera = view.fitting(bounds);
+        let bounds = match std::mem::take(&mut self.wants) {
+            Wanted::Selection => {
+                self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
             }
+            Wanted::Nothing if !is_first => None,
+            Wanted::All | Wanted::Nothing => self.shapes.bounds(std::iter::empty()),
+        };
+        if let Some(bounds) = bounds {
+            view.camera = view.fitting(bounds);
         }
         if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
             view.camera = Camera { center: shape.rect().center(), ..view.camera };
