@@ -1,6 +1,7 @@
 //! The `mve` command: one file a subcommand, and what they share.
 
 mod check;
+mod edit;
 mod exit;
 mod load;
 mod machine;
@@ -39,6 +40,7 @@ Examples:
   mve program first.json                run its program into a table and a report
   mve report mve-out/first-sizes        write the report of a program again
   mve modules Simplificator             read what a module does
+  mve edit first.json                   open it in the window
 
 Exit codes:
   0    all done
@@ -71,6 +73,7 @@ enum Command {
     Modules(modules::Args),
     Schema(schema::Args),
     New(new::Args),
+    Edit(edit::Args),
     Completions(manual::CompletionsArgs),
     Man(manual::ManArgs),
 }
@@ -101,6 +104,7 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
         Some(Command::Modules(args)) => modules::run(&args),
         Some(Command::Schema(args)) => schema::run(&args),
         Some(Command::New(args)) => new::run(&args),
+        Some(Command::Edit(args)) => edit::run(&args),
         Some(Command::Completions(args)) => manual::completions(Cli::command(), &args),
         Some(Command::Man(args)) => manual::pages(Cli::command(), &args),
     }

@@ -386,6 +386,7 @@ impl Editor {
             (ctrl, Key::W, Command::Close(self.active)),
             (ctrl, Key::Q, Command::Quit),
             (Modifiers::NONE, Key::F1, Command::Shortcuts),
+            (Modifiers::SHIFT, Key::Escape, Command::Stop),
         ];
         let is_typing = ui.ctx().text_edit_focused();
         ui.input_mut(|input| {

@@ -4,12 +4,10 @@ use eframe::egui::{self, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, Widget
 use mve_core::{Link, PortRef};
 
 use super::paint::Brush;
-use super::shape::{Port, color_of};
+use super::shape::Port;
 use super::{Action, Canvas, Scene, menu};
 use crate::document::{Edit, Item, fits};
 
-/// How near to a port a link's end must come to snap to it, in points of the screen.
-const SNAP: f32 = 26.0;
 /// The grid that nodes come to rest on, in units of the canvas.
 const GRID: f64 = 10.0;
 /// Size of the corner by which a frame is resized.
@@ -86,7 +84,8 @@ impl Gesture {
 }
 
 impl End {
-    fn port(&self) -> &PortRef {
+    /// The port that it has.
+    pub fn port(&self) -> &PortRef {
         match self {
             Self::From(port) | Self::To(port) => port,
         }
@@ -94,7 +93,7 @@ impl End {
 }
 
 /// The link between an end and a port.
-fn link_to(end: &End, port: &PortRef) -> Link {
+pub fn link_to(end: &End, port: &PortRef) -> Link {
     match end {
         End::From(from) => Link { from: from.clone(), to: port.clone() },
         End::To(to) => Link { from: port.clone(), to: to.clone() },
@@ -129,11 +128,9 @@ impl Canvas {
         &mut self,
         ui: &Ui,
         item: &Item,
-        brush: &Brush,
         scene: &Scene,
         actions: &mut Vec<Action>,
     ) {
-        let _ = brush;
         let mut items: Vec<Item> = match scene.document.selection().contains(item) {
             true => scene.document.selection().iter().cloned().collect(),
             false => {
@@ -267,7 +264,7 @@ impl Canvas {
             self.renaming = Some((item.clone(), text.to_owned()));
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
-            self.start_move(ui, item, brush, scene, actions);
+            self.start_move(ui, item, scene, actions);
         }
         response.context_menu(|ui| menu::of_box(ui, item, text, actions, &mut self.renaming));
     }
@@ -400,102 +397,9 @@ impl Canvas {
                 actions.push(Action::Edit(vec![Edit::Resize { frame, size }]));
             }
             Gesture::Link { end, was } => {
-                self.end_link(brush, end, was, pointer, scene, actions);
+                self.end_link(brush, end, was, pointer, actions);
             }
         }
-    }
-
-    fn end_link(
-        &mut self,
-        brush: &Brush,
-        end: End,
-        was: Option<Link>,
-        pointer: Pos2,
-        scene: &Scene,
-        actions: &mut Vec<Action>,
-    ) {
-        if !brush.view.screen.contains(pointer) {
-            return;
-        }
-        let Some(port) = self.nearest_port(brush, &end, pointer) else {
-            match was {
-                Some(link) => actions.push(Action::Edit(vec![Edit::Disconnect(link)])),
-                None => self.search_at(pointer, Some(end)),
-            }
-            return;
-        };
-        let link = link_to(&end, &port);
-        if was.as_ref() == Some(&link) || end.port() == &port {
-            return;
-        }
-        let mut edits: Vec<Edit> = was.map(Edit::Disconnect).into_iter().collect();
-        edits.push(Edit::Connect(link));
-        let _ = scene;
-        actions.push(Action::Edit(edits));
-    }
-
-    /// Draws the link under way, and says why the port below the pointer does not do.
-    fn draw_link(&self, ui: &Ui, brush: &Brush, end: &End, pointer: Pos2, scene: &Scene) {
-        let place = match end {
-            End::From(port) => self.shapes.output(port),
-            End::To(port) => self.shapes.input(port),
-        };
-        let Some((at, port)) = place else { return };
-        let color = color_of(port.data_type);
-        let at = brush.view.to_screen(at);
-        let target = self.nearest_port(brush, end, pointer);
-        let mut tip = pointer;
-        if let Some(target) = target.filter(|target| target != end.port()) {
-            let link = link_to(end, &target);
-            match fits(scene.document.map(), scene.registry, &link) {
-                Ok(()) => {
-                    let side = match end {
-                        End::From(_) => self.shapes.input(&target),
-                        End::To(_) => self.shapes.output(&target),
-                    };
-                    tip = side.map_or(pointer, |(at, _)| brush.view.to_screen(at));
-                    brush.painter.circle_stroke(tip, 9.0, Stroke::new(2.0, brush.palette.selected));
-                }
-                Err(why) => {
-                    let text = egui::RichText::new(why).color(ui.visuals().error_fg_color);
-                    egui::Tooltip::always_open(
-                        ui.ctx().clone(),
-                        ui.layer_id(),
-                        ui.id().with("why not"),
-                        egui::PopupAnchor::Pointer,
-                    )
-                    .show(|ui| ui.label(text));
-                }
-            }
-        }
-        match end {
-            End::From(_) => brush.wire(at, tip, color, 3.0),
-            End::To(_) => brush.wire(tip, at, color, 3.0),
-        }
-    }
-
-    /// The port near the pointer on the side that a link looks for: of those that are near, the
-    /// nearest. The body of a node stands for its first port that fits.
-    fn nearest_port(&self, brush: &Brush, end: &End, pointer: Pos2) -> Option<PortRef> {
-        let mut best: Option<(f32, &PortRef)> = None;
-        for shape in self.shapes.nodes.values() {
-            let around = brush.view.rect_to_screen(shape.rect()).expand(SNAP);
-            if !around.contains(pointer) {
-                continue;
-            }
-            let ports = match end {
-                End::From(_) => &shape.inputs,
-                End::To(_) => &shape.outputs,
-            };
-            for port in ports {
-                let at = brush.view.to_screen(shape.at + port.offset);
-                let distance = (at - pointer).length();
-                if distance < SNAP && best.is_none_or(|(least, _)| distance < least) {
-                    best = Some((distance, &port.at));
-                }
-            }
-        }
-        best.map(|(_, port)| port.clone())
     }
 
     /// What a box touches.

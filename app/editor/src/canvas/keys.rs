@@ -137,7 +137,7 @@ impl Canvas {
                 let is_collapsed = !nodes.iter().all(|node| collapsed.contains(node));
                 actions.push(Action::Edit(vec![Edit::SetCollapsed { nodes, is_collapsed }]));
             }
-            Key::G => self.frame_selection(scene, &nodes, actions),
+            Key::G => self.frame_selection(&nodes, actions),
             Key::N => {
                 let (text, at) = ("A note".to_owned(), self.pointer_place(ui));
                 actions.push(Action::Edit(vec![Edit::AddNote { text, at }]));
@@ -151,8 +151,7 @@ impl Canvas {
     }
 
     /// Puts a frame around the selected nodes.
-    fn frame_selection(&self, scene: &Scene, nodes: &[String], actions: &mut Vec<Action>) {
-        let _ = scene;
+    fn frame_selection(&self, nodes: &[String], actions: &mut Vec<Action>) {
         let names = nodes.iter().map(String::as_str);
         let Some(bounds) = self.shapes.bounds(names).filter(|_| !nodes.is_empty()) else { return };
         let bounds = bounds.expand(20.0);

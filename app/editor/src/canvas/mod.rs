@@ -9,11 +9,13 @@
 mod camera;
 mod gesture;
 mod keys;
+mod linking;
 mod menu;
 mod paint;
 mod param;
 mod search;
 mod shape;
+mod touch;
 
 use eframe::egui::{self, Color32, Id, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetType};
 use mve_core::{Link, NodeMode, PortRef, Registry};
@@ -340,138 +342,6 @@ impl Canvas {
             self.touch_node(ui, brush, scene, (name, shape), (&status, is_selected), actions);
         }
         self.shapes = shapes;
-    }
-
-    /// Makes a node, its parameters and its ports react.
-    fn touch_node(
-        &mut self,
-        ui: &mut Ui,
-        brush: &Brush,
-        scene: &Scene,
-        (name, shape): (&str, &Shape),
-        (status, is_selected): (&Status, bool),
-        actions: &mut Vec<Action>,
-    ) {
-        let id = ui.id().with(("node", name));
-        let rect = brush.view.rect_to_screen(shape.rect()).intersect(brush.view.screen);
-        let response = ui.interact(rect, id, Sense::click_and_drag());
-        response.widget_info(|| {
-            WidgetInfo::selected(WidgetType::Button, true, is_selected, format!("node {name}"))
-        });
-        let item = Item::Node(name.to_owned());
-        if response.clicked() || response.secondary_clicked() {
-            self.click_item(ui, &item, response.secondary_clicked(), scene, actions);
-        }
-        if response.double_clicked() {
-            self.renaming = Some((item.clone(), name.to_owned()));
-        }
-        if response.drag_started_by(egui::PointerButton::Primary) {
-            self.start_move(ui, &item, brush, scene, actions);
-        }
-        if response.hovered() && matches!(self.gesture, Gesture::Idle) {
-            let what = shape.summary.unwrap_or("there is no module of this name here");
-            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, status.explanation());
-            response.clone().on_hover_text_at_pointer(text);
-        }
-        response.context_menu(|ui| menu::of_node(ui, name, scene, actions, &mut self.renaming));
-        if brush.view.camera.zoom < ROWS_FROM {
-            return;
-        }
-        for row in &shape.params {
-            let top = shape.at + egui::vec2(104.0, row.y + 1.5);
-            let field = Rect::from_min_size(top, egui::vec2(shape.size.x - 112.0, ROW - 3.0));
-            self.touch_param(ui, brush, name, row, field, actions);
-        }
-        for port in &shape.inputs {
-            self.touch_port(ui, brush, scene, shape, port, false, actions);
-        }
-        for port in &shape.outputs {
-            self.touch_port(ui, brush, scene, shape, port, true, actions);
-        }
-    }
-
-    fn touch_param(
-        &mut self,
-        ui: &mut Ui,
-        brush: &Brush,
-        node: &str,
-        row: &shape::ParamRow,
-        field: Rect,
-        actions: &mut Vec<Action>,
-    ) {
-        let rect = brush.view.rect_to_screen(field).intersect(brush.view.screen);
-        let path = row.spec.name;
-        let response = ui.interact(rect, ui.id().with(("param", node, path)), Sense::click());
-        response.widget_info(|| {
-            WidgetInfo::labeled(WidgetType::Button, true, format!("{node}.{path}: {}", row.value))
-        });
-        if response.clicked() && !row.is_linked {
-            self.open_param = Some(param::OpenParam::new(node, path, rect));
-            actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
-        }
-        if response.hovered() {
-            let how = if row.is_linked {
-                "It takes its value from a link."
-            } else {
-                "Click to change it."
-            };
-            response.clone().on_hover_text(format!("{}\n{how}", row.spec.doc));
-        }
-        response.context_menu(|ui| {
-            if ui.button("Vary in the program").clicked() {
-                actions.push(Action::Vary(node.to_owned(), path.to_owned()));
-            }
-            if row.is_set
-                && row.spec.default_setting().is_some()
-                && ui.button("Back to the default").clicked()
-            {
-                let event = FormEvent::Set { path: path.to_owned(), value: None };
-                actions.push(Action::Form(node.to_owned(), event));
-            }
-        });
-    }
-
-    #[expect(clippy::too_many_arguments)] // One caller, and all of it is of the moment.
-    fn touch_port(
-        &mut self,
-        ui: &mut Ui,
-        brush: &Brush,
-        scene: &Scene,
-        shape: &Shape,
-        port: &Port,
-        is_output: bool,
-        actions: &mut Vec<Action>,
-    ) {
-        let at = brush.view.to_screen(shape.at + port.offset);
-        let size = (14.0 * brush.view.camera.zoom).max(8.0);
-        let rect = Rect::from_center_size(at, egui::Vec2::splat(size));
-        if !brush.view.screen.intersects(rect) {
-            return;
-        }
-        let side = if is_output { "output" } else { "input" };
-        let id = ui.id().with((side, &port.at.node, &port.at.port));
-        let response = ui.interact(rect, id, Sense::click_and_drag());
-        response.widget_info(|| {
-            WidgetInfo::labeled(WidgetType::Button, true, format!("{side} {}", port.at))
-        });
-        if response.drag_started_by(egui::PointerButton::Primary) {
-            self.gesture = Gesture::start_link(&port.at, is_output, scene);
-        }
-        if response.clicked() && is_output {
-            actions.push(Action::Pin(port.at.clone()));
-        }
-        if response.hovered() && matches!(self.gesture, Gesture::Idle) {
-            let what = port.data_type;
-            let value = scene.runner.value(&port.at.node, &port.at.port).filter(|_| is_output);
-            let value = value.map(|value| format!("\n\n{}", value.summary())).unwrap_or_default();
-            let need = match (is_output, port.is_required) {
-                (true, _) => "click to look at it, drag to link it",
-                (_, true) => "must be linked",
-                _ => "optional",
-            };
-            let text = format!("{} ({}): {}\n{need}{value}", port.at.port, what.id, port.doc);
-            response.on_hover_text(text);
-        }
     }
 
     fn popups(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
