@@ -1,5 +1,6 @@
 //! Forms of parameters, drawn from their declarations alone.
 
+use eframe::egui::emath::Numeric;
 use eframe::egui::{self, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui};
 use mve_core::{ChoiceList, Kind, ParamSpec};
 use serde_json::{Map as JsonMap, Value as Json};
@@ -146,41 +147,14 @@ fn field(
         }
         Kind::Integer { default, hard, soft } => {
             let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
-            let mut changed = number;
-            let field = DragValue::new(&mut changed)
-                .range(hard.0..=hard.1)
-                .speed(speed_of(soft.map(|(a, b)| (a as f64, b as f64)), number as f64).max(0.05));
-            let response = ui.add(field.suffix(suffix(spec)));
-            let response = response.on_hover_text(range_text(hard.0 as f64, hard.1 as f64, spec));
-            name_it(&response, &name);
-            if let Some((from, to)) = soft {
-                let slider = Slider::new(&mut changed, from..=to)
-                    .show_value(false)
-                    .clamping(SliderClamping::Never);
-                ui.add(slider);
-            }
-            if changed != number {
-                set(Some(Json::from(changed.clamp(hard.0, hard.1))));
+            if let Some(changed) = number_field(ui, spec, number, hard, soft) {
+                set(Some(Json::from(changed)));
             }
         }
         Kind::Number { default, hard, soft } => {
             let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
-            let mut changed = number;
-            let field = DragValue::new(&mut changed)
-                .range(hard.0..=hard.1)
-                .speed(speed_of(soft, number))
-                .max_decimals(12);
-            let response = ui.add(field.suffix(suffix(spec)));
-            let response = response.on_hover_text(range_text(hard.0, hard.1, spec));
-            name_it(&response, &name);
-            if let Some((from, to)) = soft {
-                let slider = Slider::new(&mut changed, from..=to)
-                    .show_value(false)
-                    .clamping(SliderClamping::Never);
-                ui.add(slider);
-            }
-            if changed.to_bits() != number.to_bits() && changed.is_finite() {
-                set(Some(Json::from(changed.clamp(hard.0, hard.1))));
+            if let Some(changed) = number_field(ui, spec, number, hard, soft) {
+                set(Some(Json::from(changed)));
             }
         }
         Kind::Seed { default } => {
@@ -207,6 +181,30 @@ fn field(
             });
         }
     }
+}
+
+/// A number to drag or to type, with a slider where its declaration says what is usual; the new
+/// number where it was changed.
+fn number_field<N: Numeric>(
+    ui: &mut Ui,
+    spec: &ParamSpec,
+    number: N,
+    hard: (N, N),
+    soft: Option<(N, N)>,
+) -> Option<N> {
+    let mut changed = number;
+    let usual = soft.map(|(from, to)| (from.to_f64(), to.to_f64()));
+    let speed = speed_of(usual, number.to_f64()).max(if N::INTEGRAL { 0.05 } else { 0.0 });
+    let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed).max_decimals(12);
+    let response = ui.add(field.suffix(suffix(spec)));
+    let response = response.on_hover_text(range_text(hard.0.to_f64(), hard.1.to_f64(), spec));
+    name_it(&response, &name_of(spec));
+    if let Some((from, to)) = soft {
+        let slider = Slider::new(&mut changed, from..=to).show_value(false);
+        ui.add(slider.clamping(SliderClamping::Never));
+    }
+    let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
+    (changed != number && is_allowed).then_some(changed)
 }
 
 /// The entries of a list, each with its summary.

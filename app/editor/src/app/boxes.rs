@@ -20,9 +20,9 @@ const WINDOW_KEYS: &[(&str, &str)] = &[
     ("F1", "this list"),
 ];
 
-/// The box that is open, if there is one.
+/// What the box that is open is about.
 #[derive(Default)]
-enum Open {
+enum Content {
     #[default]
     Nothing,
     /// Path so far.
@@ -36,29 +36,29 @@ enum Open {
 /// The boxes over the window.
 #[derive(Default)]
 pub struct Boxes {
-    open: Open,
+    open: Content,
     recovered: Vec<Recovered>,
 }
 
 impl Boxes {
     pub(super) fn open_map(&mut self) {
-        self.open = Open::OpenMap(String::new());
+        self.open = Content::OpenMap(String::new());
     }
 
     pub(super) fn save_map(&mut self, path: String) {
-        self.open = Open::SaveMap(path);
+        self.open = Content::SaveMap(path);
     }
 
     pub(super) fn show_shortcuts(&mut self) {
-        self.open = Open::Shortcuts;
+        self.open = Content::Shortcuts;
     }
 
     pub(super) fn ask_to_close(&mut self, id: u64) {
-        self.open = Open::CloseMap(id);
+        self.open = Content::CloseMap(id);
     }
 
     pub(super) fn ask_to_quit(&mut self) {
-        self.open = Open::Quit;
+        self.open = Content::Quit;
     }
 
     pub(super) fn offer_recovered(&mut self, found: Vec<Recovered>) {
@@ -66,11 +66,11 @@ impl Boxes {
     }
 
     pub(super) fn close_open(&mut self) {
-        self.open = Open::Nothing;
+        self.open = Content::Nothing;
     }
 
     pub(super) fn close_save(&mut self) {
-        self.open = Open::Nothing;
+        self.open = Content::Nothing;
     }
 }
 
@@ -82,20 +82,20 @@ impl Editor {
         }
         let open = std::mem::take(&mut self.boxes.open);
         let stays = match open {
-            Open::Nothing => Open::Nothing,
-            Open::OpenMap(path) => self.open_box(ui, path, wishes),
-            Open::SaveMap(path) => self.save_box(ui, path),
-            Open::Shortcuts => shortcuts_box(ui),
-            Open::CloseMap(id) => self.close_box(ui, id),
-            Open::Quit => self.quit_box(ui),
+            Content::Nothing => Content::Nothing,
+            Content::OpenMap(path) => self.open_box(ui, path, wishes),
+            Content::SaveMap(path) => self.save_box(ui, path),
+            Content::Shortcuts => shortcuts_box(ui),
+            Content::CloseMap(id) => self.close_box(ui, id),
+            Content::Quit => self.quit_box(ui),
         };
         // What the box was asked for may have opened another.
-        if matches!(self.boxes.open, Open::Nothing) {
+        if matches!(self.boxes.open, Content::Nothing) {
             self.boxes.open = stays;
         }
     }
 
-    fn open_box(&mut self, ui: &mut Ui, mut path: String, wishes: &mut Vec<Wish>) -> Open {
+    fn open_box(&mut self, ui: &mut Ui, mut path: String, wishes: &mut Vec<Wish>) -> Content {
         let mut chosen = None;
         let mut wants_dialog = false;
         let shown = Modal::new("open a map".into()).show(ui.ctx(), |ui| {
@@ -133,12 +133,12 @@ impl Editor {
         }
         if let Some(command) = chosen {
             wishes.push(Wish::Command(command));
-            return Open::Nothing;
+            return Content::Nothing;
         }
-        if shown.should_close() { Open::Nothing } else { Open::OpenMap(path) }
+        if shown.should_close() { Content::Nothing } else { Content::OpenMap(path) }
     }
 
-    fn save_box(&mut self, ui: &mut Ui, mut path: String) -> Open {
+    fn save_box(&mut self, ui: &mut Ui, mut path: String) -> Content {
         let mut is_done = false;
         let mut wants_dialog = false;
         let shown = Modal::new("save the map".into()).show(ui.ctx(), |ui| {
@@ -174,13 +174,13 @@ impl Editor {
                 target.set_extension("json");
             }
             self.save_to(&target);
-            return Open::Nothing;
+            return Content::Nothing;
         }
-        if shown.should_close() { Open::Nothing } else { Open::SaveMap(path) }
+        if shown.should_close() { Content::Nothing } else { Content::SaveMap(path) }
     }
 
-    fn close_box(&mut self, ui: &mut Ui, id: u64) -> Open {
-        let Some(place) = self.place_of(id) else { return Open::Nothing };
+    fn close_box(&mut self, ui: &mut Ui, id: u64) -> Content {
+        let Some(place) = self.place_of(id) else { return Content::Nothing };
         let title = self.sessions[place].document.title();
         match question(
             ui,
@@ -193,23 +193,23 @@ impl Editor {
                 if !self.sessions[place].document.is_dirty() {
                     self.close_anyway(place);
                 }
-                Open::Nothing
+                Content::Nothing
             }
             Some(1) => {
                 self.close_anyway(place);
-                Open::Nothing
+                Content::Nothing
             }
-            Some(_) => Open::Nothing,
-            None => Open::CloseMap(id),
+            Some(_) => Content::Nothing,
+            None => Content::CloseMap(id),
         }
     }
 
-    fn quit_box(&mut self, ui: &mut Ui) -> Open {
+    fn quit_box(&mut self, ui: &mut Ui) -> Content {
         let dirty = self.sessions.iter().filter(|session| session.document.is_dirty());
         let names: Vec<String> = dirty.map(|session| session.document.title()).collect();
         if names.is_empty() {
             self.quit_anyway(ui.ctx());
-            return Open::Nothing;
+            return Content::Nothing;
         }
         let text = format!("There are changes that are not saved: {}.", names.join(", "));
         match question(ui, &text, &["Save all and quit", "Quit without saving", "Cancel"]) {
@@ -219,14 +219,14 @@ impl Editor {
                         self.save(place);
                     }
                 }
-                Open::Nothing
+                Content::Nothing
             }
             Some(1) => {
                 self.quit_anyway(ui.ctx());
-                Open::Nothing
+                Content::Nothing
             }
-            Some(_) => Open::Nothing,
-            None => Open::Quit,
+            Some(_) => Content::Nothing,
+            None => Content::Quit,
         }
     }
 
@@ -287,7 +287,7 @@ fn question(ui: &mut Ui, text: &str, answers: &[&str]) -> Option<usize> {
     if answer.is_none() && shown.should_close() { Some(answers.len() - 1) } else { answer }
 }
 
-fn shortcuts_box(ui: &mut Ui) -> Open {
+fn shortcuts_box(ui: &mut Ui) -> Content {
     let shown = Modal::new("keys".into()).show(ui.ctx(), |ui| {
         ui.set_width(520.0);
         ui.heading("Keys and gestures");
@@ -303,5 +303,5 @@ fn shortcuts_box(ui: &mut Ui) -> Open {
         });
         ui.button("Close").clicked()
     });
-    if shown.inner || shown.should_close() { Open::Nothing } else { Open::Shortcuts }
+    if shown.inner || shown.should_close() { Content::Nothing } else { Content::Shortcuts }
 }

@@ -31,12 +31,12 @@ pub struct View {
 
 impl View {
     /// The place on the screen of a point of the canvas.
-    pub fn to_screen(&self, world: Pos2) -> Pos2 {
+    pub fn to_screen(self, world: Pos2) -> Pos2 {
         self.screen.center() + (world - self.camera.center) * self.camera.zoom
     }
 
     /// The point of the canvas at a place on the screen.
-    pub fn to_world(&self, screen: Pos2) -> Pos2 {
+    pub fn to_world(self, screen: Pos2) -> Pos2 {
         self.camera.center + (screen - self.screen.center()) / self.camera.zoom
     }
 

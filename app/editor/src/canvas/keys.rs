@@ -102,15 +102,7 @@ impl Canvas {
             return;
         }
         match key {
-            Key::Tab if modifiers.is_none() => {
-                let pointer = ui.input(|input| input.pointer.hover_pos());
-                match pointer.filter(|at| self.view.is_some_and(|view| view.screen.contains(*at))) {
-                    Some(at) => self.search_at(at, None),
-                    None => self.open_search(),
-                }
-                // Tab would also move the focus on.
-                ui.ctx().memory_mut(|memory| memory.request_focus(super::search_field()));
-            }
+            Key::Tab if modifiers.is_none() => self.search_by_key(ui),
             Key::F => self.fit_selection(),
             Key::Home => self.fit(),
             Key::Delete | Key::Backspace if !selection.is_empty() => {
@@ -148,6 +140,17 @@ impl Canvas {
             }
             _ => {}
         }
+    }
+
+    /// Opens the search below the pointer, or in the middle.
+    fn search_by_key(&mut self, ui: &Ui) {
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        match pointer.filter(|at| self.view.is_some_and(|view| view.screen.contains(*at))) {
+            Some(at) => self.search_at(at, None),
+            None => self.open_search(),
+        }
+        // Tab would also move the focus on.
+        ui.ctx().memory_mut(|memory| memory.request_focus(super::search_field()));
     }
 
     /// Puts a frame around the selected nodes.

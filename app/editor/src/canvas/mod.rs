@@ -25,9 +25,9 @@ use camera::View;
 use gesture::{End, Gesture};
 pub use keys::{SHORTCUTS, Shortcut};
 pub use paint::status_color;
-use paint::{Brush, Look, Palette, ROWS_FROM, distance_to_wire};
+use paint::{Brush, Look, Palette, distance_to_wire};
 use search::Search;
-use shape::{Port, ROW, Shape, Shapes};
+use shape::{Port, Shape, Shapes};
 
 use crate::catalog::Catalog;
 use crate::document::{Document, Edit, Item};

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use eframe::egui::{Color32, Pos2, Rect, Vec2};
 use indexmap::IndexMap;
-use mve_core::{DataType, Link, Node, NodeMode, ParamSpec, PortRef, Registry};
+use mve_core::{DataType, Link, Module, Node, NodeMode, ParamSpec, PortRef, Registry};
 
 use crate::catalog;
 use crate::document::{Document, Item};
@@ -202,11 +202,21 @@ fn shape(
         shape.size.y = TITLE + ROW + FOOT;
         return shape;
     };
-    let module = info.module;
-    let port_of = |port: &str| PortRef { node: name.to_owned(), port: port.to_owned() };
+    let n_rows = add_ports(&mut shape, name, info.module);
+    let n_rows = add_params(&mut shape, name, node, info.module, n_rows, linked);
+    shape.size.y = TITLE + n_rows as f32 * ROW + FOOT;
+    if is_collapsed {
+        collapse(&mut shape);
+    }
+    shape
+}
+
+/// Ports of inputs and outputs beside each other; how many rows they take.
+fn add_ports(shape: &mut Shape, node: &str, module: &Module) -> usize {
+    let at = |port: &str| PortRef { node: node.to_owned(), port: port.to_owned() };
     for (row, spec) in module.outputs.iter().enumerate() {
         shape.outputs.push(Port {
-            at: port_of(spec.name),
+            at: at(spec.name),
             data_type: spec.data_type,
             doc: spec.doc,
             is_required: false,
@@ -214,24 +224,33 @@ fn shape(
             is_param: false,
         });
     }
-    let mut row = 0;
-    for spec in module.inputs {
+    for (row, spec) in module.inputs.iter().enumerate() {
         shape.inputs.push(Port {
-            at: port_of(spec.name),
+            at: at(spec.name),
             data_type: spec.data_type,
             doc: spec.doc,
             is_required: spec.is_required,
             offset: Vec2::new(0.0, row_middle(row)),
             is_param: false,
         });
-        row += 1;
     }
-    row = row.max(module.outputs.len());
-    for spec in module.params {
+    module.inputs.len().max(module.outputs.len())
+}
+
+/// Parameters below the `n_rows` rows of ports; how many rows there are then.
+fn add_params(
+    shape: &mut Shape,
+    name: &str,
+    node: &Node,
+    module: &'static Module,
+    n_rows: usize,
+    linked: &HashSet<(&str, &str)>,
+) -> usize {
+    for (row, spec) in (n_rows..).zip(module.params) {
         let is_linked = linked.contains(&(name, spec.name));
         if let Some(data_type) = spec.link_type() {
             shape.inputs.push(Port {
-                at: port_of(spec.name),
+                at: PortRef { node: name.to_owned(), port: spec.name.to_owned() },
                 data_type,
                 doc: spec.doc,
                 is_required: false,
@@ -248,13 +267,8 @@ fn shape(
             is_linked,
             y: TITLE + row as f32 * ROW,
         });
-        row += 1;
     }
-    shape.size.y = TITLE + row as f32 * ROW + FOOT;
-    if is_collapsed {
-        collapse(&mut shape);
-    }
-    shape
+    n_rows + module.params.len()
 }
 
 fn row_middle(row: usize) -> f32 {

@@ -1,5 +1,7 @@
 //! A hand at the window: it knows things by their accessible names, and nothing else.
 
+#![allow(dead_code)] // Each test needs a part of it.
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,7 +11,7 @@ use eframe::egui::{self, Key, Modifiers, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use mve_core::Map;
-use mve_editor::app::{Editor, Start};
+use mve_editor::app::{Editor, Session, Start};
 
 /// How long a run of a test may take.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -23,15 +25,36 @@ pub struct Hand {
 impl Hand {
     /// A window on an empty map, whose savers write below `folder`.
     pub fn new(folder: &Path) -> Self {
+        Self::with(folder, Vec::new())
+    }
+
+    /// A window on a map's file.
+    pub fn with_map(folder: &Path, map: &Path) -> Self {
+        Self::with(folder, vec![map.to_owned()])
+    }
+
+    fn with(folder: &Path, maps: Vec<PathBuf>) -> Self {
         let output_folder = folder.join("out");
         let out = output_folder.clone();
+        let setup = egui_kittest::wgpu::default_wgpu_setup();
+        let render = egui_kittest::wgpu::create_render_state(
+            setup,
+            eframe::egui_wgpu::RendererOptions::PREDICTABLE,
+        );
+        let renderer = egui_kittest::wgpu::WgpuTestRenderer::from_render_state(render.clone());
         let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
-            let start = || Start { output_folder: Some(out.clone()), ..Start::default() };
+            let start = || Start {
+                output_folder: Some(out.clone()),
+                maps: maps.clone(),
+                render: Some(render.clone()),
+                ..Start::default()
+            };
             let new = || Editor::new(ui.ctx(), mve_modules::registry(), start());
             editor.get_or_insert_with(new).show(ui);
         };
         let size = Vec2::new(1500.0, 950.0);
-        let harness = Harness::builder().with_size(size).wgpu().build_ui_state(draw, None);
+        let harness =
+            Harness::builder().with_size(size).renderer(renderer).build_ui_state(draw, None);
         Self { harness, output_folder }
     }
 
@@ -58,6 +81,55 @@ impl Hand {
     /// A picture of the window.
     pub fn picture(&mut self) -> image::RgbaImage {
         self.harness.render().expect("there is a rasteriser")
+    }
+
+    /// Hands an event to the window.
+    pub fn event(&mut self, event: egui::Event) {
+        self.harness.event(event);
+    }
+
+    /// Draws one frame.
+    pub fn step_once(&mut self) {
+        self.harness.step();
+    }
+
+    fn editor_mut(&mut self) -> &mut Editor {
+        self.harness.state_mut().as_mut().expect("the first frame makes it")
+    }
+
+    /// Shows the value of an output.
+    pub fn pin(&mut self, node: &str, port: &str) {
+        let port = mve_core::PortRef { node: node.to_owned(), port: port.to_owned() };
+        self.editor_mut().session_mut().pinned.insert(port);
+        self.step();
+    }
+
+    /// Shows no values.
+    pub fn unpin_all(&mut self) {
+        self.editor_mut().session_mut().pinned.clear();
+        self.step();
+    }
+
+    /// Draws frames until meshes are prepared and drawn.
+    pub fn wait_for_the_views(&mut self) {
+        self.wait(|session| !session.viewer.is_busy());
+    }
+
+    /// Draws frames until the program has come to its end.
+    pub fn wait_for_the_program(&mut self) {
+        self.wait(|session| !session.programs.is_running());
+    }
+
+    fn wait(&mut self, is_done: impl Fn(&Session) -> bool) {
+        let start = Instant::now();
+        loop {
+            self.step();
+            if is_done(self.editor().session()) {
+                return;
+            }
+            assert!(start.elapsed() < PATIENCE, "it takes too long");
+            std::thread::sleep(Duration::from_millis(5));
+        }
     }
 
     /// Clicks what has this name.
@@ -118,12 +190,7 @@ impl Hand {
 
     /// Draws frames until the run has come to its end.
     pub fn wait_for_the_run(&mut self) {
-        let start = Instant::now();
-        while self.editor().session().runner.is_running() {
-            assert!(start.elapsed() < PATIENCE, "the run takes too long");
-            std::thread::sleep(Duration::from_millis(5));
-            self.step();
-        }
+        self.wait(|session| !session.runner.is_running());
     }
 
     /// What is wrong with the map, once it has been checked.

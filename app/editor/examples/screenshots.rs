@@ -1,0 +1,62 @@
+//! The pictures of the window in README: `cargo run --release -p mve-editor --example screenshots
+//! -- docs/pictures`. They are drawn without a display, by the same hand that the tests have.
+
+#[path = "../tests/hand/mod.rs"]
+mod hand;
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::Key;
+use hand::Hand;
+
+const MAP: &str = r#"{ "mve": 1,
+  "title": "Where does a simplified vase differ?",
+  "nodes": {
+    "model": { "module": "Vase" },
+    "simplify": { "module": "Simplificator", "params": { "target_faces": 800 } },
+    "compare": { "module": "MeshComparer" },
+    "save": { "module": "ObjSaver", "params": { "path": "vase-{simplify.target_faces}-{simplify.cost}.obj" } }
+  },
+  "links": [
+    "model.mesh -> simplify.mesh", "model.mesh -> compare.original",
+    "simplify.mesh -> compare.simplified", "simplify.mesh -> save.mesh"
+  ],
+  "programs": { "costs": { "axes": [
+    { "simplify.target_faces": [4000, 2000, 1000, 500] },
+    { "simplify.cost": ["EdgeLength", "Quadric"] } ] } }
+}"#;
+
+fn main() {
+    let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("."), PathBuf::from);
+    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    let scratch = tempfile::tempdir().expect("there is a folder for temporary files");
+    let file = scratch.path().join("vase.json");
+    std::fs::write(&file, MAP).expect("the folder takes files");
+    let mut hand = Hand::with_map(scratch.path(), &file);
+
+    hand.press(Key::L);
+    hand.click("\u{25b6} Run");
+    hand.wait_for_the_run();
+    hand.unpin_all();
+    hand.click("node simplify");
+    save(&mut hand, &folder, "map.png");
+
+    hand.pin("simplify", "mesh");
+    hand.pin("compare", "simplified_field");
+    hand.wait_for_the_views();
+    hand.click("node compare");
+    hand.wait_for_the_views();
+    save(&mut hand, &folder, "error_field.png");
+
+    hand.unpin_all();
+    hand.click("Program");
+    hand.click("Run");
+    hand.wait_for_the_program();
+    save(&mut hand, &folder, "program.png");
+}
+
+fn save(hand: &mut Hand, folder: &Path, name: &str) {
+    let path = folder.join(name);
+    hand.picture().save(&path).expect("the picture can be written");
+    println!("{}", path.display());
+}
