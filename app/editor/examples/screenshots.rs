@@ -50,7 +50,8 @@ fn main() {
 
     hand.unpin_all();
     hand.click("Program");
-    hand.click("Run");
+    hand.wait_for_the_program();
+    hand.click_last("Run");
     hand.wait_for_the_program();
     save(&mut hand, &folder, "program.png");
 }

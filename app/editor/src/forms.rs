@@ -64,9 +64,13 @@ impl Form<'_> {
             } else {
                 ui.visuals().text_color()
             };
-            let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
-            ui.add_sized([NAME_WIDTH, ui.spacing().interact_size.y], label)
-                .on_hover_text(doc_of(spec));
+            let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+            let left = egui::Layout::left_to_right(egui::Align::Center);
+            ui.allocate_ui_with_layout(size, left, |ui| {
+                ui.set_min_width(NAME_WIDTH);
+                let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
+                ui.add(label).on_hover_text(doc_of(spec));
+            });
             if let Some(from) = (self.link_of)(path) {
                 ui.label(RichText::new(format!("from {from}")).weak())
                     .on_hover_text("This parameter takes its value from a link.");

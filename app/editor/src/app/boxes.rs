@@ -230,6 +230,25 @@ impl Editor {
         }
     }
 
+    /// Says on a first start what is to be seen and what to do.
+    pub(super) fn hint(&mut self, ui: &Ui) {
+        if self.settings.has_seen_hint {
+            return;
+        }
+        let area = egui::Area::new("hint".into()).anchor(egui::Align2::LEFT_TOP, [16.0, 72.0]);
+        area.show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(330.0);
+                ui.strong("An example: simplify one model and measure what was lost");
+                ui.label("Press Run. Then click an output, the dots on the right of a node, to look at it.");
+                ui.label("Tab adds a module; drag from dot to dot to link. F1 lists all keys.");
+                if ui.button("Got it").clicked() {
+                    self.settings.has_seen_hint = true;
+                }
+            });
+        });
+    }
+
     /// Offers the maps of a window that ended without being asked to.
     fn recovered_box(&mut self, ui: &mut Ui) {
         let mut decision: Option<(usize, bool)> = None;

@@ -264,6 +264,7 @@ impl Editor {
         self.lower(ui, &mut wishes);
         self.right(ui, &mut wishes);
         self.middle(ui, &mut wishes);
+        self.hint(ui);
         self.boxes(ui, &mut wishes);
         self.show_toasts(ui);
         self.guard_close(ui.ctx());

@@ -8,6 +8,7 @@ use super::shape::{ParamRow, Port, ROW, Shape};
 use super::{Action, Canvas, Scene, menu, param};
 use crate::document::Item;
 use crate::forms::FormEvent;
+use crate::programs::DraggedParam;
 use crate::runner::Status;
 
 impl Canvas {
@@ -70,10 +71,15 @@ impl Canvas {
     ) {
         let rect = brush.view.rect_to_screen(field).intersect(brush.view.screen);
         let path = row.spec.name;
-        let response = ui.interact(rect, ui.id().with(("param", node, path)), Sense::click());
+        let response =
+            ui.interact(rect, ui.id().with(("param", node, path)), Sense::click_and_drag());
         response.widget_info(|| {
             WidgetInfo::labeled(WidgetType::Button, true, format!("{node}.{path}: {}", row.value))
         });
+        if response.dragged() {
+            let (node, param) = (node.to_owned(), path.to_owned());
+            response.dnd_set_drag_payload(DraggedParam { node, param });
+        }
         if response.clicked() && !row.is_linked {
             self.open_param = Some(param::OpenParam::new(node, path, rect));
             actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
@@ -82,7 +88,7 @@ impl Canvas {
             let how = if row.is_linked {
                 "It takes its value from a link."
             } else {
-                "Click to change it."
+                "Click to change it; drag it into the program to vary it."
             };
             response.clone().on_hover_text(format!("{}\n{how}", row.spec.doc));
         }

@@ -11,7 +11,7 @@ use eframe::egui::{self, Key, Modifiers, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use mve_core::Map;
-use mve_editor::app::{Editor, Session, Start};
+use mve_editor::app::{Editor, Session, Settings, Start};
 
 /// How long a run of a test may take.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -44,6 +44,7 @@ impl Hand {
         let renderer = egui_kittest::wgpu::WgpuTestRenderer::from_render_state(render.clone());
         let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
             let start = || Start {
+                settings: Settings { has_seen_hint: true, ..Settings::default() },
                 output_folder: Some(out.clone()),
                 maps: maps.clone(),
                 render: Some(render.clone()),
@@ -135,6 +136,13 @@ impl Hand {
     /// Clicks what has this name.
     pub fn click(&mut self, name: &str) {
         self.harness.get_by_label(name).click();
+        self.step();
+    }
+
+    /// Clicks the last of the things that have this name.
+    pub fn click_last(&mut self, name: &str) {
+        let last = self.harness.query_all_by_label(name).last();
+        last.expect("something has the name").click();
         self.step();
     }
 
