@@ -53,6 +53,7 @@ fn main() {
     hand.wait_for_the_program();
     hand.click_last("Run");
     hand.wait_for_the_program();
+    hand.click("Plot");
     save(&mut hand, &folder, "program.png");
 }
 

@@ -279,7 +279,12 @@ impl Editor {
 
     fn lower(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let mut is_open = self.is_lower_open;
-        let panel = Panel::bottom("lower").resizable(true).default_size(230.0).min_size(90.0);
+        // A program needs more room than the log; each keeps the height that it was given.
+        let (name, height) = match self.lower {
+            Lower::Program => ("program", 400.0),
+            Lower::Console | Lower::Values => ("lower", 230.0),
+        };
+        let panel = Panel::bottom(name).resizable(true).default_size(height).min_size(90.0);
         panel.show_collapsible(ui, &mut is_open, |ui| {
             let Self { sessions, active, lower, console, shared, .. } = self;
             let session = &mut sessions[*active];
