@@ -36,6 +36,7 @@ fn main() {
     std::fs::write("vase.json", MAP).expect("the folder takes files");
     let mut hand = Hand::with_map(Path::new(""), Path::new("vase.json"));
 
+    hand.point_at("canvas");
     hand.press(Key::L);
     hand.click("\u{25b6} Run");
     hand.wait_for_the_run();

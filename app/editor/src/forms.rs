@@ -33,6 +33,8 @@ pub struct Form<'a> {
     pub id: &'a str,
     /// What the map says of the parameters.
     pub given: &'a JsonMap<String, Json>,
+    /// Whether the first field is to get the focus.
+    pub wants_focus: bool,
     /// For a parameter with a link, the output that it comes from.
     pub link_of: &'a dyn Fn(&str) -> Option<String>,
 }
@@ -41,6 +43,9 @@ impl Form<'_> {
     /// Shows a row for each parameter.
     pub fn show(&self, ui: &mut Ui, specs: &[ParamSpec]) -> Vec<FormEvent> {
         let mut events = Vec::new();
+        if self.wants_focus {
+            ui.data_mut(|data| data.insert_temp(focus_asked(), true));
+        }
         for spec in specs {
             self.row(ui, spec, spec.name, self.given.get(spec.name), &mut events);
         }
@@ -277,7 +282,16 @@ fn text_field(
 
 /// Gives a field the name that a screen reader says.
 fn name_it(response: &egui::Response, name: &str) {
+    let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
+    if is_asked.is_some() {
+        response.request_focus();
+    }
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// Where it is kept that the next field is to get the focus.
+fn focus_asked() -> egui::Id {
+    egui::Id::new("form wants focus")
 }
 
 /// `target_faces` as a person reads it.
@@ -320,14 +334,19 @@ fn some_value(spec: &ParamSpec) -> Json {
     match spec.kind {
         Kind::Integer { default, hard, soft } => {
             let (from, to) = soft.unwrap_or((hard.0.max(0), hard.1.min(1000)));
-            Json::from(default.unwrap_or(from + (to - from) / 2))
+            Json::from(default.unwrap_or(middle(from as f64, to as f64).round() as i64))
         }
         Kind::Number { default, hard, soft } => {
             let (from, to) = soft.unwrap_or((hard.0.max(0.0), hard.1.min(1.0)));
-            Json::from(default.unwrap_or(from + (to - from) / 2.0))
+            Json::from(default.unwrap_or(middle(from, to)))
         }
         _ => Json::Null,
     }
+}
+
+/// The middle of a range: the geometric one where it spans decades.
+fn middle(from: f64, to: f64) -> f64 {
+    if from > 0.0 && to > 100.0 * from { (from * to).sqrt() } else { from + (to - from) / 2.0 }
 }
 
 /// The id in the JSON of a choice.

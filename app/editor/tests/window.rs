@@ -28,6 +28,7 @@ fn the_map_is_built_by_hand_run_read_and_undone() {
     hand.add("MeshComparer");
     hand.add("ObjSaver");
     hand.type_into("path", "small.obj");
+    hand.point_at("canvas");
     hand.press(eframe::egui::Key::L);
     hand.link("output obj_loader.mesh", "input simplificator.mesh");
     hand.link("output obj_loader.mesh", "input mesh_comparer.original");
@@ -50,9 +51,28 @@ fn the_map_is_built_by_hand_run_read_and_undone() {
     hand.click("Values");
     assert!(hand.sees("mesh_comparer.value"), "the table of values names the distance");
 
-    hand.click("canvas");
+    hand.point_at("canvas");
     while hand.editor().session().document.undo_label().is_some() {
         hand.press_with(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Z);
     }
     assert!(hand.map().nodes.is_empty());
+}
+
+#[test]
+fn nodes_are_dragged_and_the_search_closes() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Box");
+    hand.add("MeshInfo");
+    let before = hand.map().layout["box"];
+    let from = hand.place_of("node box") + eframe::egui::vec2(-60.0, -40.0);
+    hand.drag(from, from + eframe::egui::vec2(100.0, 60.0));
+    let after = hand.map().layout["box"];
+    assert!((after[0] - before[0] - 100.0).abs() <= 10.0, "{before:?} {after:?}");
+    assert!((after[1] - before[1] - 60.0).abs() <= 10.0, "{before:?} {after:?}");
+
+    hand.click("+ Module");
+    assert!(hand.sees("search modules"));
+    hand.press(eframe::egui::Key::Escape);
+    assert!(!hand.sees("search modules"));
 }

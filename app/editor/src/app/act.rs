@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, ViewportCommand};
-use mve_core::Kind;
+use mve_core::{Kind, NodeMode};
 use serde_json::Value as Json;
 
 use super::dialogs::Purpose;
@@ -34,7 +34,19 @@ impl Editor {
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
         match action {
-            Action::Edit(edits) => self.edit(&edits),
+            Action::Edit(edits) => {
+                for edit in &edits {
+                    if let Edit::SetMode { nodes, mode } = edit {
+                        let what = match mode {
+                            NodeMode::Active => "run again",
+                            NodeMode::Muted => "muted: they do not run",
+                            NodeMode::Bypassed => "bypassed: they pass their input through",
+                        };
+                        self.toast(format!("{} {what} (Ctrl+Z undoes it)", nodes.join(", ")));
+                    }
+                }
+                self.edit(&edits);
+            }
             Action::Select(items) => self.session_mut().document.select(items),
             Action::Run(part) => self.run(part),
             Action::Pin(port) => self.session_mut().toggle_pin(port),
@@ -140,6 +152,7 @@ impl Editor {
             }
             programs::Action::OpenFile(path) => {
                 let path = std::path::absolute(&path).unwrap_or(path);
+                self.toast(format!("opening {}", path.display()));
                 ctx.open_url(egui::OpenUrl::new_tab(format!("file://{}", path.display())));
             }
             programs::Action::ShowNode(node) => self.grant(ctx, Wish::ShowNode(node)),

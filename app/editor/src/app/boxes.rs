@@ -30,6 +30,7 @@ enum Content {
     SaveMap(String),
     Shortcuts,
     CloseMap(u64),
+    Replace(u64),
     Quit,
 }
 
@@ -55,6 +56,10 @@ impl Boxes {
 
     pub(super) fn ask_to_close(&mut self, id: u64) {
         self.open = Content::CloseMap(id);
+    }
+
+    pub(super) fn ask_to_replace(&mut self, id: u64) {
+        self.open = Content::Replace(id);
     }
 
     pub(super) fn ask_to_quit(&mut self) {
@@ -87,6 +92,7 @@ impl Editor {
             Content::SaveMap(path) => self.save_box(ui, path),
             Content::Shortcuts => shortcuts_box(ui),
             Content::CloseMap(id) => self.close_box(ui, id),
+            Content::Replace(id) => self.replace_box(ui, id),
             Content::Quit => self.quit_box(ui),
         };
         // What the box was asked for may have opened another.
@@ -204,6 +210,21 @@ impl Editor {
         }
     }
 
+    fn replace_box(&mut self, ui: &mut Ui, id: u64) -> Content {
+        let Some(place) = self.place_of(id) else { return Content::Nothing };
+        let title = self.sessions[place].document.title();
+        let text =
+            format!("Another program has changed the file of {title} since it was read here.");
+        match question(ui, &text, &["Replace the file", "Cancel"]) {
+            Some(0) => {
+                self.save_anyway(place);
+                Content::Nothing
+            }
+            Some(_) => Content::Nothing,
+            None => Content::Replace(id),
+        }
+    }
+
     fn quit_box(&mut self, ui: &mut Ui) -> Content {
         let dirty = self.sessions.iter().filter(|session| session.document.is_dirty());
         let names: Vec<String> = dirty.map(|session| session.document.title()).collect();
@@ -273,7 +294,7 @@ impl Editor {
         let recovered = self.boxes.recovered.remove(place);
         if is_wanted {
             match recovered.open() {
-                Ok(document) => self.add(document),
+                Ok(document) => self.add_recovered(document),
                 Err(error) => {
                     self.toast(error.to_string());
                     return;

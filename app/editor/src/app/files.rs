@@ -37,7 +37,21 @@ impl Editor {
             self.save_as();
             return;
         }
-        let saved = self.sessions[place].document.save();
+        let session = &mut self.sessions[place];
+        session.disk_change = session.document.disk_change();
+        if session.disk_change == Some(DiskChange::Changed) {
+            self.active = place;
+            self.boxes.ask_to_replace(self.sessions[place].document.id());
+            return;
+        }
+        self.save_anyway(place);
+    }
+
+    /// Saves a map, whatever its file holds now.
+    pub(super) fn save_anyway(&mut self, place: usize) {
+        let session = &mut self.sessions[place];
+        session.disk_change = None;
+        let saved = session.document.save();
         self.after_saving(place, saved);
     }
 
@@ -133,6 +147,21 @@ impl Editor {
         if let Err(error) = kept {
             self.recovery = None;
             self.toast(format!("changed maps are no longer kept for a crash: {error}"));
+        }
+    }
+
+    /// Shows a recovered map, in place of its file where that is open and was not changed.
+    pub(super) fn add_recovered(&mut self, document: Document) {
+        let is_same_file = |session: &Session| {
+            let (old, new) = (session.document.path(), document.path());
+            old.zip(new).is_some_and(|(old, new)| is_same(old, new)) && !session.document.is_dirty()
+        };
+        match self.sessions.iter().position(is_same_file) {
+            Some(place) => {
+                self.sessions[place] = Session::new(document, &self.shared);
+                self.active = place;
+            }
+            None => self.add(document),
         }
     }
 

@@ -47,7 +47,8 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
             ui.data_mut(|data| data.remove::<String>(id));
         }
     });
-    ui.weak(format!("{} nodes, {} links", map.nodes.len(), map.links.len()));
+    let count = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
+    ui.weak(format!("{}, {}", count(map.nodes.len(), "node"), count(map.links.len(), "link")));
     let problems = session.runner.problems();
     if problems.is_empty() && !map.nodes.is_empty() {
         ui.weak("The map has no problems.");
@@ -102,7 +103,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             let is_it = |link: &&mve_core::Link| link.to.node == name && link.to.port == path;
             session.document.map().links.iter().find(is_it).map(|link| link.from.to_string())
         };
-        let form = Form { id: name, given: &node.params, link_of: &from_link };
+        let form = Form { id: name, given: &node.params, wants_focus: false, link_of: &from_link };
         let events = form.show(ui, module.params);
         wishes.extend(
             events.into_iter().map(|event| Wish::Canvas(Action::Form(name.to_owned(), event))),

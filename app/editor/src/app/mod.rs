@@ -122,6 +122,7 @@ pub struct Editor {
     recovery: Option<Recovery>,
     looked_at_files: Instant,
     render: Option<RenderState>,
+    window_title: String,
     /// Whether the window may close without a further question.
     may_close: bool,
 }
@@ -182,6 +183,7 @@ impl Editor {
             recovery,
             looked_at_files: Instant::now(),
             render: start.render,
+            window_title: String::new(),
             may_close: false,
         };
         start.maps.iter().for_each(|path| editor.open(path));
@@ -268,6 +270,7 @@ impl Editor {
         self.boxes(ui, &mut wishes);
         self.show_toasts(ui);
         self.guard_close(ui.ctx());
+        self.name_window(ui.ctx());
         for wish in wishes {
             self.grant(ui.ctx(), wish);
         }
@@ -379,6 +382,17 @@ impl Editor {
         });
     }
 
+    /// Names the map that is shown in the title of the window.
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let document = &self.session().document;
+        let mark = if document.is_dirty() { "*" } else { "" };
+        let title = format!("{}{mark} - mve", document.title());
+        if self.window_title != title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.window_title = title;
+        }
+    }
+
     /// Keys that hold everywhere in the window.
     fn keys(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         use egui::{Key, Modifiers};
@@ -394,6 +408,9 @@ impl Editor {
             (Modifiers::NONE, Key::F1, Command::Shortcuts),
             (Modifiers::SHIFT, Key::Escape, Command::Stop),
         ];
+        if ui.ctx().memory(|memory| memory.top_modal_layer().is_some()) {
+            return;
+        }
         let is_typing = ui.ctx().text_edit_focused();
         ui.input_mut(|input| {
             for (modifiers, key, command) in commands {

@@ -38,6 +38,7 @@ impl Session {
     /// Opens a session on a map.
     pub fn new(document: Document, shared: &Arc<Shared>) -> Self {
         let wake = Arc::clone(shared);
+        let revision = document.revision();
         Self {
             document,
             canvas: Canvas::default(),
@@ -47,7 +48,8 @@ impl Session {
             programs: ProgramPanel::new(Arc::new(move || (wake.wake)())),
             disk_change: None,
             checked: None,
-            run_for: None,
+            // What was opened is run by hand first.
+            run_for: Some(revision),
         }
     }
 
@@ -113,21 +115,21 @@ impl Session {
         if !self.pinned.is_empty() {
             return;
         }
-        let registry = self.runner.registry();
-        let nodes = self.document.map().nodes.iter();
-        let mut best: Option<(usize, PortRef)> = None;
-        for (name, node) in nodes {
-            let Some(info) = registry.find(&node.module) else { continue };
-            for output in info.module.outputs {
-                let Some(value) = self.runner.value(name, output.name) else { continue };
-                let bytes = value.byte_size();
-                let port = PortRef { node: name.clone(), port: output.name.to_owned() };
-                if value.scalar().is_none() && best.as_ref().is_none_or(|(most, _)| bytes > *most) {
-                    best = Some((bytes, port));
-                }
+        let mut values = Vec::new();
+        for (name, node) in self.runner.all_ended() {
+            let Some(info) = self.runner.registry().find(&node.record.module) else { continue };
+            for (output, value) in info.module.outputs.iter().zip(&node.outputs) {
+                let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
+                values.push((port, value));
             }
         }
-        self.pinned.extend(best.map(|(_, port)| port));
+        // The kind of the largest value, and of that kind what was made last.
+        let largest = values.iter().max_by_key(|(_, value)| value.byte_size());
+        let kind =
+            largest.filter(|(_, value)| value.scalar().is_none()).map(|(_, v)| v.data_type());
+        let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
+        let best = best.map(|(port, _)| port.clone());
+        self.pinned.extend(best);
     }
 
     /// Shows an output, or no longer.

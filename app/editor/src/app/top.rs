@@ -4,6 +4,7 @@ use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
 
 use super::{Command, Editor, Lower, Middle, Theme, Wish};
 use crate::canvas::Action;
+use crate::document::{Edit, Item};
 use crate::runner::seconds_text;
 
 /// A line of a menu that gives a command.
@@ -87,6 +88,17 @@ impl Editor {
         }
         if entry(ui, "Duplicate", "Ctrl+D", has_selection) {
             wishes.push(Wish::Canvas(Action::Duplicate));
+        }
+        let items: Vec<Item> = document.selection().iter().cloned().collect();
+        if entry(ui, "Delete", "Del", has_selection) {
+            wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Remove(items)])));
+        }
+        if entry(ui, "Select all", "Ctrl+A", true) {
+            let all = document.map().nodes.keys().cloned().map(Item::Node);
+            wishes.push(Wish::Canvas(Action::Select(all.collect())));
+        }
+        if entry(ui, "Arrange all", "L", true) {
+            wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }])));
         }
     }
 

@@ -147,7 +147,7 @@ impl Canvas {
         if ui.input(|input| input.modifiers.alt) {
             items.retain(|item| !matches!(item, Item::Frame(_)));
         }
-        let place = |item: Item| self.place_of(&item, scene).map(|at| (item, at));
+        let place = |item: Item| scene.document.position(&item).map(|at| (item, at));
         let items = items.into_iter().filter_map(place).collect();
         self.gesture = Gesture::Move { items, by: Vec2::ZERO };
     }
@@ -162,20 +162,6 @@ impl Canvas {
             scene.document.extras().notes.iter().filter(|(_, note)| rect.contains(pos(note.at)));
         let nodes = nodes.map(|(name, _)| Item::Node(name.clone()));
         nodes.chain(notes.map(|(name, _)| Item::Note(name.clone()))).collect()
-    }
-
-    fn place_of(&self, item: &Item, scene: &Scene) -> Option<[f64; 2]> {
-        let extras = scene.document.extras();
-        match item {
-            Item::Node(name) => {
-                let at = self.shapes.nodes.get(name)?.at;
-                Some([f64::from(at.x), f64::from(at.y)])
-            }
-            Item::Frame(name) => extras.frames.get(name).map(|frame| frame.at),
-            Item::Note(name) => extras.notes.get(name).map(|note| note.at),
-            Item::Reroute(name) => extras.reroutes.get(name).map(|reroute| reroute.at),
-            Item::Link(_) => None,
-        }
     }
 
     /// Frames and notes are drawn first: nodes lie over them.
@@ -353,11 +339,11 @@ impl Canvas {
             }
             Gesture::Idle => return,
         }
+        // What the gesture drew is to go, or to follow the pointer.
+        ui.ctx().request_repaint();
         if is_up {
             let gesture = std::mem::take(&mut self.gesture);
             self.end_gesture(ui, brush, gesture, pointer.unwrap_or_default(), scene, actions);
-        } else {
-            ui.ctx().request_repaint();
         }
     }
 

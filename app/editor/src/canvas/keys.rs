@@ -47,12 +47,12 @@ impl Canvas {
         scene: &Scene,
         actions: &mut Vec<Action>,
     ) {
-        let is_typing = ui.ctx().egui_wants_keyboard_input() && !back.has_focus();
+        let is_typing = ui.ctx().text_edit_focused();
+        let is_covered = ui.ctx().memory(|memory| memory.top_modal_layer().is_some());
         let is_busy = self.search.is_some() || self.renaming.is_some() || self.open_param.is_some();
-        let is_here = back.has_focus()
-            || back.contains_pointer()
-            || ui.ctx().memory(|memory| memory.focused().is_none());
-        if is_typing || is_busy || !is_here {
+        // Elsewhere a letter may be meant for a field that is about to get the focus.
+        let is_here = back.has_focus() || back.contains_pointer() || self.is_over_node(ui);
+        if is_typing || is_covered || is_busy || !is_here {
             return;
         }
         let place = self.pointer_place(ui);
@@ -68,6 +68,15 @@ impl Canvas {
                 _ => {}
             }
         }
+    }
+
+    /// Whether the pointer is over the canvas, on what lies on it, and under nothing else.
+    fn is_over_node(&self, ui: &Ui) -> bool {
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        self.view.zip(pointer).is_some_and(|(view, at)| {
+            let is_on_top = ui.ctx().layer_id_at(at).is_none_or(|layer| layer == ui.layer_id());
+            view.screen.contains(at) && is_on_top
+        })
     }
 
     /// The point of the canvas below the pointer, or in the middle.

@@ -27,13 +27,14 @@ impl OpenParam {
         let Some(spec) = info.module.params.iter().find(|spec| spec.name == self.param) else {
             return true;
         };
+        let wants_focus = self.is_new;
         let id = format!("open/{}/{}", self.node, self.param);
         let area =
             Area::new(Id::new(&id)).order(Order::Foreground).fixed_pos(self.field.left_bottom());
         let shown = area.constrain(true).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(360.0);
-                let form = Form { id: &id, given: &node.params, link_of: &|_| None };
+                let form = Form { id: &id, given: &node.params, wants_focus, link_of: &|_| None };
                 let events = form.show(ui, std::slice::from_ref(spec));
                 actions
                     .extend(events.into_iter().map(|event| Action::Form(self.node.clone(), event)));

@@ -180,7 +180,8 @@ impl Runner {
     pub fn progress(&self) -> Option<(f64, Duration)> {
         let job = self.job.as_ref()?;
         let done: f64 = job.nodes.values().map(|share| share.unwrap_or(0.0)).sum();
-        Some((done / job.nodes.len().max(1) as f64, job.started.elapsed()))
+        // An empty sum is a negative zero.
+        Some((done.abs() / job.nodes.len().max(1) as f64, job.started.elapsed()))
     }
 
     /// How long the last run took.
@@ -206,6 +207,11 @@ impl Runner {
     /// What became of a node when it ran last.
     pub fn ended(&self, node: &str) -> Option<&Ended> {
         self.ended.get(node)
+    }
+
+    /// What became of all nodes that ran, in the order in which they ended.
+    pub fn all_ended(&self) -> impl Iterator<Item = (&str, &Ended)> {
+        self.ended.iter().map(|(name, ended)| (name.as_str(), ended))
     }
 
     /// The value of an output, from the last run of its node.
@@ -273,6 +279,7 @@ impl Runner {
             NodeStatus::Stopped if self.ended.contains_key(&node) => return,
             _ => {}
         }
+        self.ended.shift_remove(&node);
         self.ended.insert(node, ended);
     }
 

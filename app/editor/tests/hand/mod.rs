@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{self, Key, Modifiers, Vec2};
+use eframe::egui::{self, Key, Modifiers, Pos2, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use mve_core::Map;
@@ -182,8 +182,24 @@ impl Hand {
 
     /// Drags from one thing to another.
     pub fn link(&mut self, from: &str, to: &str) {
-        let center = |name: &str| self.harness.get_by_label(name).rect().center();
-        let (from, to) = (center(from), center(to));
+        let (from, to) = (self.place_of(from), self.place_of(to));
+        self.drag(from, to);
+    }
+
+    /// The middle of what has this name.
+    pub fn place_of(&self, name: &str) -> Pos2 {
+        self.harness.get_by_label(name).rect().center()
+    }
+
+    /// Moves the pointer to the edge of what has this name, where nothing else lies.
+    pub fn point_at(&mut self, name: &str) {
+        let at = self.harness.get_by_label(name).rect().left_bottom() + Vec2::new(6.0, -6.0);
+        self.harness.hover_at(at);
+        self.step();
+    }
+
+    /// Drags from one point of the window to another.
+    pub fn drag(&mut self, from: Pos2, to: Pos2) {
         self.harness.hover_at(from);
         self.step();
         self.harness.drag_at(from);
