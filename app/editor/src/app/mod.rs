@@ -315,7 +315,8 @@ impl Editor {
     fn right(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let panel = Panel::right("inspector").resizable(true).default_size(330.0).min_size(200.0);
         panel.show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            // Long rows scroll; they must not push the canvas aside.
+            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
                 inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
             });
         });

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use indexmap::IndexSet;
-use mve_core::{MapError, PortRef, Registry};
+use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
@@ -106,7 +106,8 @@ impl Session {
     pub fn has_changes_to_run(&self) -> bool {
         let is_old =
             |name: &String| matches!(self.runner.status(name), Status::New | Status::Dirty);
-        self.document.map().nodes.keys().any(is_old)
+        let active = |node: &Node| node.mode == NodeMode::Active;
+        self.document.map().nodes.iter().any(|(name, node)| active(node) && is_old(name))
     }
 
     /// After a first run something is to be seen at once: the last thing of the kind that is most
@@ -129,6 +130,10 @@ impl Session {
             largest.filter(|(_, value)| value.scalar().is_none()).map(|(_, v)| v.data_type());
         let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
         let best = best.map(|(port, _)| port.clone());
+        if best.is_some() {
+            // The viewer takes room from the canvas.
+            self.canvas.fit();
+        }
         self.pinned.extend(best);
     }
 

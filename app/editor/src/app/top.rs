@@ -157,21 +157,14 @@ impl Editor {
 
     fn buttons(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let progress = self.session().runner.progress();
-        match progress {
-            Some((share, elapsed)) => {
-                if ui.button("\u{23f9} Stop").on_hover_text("Stop the run").clicked() {
-                    wishes.push(Wish::Command(Command::Stop));
-                }
-                let text =
-                    format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
-                ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
-            }
-            None => {
-                let run = ui.button(RichText::new("\u{25b6} Run").strong());
-                if run.on_hover_text("Run the map (F5)").clicked() {
-                    wishes.push(Wish::Command(Command::Run));
-                }
-            }
+        let (label, hint, command) = match progress {
+            Some(_) => ("\u{23f9} Stop", "Stop the run (Shift+Esc)", Command::Stop),
+            None => ("\u{25b6} Run", "Run the map (F5)", Command::Run),
+        };
+        // Of one size, so that the rest of the bar stays where it is.
+        let button = Button::new(RichText::new(label).strong()).min_size(egui::vec2(64.0, 0.0));
+        if ui.add(button).on_hover_text(hint).clicked() {
+            wishes.push(Wish::Command(command));
         }
         ui.checkbox(&mut self.settings.runs_on_edit, "on edit")
             .on_hover_text("Run what a change touches at once. Files are written by Run only.");
@@ -187,6 +180,10 @@ impl Editor {
                 self.is_lower_open = !is_shown;
                 self.lower = lower;
             }
+        }
+        if let Some((share, elapsed)) = progress {
+            let text = format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
+            ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
         }
     }
 

@@ -158,8 +158,6 @@ impl Canvas {
             Some(at) => self.search_at(at, None),
             None => self.open_search(),
         }
-        // Tab would also move the focus on.
-        ui.ctx().memory_mut(|memory| memory.request_focus(super::search_field()));
     }
 
     /// Puts a frame around the selected nodes.

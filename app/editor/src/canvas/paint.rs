@@ -219,6 +219,8 @@ impl Brush<'_> {
             return;
         }
         let label = match look.status {
+            _ if shape.mode == NodeMode::Muted => "muted: does not run".to_owned(),
+            _ if shape.mode == NodeMode::Bypassed => "bypassed: passes its input on".to_owned(),
             Status::Failed(error) => format!("failed: {error}"),
             Status::Refused(why) => why.clone(),
             Status::Skipped(node) => format!("skipped: {node} failed"),

@@ -130,7 +130,14 @@ impl Canvas {
             WidgetInfo::labeled(WidgetType::Button, true, format!("{side} {}", port.at))
         });
         if response.drag_started_by(egui::PointerButton::Primary) {
-            self.gesture = Gesture::start_link(&port.at, is_output, scene);
+            // On a slow frame the pointer has gone on to another port since it was pressed.
+            let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+            let ports = if is_output { &shape.outputs } else { &shape.inputs };
+            let distance =
+                |port: &&Port| (brush.view.to_screen(shape.at + port.offset) - pressed).length();
+            let nearest = ports.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let start = nearest.map_or(&port.at, |port| &port.at);
+            self.gesture = Gesture::start_link(start, is_output, scene);
         }
         if response.clicked() && is_output {
             actions.push(Action::Pin(port.at.clone()));
