@@ -4,9 +4,9 @@
 //! not fit is kept as it stands, saved back unchanged, and reported by [`Map::problems`]; whether
 //! the rest makes sense (do the modules exist, do the links fit) is for [`crate::Plan`] to say.
 
+mod link;
 mod text;
 
-use std::fmt;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -17,6 +17,8 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map as JsonMap, Value as Json};
 use thiserror::Error;
+
+pub use link::{Link, PortRef};
 
 use crate::files::fresh_file;
 use crate::json;
@@ -100,24 +102,6 @@ impl NodeMode {
     pub fn is_active(&self) -> bool {
         *self == Self::Active
     }
-}
-
-/// A port of a node: `load.mesh`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PortRef {
-    /// Name of the node.
-    pub node: String,
-    /// Name of the port or parameter.
-    pub port: String,
-}
-
-/// A link from an output to an input or a parameter: `load.mesh -> simplify.mesh`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Link {
-    /// The output.
-    pub from: PortRef,
-    /// The input or parameter.
-    pub to: PortRef,
 }
 
 /// A named sweep of the map.
@@ -389,40 +373,6 @@ fn object_of<T: Serialize>(parts: &IndexMap<String, T>) -> Json {
 
 fn is_empty(value: &Json) -> bool {
     value.as_array().is_some_and(Vec::is_empty) || value.as_object().is_some_and(JsonMap::is_empty)
-}
-
-impl fmt::Display for PortRef {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.{}", self.node, self.port)
-    }
-}
-
-impl FromStr for PortRef {
-    type Err = ();
-
-    fn from_str(text: &str) -> Result<Self, ()> {
-        let (node, port) = text.trim().split_once('.').ok_or(())?;
-        let is_bad = |part: &str| part.is_empty() || part.contains(char::is_whitespace);
-        if is_bad(node) || is_bad(port) {
-            return Err(());
-        }
-        Ok(Self { node: node.to_owned(), port: port.to_owned() })
-    }
-}
-
-impl fmt::Display for Link {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} -> {}", self.from, self.to)
-    }
-}
-
-impl FromStr for Link {
-    type Err = ();
-
-    fn from_str(text: &str) -> Result<Self, ()> {
-        let (from, to) = text.split_once("->").ok_or(())?;
-        Ok(Self { from: from.parse()?, to: to.parse()? })
-    }
 }
 
 #[cfg(test)]
