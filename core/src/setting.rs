@@ -102,7 +102,7 @@ impl Settings {
                 Some(json) => spec.parse(json, faults).or(default),
                 None => {
                     if default.is_none() {
-                        let message = "has no default: the map must set it".to_owned();
+                        let message = "must be set: it has no default".to_owned();
                         faults.push(Fault { path: spec.name.to_owned(), message });
                     }
                     default

@@ -1,5 +1,7 @@
 //! Forms of parameters, drawn from their declarations alone.
 
+use std::cell::RefCell;
+
 use eframe::egui::emath::Numeric;
 use eframe::egui::{self, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui};
 use mve_core::{ChoiceList, Kind, ParamSpec};
@@ -7,6 +9,9 @@ use serde_json::{Map as JsonMap, Value as Json};
 
 /// Width of the names in front of the fields, in points.
 const NAME_WIDTH: f32 = 118.0;
+/// Room for the buttons behind a field, in points.
+const BACK_WIDTH: f32 = 28.0;
+const BROWSE_WIDTH: f32 = 32.0;
 
 /// What a person did in a form.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +30,8 @@ pub enum FormEvent {
         /// Extensions that fit, without dots.
         extensions: &'static [&'static str],
     },
+    /// What was typed is no value, in words for whoever typed it.
+    NotUnderstood(String),
 }
 
 /// A form for some parameters.
@@ -62,7 +69,6 @@ impl Form<'_> {
         events: &mut Vec<FormEvent>,
     ) {
         ui.horizontal(|ui| {
-            let mut set = |value| events.push(FormEvent::Set { path: path.to_owned(), value });
             let name = name_of(spec);
             let color = if given.is_some() {
                 ui.visuals().strong_text_color()
@@ -81,36 +87,12 @@ impl Form<'_> {
                     .on_hover_text("This parameter takes its value from a link.");
                 return;
             }
-            if spec.can_be_off {
-                let mut is_on = !is_off(spec, given);
-                if ui
-                    .checkbox(&mut is_on, "")
-                    .on_hover_text(format!("whether {name} is on"))
-                    .changed()
-                {
-                    set(if is_on { Some(some_value(spec)) } else { Some(Json::Null) });
-                }
-                if !is_on {
-                    ui.weak("off");
-                    return;
-                }
-            }
-            let salt = format!("{}/{path}", self.id);
-            field(ui, spec, &salt, given, &mut set);
-            if let Kind::InputFile { extensions, .. } = spec.kind
-                && ui.button("\u{1f4c2}").on_hover_text("Browse for a file").clicked()
-            {
-                events.push(FormEvent::Browse { path: path.to_owned(), extensions });
+            let mut field = Field { spec, name, path, given, events };
+            if spec.can_be_off && !field.switch(ui) {
                 return;
             }
-            if given.is_some() && spec.default_setting().is_some() {
-                let back = ui
-                    .small_button("\u{27f2}")
-                    .on_hover_text(format!("{name}: back to the default"));
-                if back.clicked() {
-                    events.push(FormEvent::Set { path: path.to_owned(), value: None });
-                }
-            }
+            field.show(ui, &format!("{}/{path}", self.id));
+            field.buttons(ui);
         });
         self.entry_rows(ui, spec, path, given, events);
     }
@@ -138,82 +120,178 @@ impl Form<'_> {
     }
 }
 
-/// The field that edits a parameter's value.
-fn field(
-    ui: &mut Ui,
-    spec: &ParamSpec,
-    salt: &str,
-    given: Option<&Json>,
-    set: &mut dyn FnMut(Option<Json>),
-) {
-    let name = name_of(spec);
-    match spec.kind {
-        Kind::Flag { default } => {
-            let mut flag = given.and_then(Json::as_bool).unwrap_or(default);
-            if ui.checkbox(&mut flag, "").on_hover_text(&name).changed() {
-                set(Some(Json::from(flag)));
-            }
-        }
-        Kind::Integer { default, hard, soft } => {
-            let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
-            if let Some(changed) = number_field(ui, spec, number, hard, soft) {
-                set(Some(Json::from(changed)));
-            }
-        }
-        Kind::Number { default, hard, soft } => {
-            let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
-            if let Some(changed) = number_field(ui, spec, number, hard, soft) {
-                set(Some(Json::from(changed)));
-            }
-        }
-        Kind::Seed { default } => {
-            let seed = given.and_then(Json::as_u64).unwrap_or(u64::from(default));
-            let mut changed = seed;
-            let response = ui.add(DragValue::new(&mut changed).range(0..=u64::from(u32::MAX)));
-            name_it(&response, &name);
-            if changed != seed {
-                set(Some(Json::from(changed)));
-            }
-        }
-        Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. } => {
-            text_field(ui, spec, salt, given, set)
-        }
-        Kind::Enumeration { default, names } => {
-            let current = given.and_then(Json::as_str).unwrap_or(default);
-            let all = names.iter().copied();
-            combo(ui, salt, &name, current, all, &mut |chosen| set(Some(Json::from(chosen))));
-        }
-        Kind::Choice { default, list } => {
-            let current = given.and_then(chosen_id).unwrap_or(default);
-            combo(ui, salt, &name, current, entries(list), &mut |chosen| {
-                set(Some(Json::from(chosen)))
-            });
-        }
-    }
+/// What edits the value of one parameter.
+struct Field<'a> {
+    spec: &'a ParamSpec,
+    /// The parameter as a person reads it.
+    name: String,
+    /// Dotted path of the parameter within its node.
+    path: &'a str,
+    /// What the map says of it.
+    given: Option<&'a Json>,
+    events: &'a mut Vec<FormEvent>,
 }
 
-/// A number to drag or to type, with a slider where its declaration says what is usual; the new
-/// number where it was changed.
-fn number_field<N: Numeric>(
-    ui: &mut Ui,
-    spec: &ParamSpec,
-    number: N,
-    hard: (N, N),
-    soft: Option<(N, N)>,
-) -> Option<N> {
-    let mut changed = number;
-    let usual = soft.map(|(from, to)| (from.to_f64(), to.to_f64()));
-    let speed = speed_of(usual, number.to_f64()).max(if N::INTEGRAL { 0.05 } else { 0.0 });
-    let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed).max_decimals(12);
-    let response = ui.add(field.suffix(suffix(spec)));
-    let response = response.on_hover_text(range_text(hard.0.to_f64(), hard.1.to_f64(), spec));
-    name_it(&response, &name_of(spec));
-    if let Some((from, to)) = soft {
-        let slider = Slider::new(&mut changed, from..=to).show_value(false);
-        ui.add(slider.clamping(SliderClamping::Never));
+impl Field<'_> {
+    fn set(&mut self, value: Option<Json>) {
+        self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
-    let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
-    (changed != number && is_allowed).then_some(changed)
+
+    /// Switches the parameter off and on; whether it is on.
+    fn switch(&mut self, ui: &mut Ui) -> bool {
+        let mut is_on = !is_off(self.spec, self.given);
+        let switch = ui.checkbox(&mut is_on, "");
+        if switch.on_hover_text(format!("whether {} is on", self.name)).changed() {
+            self.set(Some(if is_on { some_value(self.spec) } else { Json::Null }));
+        }
+        if !is_on {
+            ui.weak("off");
+        }
+        is_on
+    }
+
+    fn show(&mut self, ui: &mut Ui, salt: &str) {
+        let given = self.given;
+        match self.spec.kind {
+            Kind::Flag { default } => {
+                let mut flag = given.and_then(Json::as_bool).unwrap_or(default);
+                if ui.checkbox(&mut flag, "").on_hover_text(&self.name).changed() {
+                    self.set(Some(Json::from(flag)));
+                }
+            }
+            Kind::Integer { default, hard, soft } => {
+                let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
+                self.number(ui, number, hard, soft);
+            }
+            Kind::Number { default, hard, soft } => {
+                let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
+                self.number(ui, number, hard, soft);
+            }
+            Kind::Seed { default } => {
+                let seed = given.and_then(Json::as_u64).unwrap_or(u64::from(default));
+                self.number(ui, seed, (0, u64::from(u32::MAX)), None);
+            }
+            Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. } => {
+                self.text(ui, salt);
+            }
+            Kind::Enumeration { default, names } => {
+                let current = given.and_then(Json::as_str).unwrap_or(default);
+                self.combo(ui, salt, current, &mut names.iter().copied());
+            }
+            Kind::Choice { default, list } => {
+                let current = given.and_then(chosen_id).unwrap_or(default);
+                self.combo(ui, salt, current, &mut entries(list));
+            }
+        }
+    }
+
+    /// A number to drag or to type, with a slider where its declaration says what is usual.
+    fn number<N: Numeric + Into<Json>>(
+        &mut self,
+        ui: &mut Ui,
+        number: N,
+        hard: (N, N),
+        soft: Option<(N, N)>,
+    ) {
+        let mut changed = number;
+        let usual = soft.map(|(from, to)| (from.to_f64(), to.to_f64()));
+        let speed = speed_of(usual, number.to_f64()).max(if N::INTEGRAL { 0.05 } else { 0.0 });
+        let odd = RefCell::new(None);
+        let read = |text: &str| {
+            let number = read_number(text);
+            odd.replace(number.is_none().then(|| text.trim().to_owned()));
+            number
+        };
+        let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed);
+        let field = field.custom_formatter(|number, _| exact_text(number)).custom_parser(read);
+        let response = ui.add(field.suffix(suffix(self.spec)));
+        let range = range_text(hard.0.to_f64(), hard.1.to_f64(), self.spec);
+        let response = response.on_hover_text(range);
+        name_it(&response, &self.name);
+        if let Some((from, to)) = soft {
+            ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
+            let slider = Slider::new(&mut changed, from..=to).show_value(false);
+            ui.add(slider.clamping(SliderClamping::Never));
+        }
+        let odd = odd.take().filter(|text| response.lost_focus() && !text.is_empty());
+        if let Some(text) = odd {
+            let (name, stays) = (&self.name, exact_text(number.to_f64()));
+            let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {stays}");
+            self.events.push(FormEvent::NotUnderstood(text));
+        }
+        let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
+        if changed != number && is_allowed {
+            self.set(Some(changed.into()));
+        }
+    }
+
+    fn combo<'e>(
+        &mut self,
+        ui: &mut Ui,
+        salt: &str,
+        current: &str,
+        all: &mut dyn Iterator<Item = (&'e str, &'e str)>,
+    ) {
+        let combo = ComboBox::from_id_salt(salt)
+            .selected_text(current)
+            .width(ui.available_width().clamp(60.0, 150.0));
+        let shown = combo.show_ui(ui, |ui| {
+            for (id, summary) in all {
+                if ui.selectable_label(id == current, id).on_hover_text(summary).clicked() {
+                    self.set(Some(Json::from(id)));
+                }
+            }
+        });
+        let selected = format!("{}: {current}", self.name);
+        shown
+            .response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
+    }
+
+    /// A line of text; what is typed counts once the field is left or Enter is pressed.
+    fn text(&mut self, ui: &mut Ui, salt: &str) {
+        let written = self.given.and_then(Json::as_str).unwrap_or(match self.spec.kind {
+            Kind::Text { default } => default,
+            _ => "",
+        });
+        let id = ui.id().with(salt);
+        let mut text =
+            ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
+        let hint = match self.spec.kind {
+            Kind::InputFile { .. } => "path of a file",
+            Kind::OutputFile { .. } => "name, or {node.parameter}",
+            _ => "",
+        };
+        let is_input = matches!(self.spec.kind, Kind::InputFile { .. });
+        let room = if is_input { BROWSE_WIDTH + BACK_WIDTH } else { BACK_WIDTH };
+        let width = (ui.available_width() - room).max(60.0);
+        let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
+        let response = ui.add(field.desired_width(width));
+        name_it(&response, &self.name);
+        if response.has_focus() {
+            ui.data_mut(|data| data.insert_temp(id, text));
+            return;
+        }
+        if response.lost_focus() && text != written {
+            self.set(Some(Json::from(text)));
+        }
+        ui.data_mut(|data| data.remove::<String>(id));
+    }
+
+    /// To look for a file, and to go back to the default.
+    fn buttons(&mut self, ui: &mut Ui) {
+        if let Kind::InputFile { extensions, .. } = self.spec.kind
+            && ui.button("\u{1f4c2}").on_hover_text("Browse for a file").clicked()
+        {
+            self.events.push(FormEvent::Browse { path: self.path.to_owned(), extensions });
+        }
+        if self.given.is_some() && self.spec.default_setting().is_some() {
+            let back = ui.small_button("\u{27f2}");
+            if back.on_hover_text(format!("{}: back to the default", self.name)).clicked() {
+                self.set(None);
+            }
+        }
+    }
 }
 
 /// The entries of a list, each with its summary.
@@ -221,63 +299,19 @@ fn entries(list: &'static dyn ChoiceList) -> impl Iterator<Item = (&'static str,
     (0..list.len()).map(|place| list.spec(place)).map(|entry| (entry.id, entry.summary))
 }
 
-fn combo<'a>(
-    ui: &mut Ui,
-    salt: &str,
-    name: &str,
-    current: &str,
-    all: impl Iterator<Item = (&'a str, &'a str)>,
-    choose: &mut dyn FnMut(&str),
-) {
-    let combo = ComboBox::from_id_salt(salt)
-        .selected_text(current)
-        .width(ui.available_width().clamp(60.0, 150.0));
-    let shown = combo.show_ui(ui, |ui| {
-        for (id, summary) in all {
-            if ui.selectable_label(id == current, id).on_hover_text(summary).clicked() {
-                choose(id);
-            }
-        }
-    });
-    let selected = format!("{name}: {current}");
-    shown
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
+/// A number as a person types it: spaces and underscores part thousands.
+fn read_number(text: &str) -> Option<f64> {
+    let is_digit = |c: &char| !c.is_whitespace() && *c != '_';
+    let text: String = text.chars().filter(is_digit).collect();
+    text.replace('\u{2212}', "-").parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// A line of text; what is typed counts once the field is left or Enter is pressed.
-fn text_field(
-    ui: &mut Ui,
-    spec: &ParamSpec,
-    salt: &str,
-    given: Option<&Json>,
-    set: &mut dyn FnMut(Option<Json>),
-) {
-    let written = given.and_then(Json::as_str).unwrap_or(match spec.kind {
-        Kind::Text { default } => default,
-        _ => "",
-    });
-    let id = ui.id().with(salt);
-    let mut text =
-        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
-    let hint = match spec.kind {
-        Kind::InputFile { .. } => "path of a file",
-        Kind::OutputFile { .. } => "name, or {node.parameter}",
-        _ => "",
-    };
-    let room = if matches!(spec.kind, Kind::InputFile { .. }) { 58.0 } else { 26.0 };
-    let width = (ui.available_width() - room).max(60.0);
-    let response =
-        ui.add(egui::TextEdit::singleline(&mut text).id(id).hint_text(hint).desired_width(width));
-    name_it(&response, &name_of(spec));
-    if response.has_focus() {
-        ui.data_mut(|data| data.insert_temp(id, text));
-        return;
+/// A number with as many digits as it takes to read the same number again.
+fn exact_text(number: f64) -> String {
+    match number.abs() {
+        size if size != 0.0 && !(1e-6..1e15).contains(&size) => format!("{number:e}"),
+        _ => number.to_string(),
     }
-    if response.lost_focus() && text != written {
-        set(Some(Json::from(text)));
-    }
-    ui.data_mut(|data| data.remove::<String>(id));
 }
 
 /// Gives a field the name that a screen reader says.
@@ -392,5 +426,31 @@ pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
     match given {
         Some(json) if text.is_empty() && !json.is_string() => json.to_string(),
         _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_people_write_them() {
+        let cases = [("1000", 1000.0), (" 1 000 ", 1000.0), ("1_000", 1000.0), ("1e-3", 1e-3)];
+        for (text, number) in cases.into_iter().chain([("\u{2212}2.5", -2.5)]) {
+            assert_eq!(read_number(text), Some(number), "{text}");
+        }
+        for text in ["", "abc", "1,5", "nan", "inf", "1e999"] {
+            assert_eq!(read_number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_shown_number_is_the_number() {
+        for number in [0.0, 0.5, 1e-5, -3.25, 1e-9, 0.1 + 0.2, 4_294_967_295.0, 1e300] {
+            assert_eq!(read_number(&exact_text(number)), Some(number));
+        }
+        assert_eq!(exact_text(0.00001), "0.00001");
+        assert_eq!(exact_text(10.0), "10");
+        assert_eq!(exact_text(1e300), "1e300");
     }
 }

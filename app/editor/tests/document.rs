@@ -326,7 +326,7 @@ fn changes_on_disk_are_noticed() {
     let mut document = chain();
     assert!(document.save().is_err());
     document.save_as(&path).unwrap();
-    assert_eq!((document.title().as_str(), document.is_dirty()), ("map", false));
+    assert_eq!((document.path(), document.is_dirty()), (Some(path.as_path()), false));
     assert_eq!(document.disk_change(), None);
     let ours = document.text().to_owned();
     std::fs::write(&path, &ours).unwrap(); // a later time, the same content

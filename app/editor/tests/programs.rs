@@ -51,8 +51,8 @@ impl Bench {
     fn show(&mut self, ui: &mut Ui) {
         let scene = Scene {
             map: &self.map,
-            folder: &self.output_folder,
-            map_file: "box.json",
+            folder: self.output_folder.clone(),
+            map_file: "box.json".to_owned(),
             registry: &self.registry,
             output_folder: &self.output_folder,
         };
@@ -64,8 +64,8 @@ impl Bench {
     fn vary(&mut self, node: &str, param: &str) {
         let scene = Scene {
             map: &self.map,
-            folder: &self.output_folder,
-            map_file: "box.json",
+            folder: self.output_folder.clone(),
+            map_file: "box.json".to_owned(),
             registry: &self.registry,
             output_folder: &self.output_folder,
         };

@@ -426,6 +426,11 @@ impl Program {
         }
     }
 
+    /// The map whose parameters it varies.
+    pub fn map(&self) -> &Map {
+        &self.map
+    }
+
     /// The results so far as a table: a header, then a row a step in the order of the program.
     pub fn table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
         tables::table(self, store)

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use mve_core::{Data, DataType, Scalar};
+use mve_core::{Data, DataType, Scalar, brief};
 use serde::{Deserialize, Serialize};
 
 /// A number with its name and unit.
@@ -48,7 +48,7 @@ impl Data for Measures {
     }
 
     fn summary(&self) -> String {
-        let shown = self.0.iter().take(4).map(|m| format!("{} {}", m.name, m.value));
+        let shown = self.0.iter().take(4).map(|m| format!("{} {}", m.name, brief(m.value)));
         let more = if self.0.len() > 4 { ", …" } else { "" };
         shown.collect::<Vec<_>>().join(", ") + more
     }

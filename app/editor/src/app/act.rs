@@ -91,6 +91,7 @@ impl Editor {
 
     fn form(&mut self, node: String, event: FormEvent) {
         match event {
+            FormEvent::NotUnderstood(text) => self.toast(text),
             FormEvent::Set { path, value } => self.edit(&[Edit::SetParam { node, path, value }]),
             FormEvent::Browse { path, extensions } => {
                 let session = &self.sessions[self.active];
@@ -125,16 +126,8 @@ impl Editor {
         self.is_lower_open = true;
         let Self { sessions, active, shared, .. } = self;
         let session = &mut sessions[*active];
-        let folder = session.folder();
-        let file = session.document.path().map(|path| path.display().to_string());
-        let scene = programs::Scene {
-            map: session.document.map(),
-            folder: &folder,
-            map_file: file.as_deref().unwrap_or(""),
-            registry: &shared.registry,
-            output_folder: &shared.output_folder,
-        };
-        let actions = session.programs.vary(node, param, &scene);
+        let (programs, scene) = session.programs(shared);
+        let actions = programs.vary(node, param, &scene);
         let edits: Vec<Edit> = actions.into_iter().filter_map(edit_of).collect();
         self.edit(&edits);
     }
@@ -152,8 +145,19 @@ impl Editor {
             }
             programs::Action::OpenFile(path) => {
                 let path = std::path::absolute(&path).unwrap_or(path);
-                self.toast(format!("opening {}", path.display()));
-                ctx.open_url(egui::OpenUrl::new_tab(format!("file://{}", path.display())));
+                self.toast(match open::that_detached(&path) {
+                    Ok(()) => format!("Opening {}", path.display()),
+                    Err(_) => format!("No program was found to open {}", path.display()),
+                });
+            }
+            programs::Action::RenameProgram { .. } if self.session().programs.has_results() => {
+                if let Some(edit) = edit_of(action) {
+                    self.edit(&[edit]);
+                    self.toast(
+                        "The results so far stay in the folder of the old name; \
+                         under the new name steps run again.",
+                    );
+                }
             }
             programs::Action::ShowNode(node) => self.grant(ctx, Wish::ShowNode(node)),
             other => {

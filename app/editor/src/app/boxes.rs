@@ -1,11 +1,13 @@
 //! Boxes over the window: opening and saving, keys, questions before something is lost.
 
 use eframe::egui::{self, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use mve_core::Map;
 
 use super::files::typed_path;
 use super::{Command, Editor, Wish};
 use crate::canvas::SHORTCUTS;
 use crate::document::Recovered;
+use crate::programs::in_words;
 
 /// Keys that hold in the whole window; those of the canvas are its own.
 const WINDOW_KEYS: &[(&str, &str)] = &[
@@ -187,7 +189,7 @@ impl Editor {
 
     fn close_box(&mut self, ui: &mut Ui, id: u64) -> Content {
         let Some(place) = self.place_of(id) else { return Content::Nothing };
-        let title = self.sessions[place].document.title();
+        let title = self.sessions[place].title();
         match question(
             ui,
             &format!("Save the changes of {title}?"),
@@ -212,7 +214,7 @@ impl Editor {
 
     fn replace_box(&mut self, ui: &mut Ui, id: u64) -> Content {
         let Some(place) = self.place_of(id) else { return Content::Nothing };
-        let title = self.sessions[place].document.title();
+        let title = self.sessions[place].title();
         let text =
             format!("Another program has changed the file of {title} since it was read here.");
         match question(ui, &text, &["Replace the file", "Cancel"]) {
@@ -227,7 +229,7 @@ impl Editor {
 
     fn quit_box(&mut self, ui: &mut Ui) -> Content {
         let dirty = self.sessions.iter().filter(|session| session.document.is_dirty());
-        let names: Vec<String> = dirty.map(|session| session.document.title()).collect();
+        let names: Vec<String> = dirty.map(|session| session.title()).collect();
         if names.is_empty() {
             self.quit_anyway(ui.ctx());
             return Content::Nothing;
@@ -274,14 +276,16 @@ impl Editor {
     fn recovered_box(&mut self, ui: &mut Ui) {
         let mut decision: Option<(usize, bool)> = None;
         Modal::new("recovered".into()).show(ui.ctx(), |ui| {
-            ui.set_width(460.0);
+            ui.set_width(520.0);
             ui.heading("These maps were not saved when mve ended");
             for (place, recovered) in self.boxes.recovered.iter().enumerate() {
+                ui.add_space(6.0);
                 ui.horizontal(|ui| {
-                    let name = recovered.path.as_ref().map(|path| path.display().to_string());
-                    let name = name.unwrap_or_else(|| "a map without a file".to_owned());
-                    ui.label(&name);
-                    if ui.button("Recover").clicked() {
+                    ui.vertical(|ui| {
+                        ui.set_width(360.0);
+                        describe(ui, recovered);
+                    });
+                    if ui.button("Recover").on_hover_text("Open it in a tab, unsaved").clicked() {
                         decision = Some((place, true));
                     }
                     if ui.button("Discard").clicked() {
@@ -307,6 +311,21 @@ impl Editor {
             self.toast(error.to_string());
         }
     }
+}
+
+/// Which map it is, when it was kept, and what is in it.
+fn describe(ui: &mut Ui, recovered: &Recovered) {
+    let path = recovered.path.as_ref().map(|path| path.display().to_string());
+    let name = path.unwrap_or_else(|| "a map without a file".to_owned());
+    ui.add(egui::Label::new(RichText::new(&name).strong()).truncate()).on_hover_text(&name);
+    let age = recovered.at.and_then(|at| at.elapsed().ok());
+    let age = age.map(|age| format!("kept {} ago", in_words(age)));
+    let nodes = Map::parse(&recovered.text).map(|map| match map.nodes.len() {
+        0 => "no nodes".to_owned(),
+        _ => map.nodes.keys().map(String::as_str).collect::<Vec<_>>().join(", "),
+    });
+    let parts: Vec<String> = age.into_iter().chain(nodes.ok()).collect();
+    ui.add(egui::Label::new(RichText::new(parts.join(": ")).weak()).truncate());
 }
 
 /// Asks a question with some answers; Escape is the last of them.

@@ -6,6 +6,7 @@ use eframe::egui::{self, RichText, ScrollArea, Ui};
 use mve_core::PortRef;
 
 use super::Wish;
+use super::inspector::value_label;
 use super::session::Session;
 use crate::canvas::Action;
 use crate::runner::{Loudness, Shared};
@@ -111,7 +112,7 @@ pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<
                     }
                     ui.weak(output.data_type.id);
                     match session.runner.value(name, output.name) {
-                        Some(value) => ui.label(value.summary()),
+                        Some(value) => value_label(ui, &value),
                         None => ui.weak("no value yet"),
                     };
                     ui.weak(session.runner.status(name).label());

@@ -1,7 +1,7 @@
 //! The inspector: all about the selected node, drawn from the declaration of its module.
 
 use eframe::egui::{self, RichText, Ui};
-use mve_core::{NodeMode, PortRef};
+use mve_core::{NodeMode, PortRef, Value};
 
 use super::Wish;
 use super::session::Session;
@@ -9,6 +9,7 @@ use crate::canvas::Action;
 use crate::document::{Edit, Item};
 use crate::forms::Form;
 use crate::runner::{Part, Shared, Status};
+use crate::views::brief_text;
 
 /// Shows the inspector of what is selected.
 pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wish>) {
@@ -114,6 +115,11 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     said(ui, session, name, &status);
 }
 
+/// A value in a line, with all its digits on hover.
+pub fn value_label(ui: &mut Ui, value: &Value) -> egui::Response {
+    ui.add(egui::Label::new(brief_text(value)).truncate()).on_hover_text(value.summary())
+}
+
 /// The values of the node's ports.
 fn values(
     ui: &mut Ui,
@@ -131,7 +137,7 @@ fn values(
             let value =
                 link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
             match (link, value) {
-                (_, Some(value)) => ui.add(egui::Label::new(value.summary()).truncate()),
+                (_, Some(value)) => value_label(ui, &value),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),
                 (None, None) if input.is_required => {
                     ui.colored_label(ui.visuals().error_fg_color, "not linked")
@@ -149,7 +155,7 @@ fn values(
             }
             ui.weak(output.data_type.id);
             match session.runner.value(name, output.name) {
-                Some(value) => ui.add(egui::Label::new(value.summary()).truncate()),
+                Some(value) => value_label(ui, &value),
                 None => ui.weak("no value yet"),
             };
             ui.end_row();

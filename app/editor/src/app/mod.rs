@@ -33,6 +33,9 @@ const EXAMPLE: &str = include_str!("../../../../maps/simplify_and_measure.json")
 /// Bytes of values that the window keeps for the next run.
 const CACHE: usize = 2 << 30;
 
+/// Width of the window in points below which the inspector would take the canvas its room.
+const NARROW: f32 = 620.0;
+
 /// How long a message stays.
 const TOAST: Duration = Duration::from_secs(6);
 
@@ -206,7 +209,13 @@ impl Editor {
     }
 
     fn add(&mut self, document: Document) {
-        self.sessions.push(Session::new(document, &self.shared));
+        let mut session = Session::new(document, &self.shared);
+        let is_taken = |n: &usize| {
+            let open = &mut self.sessions.iter();
+            open.any(|open| open.document.path().is_none() && open.number == *n)
+        };
+        session.number = (1..).find(|n| !is_taken(n)).unwrap_or(1);
+        self.sessions.push(session);
         self.active = self.sessions.len() - 1;
     }
 
@@ -287,7 +296,10 @@ impl Editor {
             Lower::Program => ("program", 400.0),
             Lower::Console | Lower::Values => ("lower", 230.0),
         };
-        let panel = Panel::bottom(name).resizable(true).default_size(height).min_size(90.0);
+        // Whatever the window's size, some of the canvas stays in sight.
+        let most = (ui.available_height() * 0.65).max(90.0);
+        let panel = Panel::bottom(name).resizable(true).default_size(height);
+        let panel = panel.min_size(90.0).max_size(most);
         panel.show_collapsible(ui, &mut is_open, |ui| {
             let Self { sessions, active, lower, console, shared, .. } = self;
             let session = &mut sessions[*active];
@@ -295,16 +307,8 @@ impl Editor {
                 Lower::Console => console.show(ui, session, wishes),
                 Lower::Values => console::values(ui, session, shared, wishes),
                 Lower::Program => {
-                    let folder = session.folder();
-                    let file = session.document.path().map(|path| path.display().to_string());
-                    let scene = programs::Scene {
-                        map: session.document.map(),
-                        folder: &folder,
-                        map_file: file.as_deref().unwrap_or(""),
-                        registry: &shared.registry,
-                        output_folder: &shared.output_folder,
-                    };
-                    let actions = session.programs.show(ui, &scene);
+                    let (programs, scene) = session.programs(shared);
+                    let actions = programs.show(ui, &scene);
                     wishes.extend(actions.into_iter().map(Wish::Program));
                 }
             }
@@ -313,8 +317,12 @@ impl Editor {
     }
 
     fn right(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let panel = Panel::right("inspector").resizable(true).default_size(330.0).min_size(200.0);
-        panel.show(ui, |ui| {
+        let width = ui.available_width();
+        if !self.settings.has_inspector || width < NARROW {
+            return;
+        }
+        let panel = Panel::right("inspector").resizable(true).default_size(330.0);
+        panel.min_size(200.0).max_size(width * 0.5).show(ui, |ui| {
             // Long rows scroll; they must not push the canvas aside.
             egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
                 inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
@@ -325,9 +333,9 @@ impl Editor {
     fn middle(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let has_pins = !self.session().pinned.is_empty();
         if self.middle == Middle::Both && has_pins {
-            let height = (ui.available_height() * 0.5).max(160.0);
-            let panel =
-                Panel::bottom("viewer").resizable(true).default_size(height).min_size(120.0);
+            let height = ui.available_height();
+            let panel = Panel::bottom("viewer").resizable(true).default_size(height * 0.5);
+            let panel = panel.min_size(height.min(120.0)).max_size((height - 80.0).max(0.0));
             panel.show(ui, |ui| self.viewer(ui, wishes));
         }
         if self.middle == Middle::Viewer && has_pins {
@@ -385,9 +393,9 @@ impl Editor {
 
     /// Names the map that is shown in the title of the window.
     fn name_window(&mut self, ctx: &egui::Context) {
-        let document = &self.session().document;
-        let mark = if document.is_dirty() { "*" } else { "" };
-        let title = format!("{}{mark} - mve", document.title());
+        let session = self.session();
+        let mark = if session.document.is_dirty() { "*" } else { "" };
+        let title = format!("{}{mark} - mve", session.title());
         if self.window_title != title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.window_title = title;

@@ -8,7 +8,7 @@ use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
-use crate::programs::ProgramPanel;
+use crate::programs::{self, ProgramPanel};
 use crate::runner::{Part, Runner, Shared, Status, Subject};
 use crate::views::{Pinned, PortState, Viewer};
 
@@ -26,6 +26,8 @@ pub struct Session {
     pub viewer: Viewer,
     /// Its programs.
     pub programs: ProgramPanel,
+    /// Tells maps without a file from each other.
+    pub number: usize,
     /// What somebody else did to the map's file.
     pub disk_change: Option<DiskChange>,
     /// The state of the map that was sent to be checked.
@@ -46,6 +48,7 @@ impl Session {
             pinned: IndexSet::new(),
             viewer: Viewer::new(),
             programs: ProgramPanel::new(Arc::new(move || (wake.wake)())),
+            number: 1,
             disk_change: None,
             checked: None,
             // What was opened is run by hand first.
@@ -58,10 +61,36 @@ impl Session {
         Ok(Self::new(Document::open(path)?, shared))
     }
 
+    /// The name of the map's file without its extension, for the tab.
+    pub fn title(&self) -> String {
+        let stem = self.document.path().and_then(Path::file_stem);
+        match (stem, self.number) {
+            (Some(stem), _) => stem.to_string_lossy().into_owned(),
+            (None, 1) => "untitled".to_owned(),
+            (None, number) => format!("untitled {number}"),
+        }
+    }
+
     /// The folder that the map's input paths are relative to.
     pub fn folder(&self) -> PathBuf {
         let parent = self.document.path().and_then(Path::parent);
         parent.map_or_else(PathBuf::new, Path::to_owned)
+    }
+
+    /// The panel of its programs, and what it shows.
+    pub fn programs<'a>(
+        &'a mut self,
+        shared: &'a Shared,
+    ) -> (&'a mut ProgramPanel, programs::Scene<'a>) {
+        let file = self.document.path().map(|path| path.display().to_string());
+        let scene = programs::Scene {
+            folder: self.folder(),
+            map: self.document.map(),
+            map_file: file.unwrap_or_default(),
+            registry: &shared.registry,
+            output_folder: &shared.output_folder,
+        };
+        (&mut self.programs, scene)
     }
 
     /// The map as the runner takes it.

@@ -10,6 +10,9 @@ use crate::canvas::CanvasSettings;
 /// Most recent files that are kept.
 const MOST_RECENT: usize = 12;
 
+/// Seconds that the pointer rests before words appear: less gets in the way of a hand at work.
+const TOOLTIP_SECS: f32 = 0.7;
+
 /// What the window remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -22,6 +25,8 @@ pub struct Settings {
     pub scale: f32,
     /// Whether what a change touches runs at once, savers excepted.
     pub runs_on_edit: bool,
+    /// Whether the inspector is shown.
+    pub has_inspector: bool,
     /// Maps that were open, the last one first.
     pub recent: Vec<PathBuf>,
     /// Whether the hint for a first start was closed.
@@ -47,6 +52,7 @@ impl Default for Settings {
             theme: Theme::default(),
             scale: 1.0,
             runs_on_edit: false,
+            has_inspector: true,
             recent: Vec::new(),
             has_seen_hint: false,
         }
@@ -70,5 +76,6 @@ impl Settings {
             Theme::Light => egui::ThemePreference::Light,
         });
         ctx.set_zoom_factor(self.scale.clamp(0.5, 3.0));
+        ctx.all_styles_mut(|style| style.interaction.tooltip_delay = TOOLTIP_SECS);
     }
 }

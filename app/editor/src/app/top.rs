@@ -181,6 +181,8 @@ impl Editor {
                 self.lower = lower;
             }
         }
+        ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
+            .on_hover_text("All about the selected node, beside the canvas");
         if let Some((share, elapsed)) = progress {
             let text = format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
             ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
@@ -192,7 +194,7 @@ impl Editor {
             for (place, session) in self.sessions.iter().enumerate() {
                 let mark = if session.document.is_dirty() { " •" } else { "" };
                 let running = if session.runner.is_running() { "\u{25b6} " } else { "" };
-                let label = format!("{running}{}{mark}", session.document.title());
+                let label = format!("{running}{}{mark}", session.title());
                 let tab = ui.selectable_label(place == self.active, label);
                 let path = session.document.path().map(|path| path.display().to_string());
                 let tab = tab.on_hover_text(path.unwrap_or_else(|| "not saved yet".to_owned()));
@@ -200,7 +202,7 @@ impl Editor {
                     self.active = place;
                 }
                 let close = ui.small_button("\u{d7}").on_hover_text("Close this map");
-                let name = format!("close {}", session.document.title());
+                let name = format!("close {}", session.title());
                 close.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name)
                 });

@@ -307,7 +307,10 @@ impl Canvas {
     fn nodes(&mut self, ui: &mut Ui, brush: &Brush, scene: &Scene, actions: &mut Vec<Action>) {
         let seen = brush.view.visible();
         let total: f64 = match scene.settings.shows_times {
-            true => self.shapes.nodes.keys().filter_map(|name| seconds_of(scene, name)).sum(),
+            true => {
+                let names = self.shapes.nodes.keys();
+                names.filter_map(|name| seconds_of(&scene.runner.status(name))).sum()
+            }
             false => 0.0,
         };
         let shapes = std::mem::take(&mut self.shapes);
@@ -332,7 +335,7 @@ impl Canvas {
                 name,
                 status: &status,
                 is_selected: scene.document.selection().contains(&Item::Node(name.clone())),
-                time_share: seconds_of(scene, name)
+                time_share: seconds_of(&status)
                     .filter(|_| total > 0.0)
                     .map(|seconds| seconds / total),
                 is_dimmed: &is_dimmed,
@@ -381,9 +384,9 @@ fn node_of(item: &Item) -> Option<&str> {
 }
 
 /// Seconds that a node ran, where its outputs are those of the map as it stands.
-fn seconds_of(scene: &Scene, node: &str) -> Option<f64> {
-    match scene.runner.status(node) {
-        Status::Done(seconds) => seconds,
+fn seconds_of(status: &Status) -> Option<f64> {
+    match status {
+        Status::Done(seconds) => *seconds,
         _ => None,
     }
 }

@@ -155,33 +155,57 @@ impl Brush<'_> {
         ));
     }
 
+    /// Draws a node too small to read: its place, its kind and its state, in a few rectangles, so
+    /// that maps with thousands of nodes can be moved about.
+    fn far_node(&self, shape: &Shape, look: &Look, rect: Rect) {
+        let (kind, edge) = (self.title_color(shape, look), self.edge(look));
+        let fill = if edge.color == self.palette.edge { self.palette.node } else { edge.color };
+        self.painter.rect_filled(rect, 0.0, fill);
+        let title = (rect.height() * 0.4).clamp(2.0, 8.0);
+        self.painter.rect_filled(
+            Rect { max: Pos2::new(rect.max.x, rect.min.y + title), ..rect },
+            0.0,
+            kind,
+        );
+        if *look.status != Status::New {
+            let foot = Rect { min: Pos2::new(rect.min.x, rect.max.y - (title / 2.0)), ..rect };
+            self.painter.rect_filled(foot, 0.0, status_color(look.status));
+        }
+    }
+
+    fn title_color(&self, shape: &Shape, look: &Look) -> Color32 {
+        let color = look.time_share.map_or(shape.color, |share| heat(share as f32));
+        faded(color, shape.mode)
+    }
+
+    fn edge(&self, look: &Look) -> Stroke {
+        match (look.is_selected, look.status) {
+            (true, _) => Stroke::new(2.0, self.palette.selected),
+            (_, Status::Failed(_) | Status::Refused(_)) => {
+                Stroke::new(1.5, status_color(look.status))
+            }
+            _ => Stroke::new(1.0, self.palette.edge),
+        }
+    }
+
     /// Draws a node.
     pub fn node(&self, shape: &Shape, look: &Look) {
         let rect = self.view.rect_to_screen(shape.rect());
-        let round = CornerRadius::same((6.0 * self.zoom()).clamp(1.0, 12.0) as u8);
-        let fade = |color: Color32| match shape.mode {
-            NodeMode::Active => color,
-            NodeMode::Muted | NodeMode::Bypassed => color.gamma_multiply(0.45),
-        };
-        self.painter.rect_filled(rect, round, fade(self.palette.node));
-        let title = Rect::from_min_size(rect.min, Vec2::new(rect.width(), TITLE * self.zoom()));
-        let heat = look.time_share.map_or(shape.color, |share| heat(share as f32));
-        let flat_below = CornerRadius { sw: 0, se: 0, ..round };
-        self.painter.rect_filled(title, flat_below, fade(heat));
-        if self.zoom() >= TITLES_FROM {
-            self.titles(shape, look, title);
+        if self.zoom() < TITLES_FROM {
+            self.far_node(shape, look, rect);
+            return;
         }
+        let round = CornerRadius::same((6.0 * self.zoom()).clamp(1.0, 12.0) as u8);
+        self.painter.rect_filled(rect, round, faded(self.palette.node, shape.mode));
+        let title = Rect::from_min_size(rect.min, Vec2::new(rect.width(), TITLE * self.zoom()));
+        let flat_below = CornerRadius { sw: 0, se: 0, ..round };
+        self.painter.rect_filled(title, flat_below, self.title_color(shape, look));
+        self.titles(shape, look, title);
         self.foot(shape, look, rect);
         if self.zoom() >= ROWS_FROM && !shape.is_collapsed {
             self.rows(shape, rect);
         }
-        let is_in_trouble = matches!(look.status, Status::Failed(_) | Status::Refused(_));
-        let (width, color) = match (look.is_selected, is_in_trouble) {
-            (true, _) => (2.0, self.palette.selected),
-            (_, true) => (1.5, status_color(look.status)),
-            _ => (1.0, self.palette.edge),
-        };
-        self.painter.rect_stroke(rect, round, Stroke::new(width, color), StrokeKind::Outside);
+        self.painter.rect_stroke(rect, round, self.edge(look), StrokeKind::Outside);
         self.ports(shape, look);
     }
 
@@ -221,6 +245,9 @@ impl Brush<'_> {
         let label = match look.status {
             _ if shape.mode == NodeMode::Muted => "muted: does not run".to_owned(),
             _ if shape.mode == NodeMode::Bypassed => "bypassed: passes its input on".to_owned(),
+            Status::New | Status::Dirty if shape.writes_files => {
+                format!("{}: writes files on Run", look.status.label())
+            }
             Status::Failed(error) => format!("failed: {error}"),
             Status::Refused(why) => why.clone(),
             Status::Skipped(node) => format!("skipped: {node} failed"),
@@ -327,6 +354,14 @@ impl Brush<'_> {
             self.painter.layout(note.text.clone(), self.font(12.0), self.palette.text, width);
         let inside = self.painter.with_clip_rect(screen.intersect(self.painter.clip_rect()));
         inside.galley(screen.min + Vec2::splat(8.0 * self.zoom()), galley, self.palette.text);
+    }
+}
+
+/// The color of what does not run by itself.
+fn faded(color: Color32, mode: NodeMode) -> Color32 {
+    match mode {
+        NodeMode::Active => color,
+        NodeMode::Muted | NodeMode::Bypassed => color.gamma_multiply(0.45),
     }
 }
 

@@ -10,6 +10,9 @@ use super::{Action, Scene, search_field};
 use crate::catalog::{Fit, Hit};
 use crate::document::Edit;
 
+/// Most height of the list of modules, in points.
+const HEIGHT: f32 = 320.0;
+
 /// A search while it is open.
 pub struct Search {
     /// Where on the screen it stands.
@@ -54,8 +57,12 @@ impl Search {
         self.chosen = self.chosen.saturating_sub(usize::from(up)).min(hits.len().saturating_sub(1));
         let mut taken = if enter { hits.get(self.chosen) } else { None };
         let area = Area::new(Id::new("module search")).order(Order::Foreground);
+        // So high on the screen that the list has room below the field.
+        let window = ui.ctx().content_rect();
+        let lowest = (window.bottom() - HEIGHT - 70.0).max(window.top());
+        let at = Pos2::new(self.screen.x, self.screen.y.min(lowest));
         let has_moved = up || down;
-        let shown = area.fixed_pos(self.screen).constrain(true).show(ui.ctx(), |ui| {
+        let shown = area.fixed_pos(at).constrain(true).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(340.0);
                 let field = TextEdit::singleline(&mut self.query).id(search_field());
@@ -69,7 +76,7 @@ impl Search {
                     self.chosen = 0;
                 }
                 field.request_focus();
-                ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+                ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
                     for (place, hit) in hits.iter().enumerate() {
                         let row = ui.selectable_label(place == self.chosen, text_of(hit, ui));
                         if has_moved && place == self.chosen {

@@ -71,6 +71,8 @@ pub struct Shape {
     pub color: Color32,
     /// Whether it runs.
     pub mode: NodeMode,
+    /// Whether it writes files, which only Run does.
+    pub writes_files: bool,
     /// Whether only its title is drawn.
     pub is_collapsed: bool,
     /// Ports on its left, parameters that take links among them.
@@ -193,6 +195,7 @@ fn shape(
             Color32::from_rgb(r, g, b)
         }),
         mode: node.mode,
+        writes_files: info.is_some_and(|info| info.module.writes_files()),
         is_collapsed,
         inputs: Vec::new(),
         outputs: Vec::new(),

@@ -4,12 +4,20 @@ use eframe::egui::{self, Rect, Sense, Ui, WidgetInfo, WidgetType};
 
 use super::gesture::Gesture;
 use super::paint::{Brush, ROWS_FROM};
-use super::shape::{ParamRow, Port, ROW, Shape};
+use super::shape::{FOOT, ParamRow, Port, ROW, Shape, TITLE};
 use super::{Action, Canvas, Scene, menu, param};
 use crate::document::Item;
 use crate::forms::FormEvent;
 use crate::programs::DraggedParam;
 use crate::runner::Status;
+use crate::views::brief_text;
+
+/// Whether a point is on the title of a node or on the line that says its state: what lies between
+/// them speaks for itself, and words over it would be in the way.
+fn says_what_it_is(brush: &Brush, shape: &Shape, at: egui::Pos2) -> bool {
+    let y = brush.view.to_world(at).y - shape.at.y;
+    y < TITLE || y > shape.size.y - FOOT
+}
 
 impl Canvas {
     /// Makes a node, its parameters and its ports react.
@@ -38,7 +46,8 @@ impl Canvas {
         if response.drag_started_by(egui::PointerButton::Primary) {
             self.start_move(ui, &item, scene, actions);
         }
-        if response.hovered() && matches!(self.gesture, Gesture::Idle) {
+        let is_idle = matches!(self.gesture, Gesture::Idle);
+        if is_idle && response.hover_pos().is_some_and(|at| says_what_it_is(brush, shape, at)) {
             let what = shape.summary.unwrap_or("there is no module of this name here");
             let text = format!("{name}: {}\n{what}\n\n{}", shape.module, status.explanation());
             response.clone().on_hover_text_at_pointer(text);
@@ -145,7 +154,8 @@ impl Canvas {
         if response.hovered() && matches!(self.gesture, Gesture::Idle) {
             let what = port.data_type;
             let value = scene.runner.value(&port.at.node, &port.at.port).filter(|_| is_output);
-            let value = value.map(|value| format!("\n\n{}", value.summary())).unwrap_or_default();
+            let value =
+                value.map(|value| format!("\n\n{}", brief_text(&value))).unwrap_or_default();
             let need = match (is_output, port.is_required) {
                 (true, _) => "click to look at it, drag to link it",
                 (_, true) => "must be linked",

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use mve_core::MapError;
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,8 @@ pub struct Recovered {
     pub path: Option<PathBuf>,
     /// The text of the map.
     pub text: String,
+    /// When it was copied, if the file system says so.
+    pub at: Option<SystemTime>,
     /// The copy.
     file: PathBuf,
 }
@@ -116,7 +119,8 @@ impl Recovery {
             });
             let read = own.filter_map(|path| {
                 let Copy { path: of, text } = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
-                Some(Recovered { path: of, text, file: path.clone() })
+                let at = fs::metadata(path).and_then(|about| about.modified()).ok();
+                Some(Recovered { path: of, text, at, file: path.clone() })
             });
             let n_before = found.len();
             found.extend(read);

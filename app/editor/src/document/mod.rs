@@ -145,12 +145,6 @@ impl Document {
         self.path.as_deref()
     }
 
-    /// The name of the file without its extension.
-    pub fn title(&self) -> String {
-        let stem = self.path.as_ref().and_then(|path| path.file_stem());
-        stem.map_or_else(|| "untitled".to_owned(), |stem| stem.to_string_lossy().into_owned())
-    }
-
     /// The text of the map's file, as it would be saved.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.map.to_text())
@@ -271,7 +265,7 @@ impl Document {
         match self.path.clone() {
             Some(path) => self.save_as(&path),
             None => Err(MapError::Io {
-                path: PathBuf::from(self.title()),
+                path: PathBuf::from("untitled"),
                 source: std::io::Error::new(ErrorKind::InvalidInput, "the map has no file yet"),
             }),
         }

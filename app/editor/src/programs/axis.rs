@@ -39,7 +39,7 @@ pub fn vary(path: &str, scene: &Scene, spec: &ProgramSpec) -> Edit {
         Some(axis) => add_value(scene, axis, &spec.axes[axis]),
         None => {
             let first = current(scene.map, scene.registry, path);
-            let other = second(&declared, &first, scene.folder);
+            let other = second(&declared, &first, &scene.folder);
             let values = if first == other { vec![first] } else { vec![first, other] };
             Edit::AddAxis { path: path.to_owned(), values }
         }
@@ -74,7 +74,7 @@ fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json>
             let range = Range { from: next, to: next, count: 1, spacing: Spacing::Linear };
             range.values(&spec.kind).pop()?
         }
-        _ => second(declared, last, scene.folder),
+        _ => second(declared, last, &scene.folder),
     };
     (!list.contains(&next)).then_some(next)
 }
@@ -247,7 +247,7 @@ impl Draft {
                     line(ui, pattern, "Names", 110.0);
                 });
                 if is_changed {
-                    *found = generate::files(scene.folder, folder, pattern);
+                    *found = generate::files(&scene.folder, folder, pattern);
                 }
                 found.clone()
             }

@@ -56,7 +56,7 @@ impl ProgramPanel {
                 self.chosen = None;
                 actions.push(Action::SetProgram { name: name.clone(), spec: None });
             }
-            let store = check::store_folder(scene.output_folder, scene.map_file, &name);
+            let store = check::store_folder(scene.output_folder, &scene.map_file, &name);
             let is_there = store.is_dir();
             let text = RichText::new(store.display().to_string()).weak();
             let link = ui.add_enabled(is_there, egui::Link::new(text));
@@ -146,11 +146,8 @@ impl ProgramPanel {
             if switch.on_hover_text(about).changed() {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
-            let store = check::store_folder(scene.output_folder, scene.map_file, name);
-            let has_results = self.sheet.rows.iter().any(|row| {
-                matches!(row.state, State::Done | State::Failed(_))
-            });
-            let report = button_if(ui, has_results, "Open report", "Open report", "nothing has run yet");
+            let store = check::store_folder(scene.output_folder, &scene.map_file, name);
+            let report = button_if(ui, self.has_results(), "Open report", "Open report", "nothing has run yet");
             if report.clicked() {
                 self.open_report(store);
             }

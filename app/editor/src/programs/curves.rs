@@ -87,22 +87,15 @@ pub fn default_x(sheet: &Sheet, series: Option<usize>) -> Option<usize> {
     faces.or_else(|| free.iter().find(is_varied)).copied().or_else(|| sheet.column("seconds"))
 }
 
-/// What is plotted: the first chief output of the last node that has one, else the time.
+/// What is plotted: the first chief output, else the time.
 pub fn default_y(sheet: &Sheet, x: usize) -> Option<usize> {
-    let chief = |place: &usize| {
+    let is_chief = |place: &usize| {
         let column = &sheet.columns[*place];
         let is_output = matches!(column.source, Source::Output(..));
         *place != x && is_output && column.is_number && column.is_chief
     };
-    let node = |place: usize| match &sheet.columns[place].source {
-        Source::Output(node, _) => Some(node),
-        _ => None,
-    };
-    let chief: Vec<usize> = (0..sheet.columns.len()).filter(chief).collect();
-    let last = chief.last().and_then(|place| node(*place));
-    let first_of_last = chief.iter().find(|place| node(**place) == last).copied();
-    first_of_last
-        .or_else(|| sheet.column("seconds").filter(|place| sheet.columns[*place].is_number))
+    let time = || sheet.column("seconds").filter(|place| sheet.columns[*place].is_number);
+    (0..sheet.columns.len()).find(is_chief).or_else(time)
 }
 
 fn n_values(sheet: &Sheet, column: usize) -> usize {

@@ -34,7 +34,8 @@ use serde_json::Value as Json;
 
 use check::{Checked, Subject};
 use job::{How, Job, RunningStep};
-use results::{Records, Sheet};
+pub use pace::in_words;
+use results::{Records, Sheet, State};
 
 /// Pause between two drawings of the results while steps end.
 const REFRESH: Duration = Duration::from_millis(200);
@@ -47,9 +48,9 @@ pub struct Scene<'a> {
     /// The map. Another state of it is another `Arc`.
     pub map: &'a Arc<Map>,
     /// The folder that its input paths are relative to.
-    pub folder: &'a Path,
+    pub folder: PathBuf,
     /// Name of its file; empty before it has one.
-    pub map_file: &'a str,
+    pub map_file: String,
     /// The modules.
     pub registry: &'a Registry,
     /// The folder of all results: `mve-out`, as for the command.
@@ -172,6 +173,11 @@ impl ProgramPanel {
         self.job.is_some()
     }
 
+    /// Whether some step of the shown program has ended.
+    pub fn has_results(&self) -> bool {
+        self.sheet.rows.iter().any(|row| matches!(row.state, State::Done | State::Failed(_)))
+    }
+
     /// Stops what runs; finished steps are kept.
     pub fn stop(&mut self) {
         if let Some(job) = &self.job {
@@ -281,10 +287,10 @@ impl ProgramPanel {
         let name = self.name(scene.map)?.to_owned();
         Some(Subject {
             map: Arc::clone(scene.map),
-            folder: scene.folder.to_owned(),
-            map_file: scene.map_file.to_owned(),
+            folder: scene.folder.clone(),
+            map_file: scene.map_file.clone(),
             registry: scene.registry.clone(),
-            store: check::store_folder(scene.output_folder, scene.map_file, &name),
+            store: check::store_folder(scene.output_folder, &scene.map_file, &name),
             name,
         })
     }

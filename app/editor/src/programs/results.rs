@@ -203,8 +203,8 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
         times.insert((node, None));
         times.extend(record.phases.keys().map(|phase| (node, Some(phase))));
     }
-    // What the program names stands first; then outputs of one node stand together, in the order
-    // in which nodes were met first.
+    // What the program names stands first, then the outputs of nodes that compare, which need more
+    // than one link; outputs of one node stand together, in the order in which nodes run.
     let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
     let rank = |node: &String| nodes.iter().position(|known| *known == node);
     let urgency = |name: &str| {
@@ -213,8 +213,11 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
         let mut said = measures.chain(report.against.iter().map(String::as_str));
         said.position(|said| said == name).unwrap_or(usize::MAX)
     };
-    let key =
-        |(node, output): (&String, &String)| (urgency(&format!("{node}.{output}")), rank(node));
+    let links = &program.map().links;
+    let compares = |node: &String| links.iter().filter(|link| link.to.node == *node).count() > 1;
+    let key = |(node, output): (&String, &String)| {
+        (urgency(&format!("{node}.{output}")), !compares(node), rank(node))
+    };
     outputs.sort_by(|a, b| key(*a).cmp(&key(*b)));
     times.sort_by(|a, b| rank(a.0).cmp(&rank(b.0)));
     for (node, output) in outputs {

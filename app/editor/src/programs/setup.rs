@@ -221,7 +221,7 @@ impl SetupState {
                 let first = list.first().and_then(Json::as_str).unwrap_or_default();
                 let folder = first.rsplit_once('/').map_or(".", |(folder, _)| folder).to_owned();
                 let pattern = generate::pattern_of(spec);
-                let found = generate::files(scene.folder, &folder, &pattern);
+                let found = generate::files(&scene.folder, &folder, &pattern);
                 Draft::Files { folder, pattern, found }
             }
             _ => Draft::Range(range_of(list)),

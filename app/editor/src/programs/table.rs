@@ -115,7 +115,7 @@ impl ProgramPanel {
         if icon_button(ui, "Load into the map", "Load selected step into the map").clicked() {
             actions.push(load_step(step));
         }
-        let store = check::store_folder(scene.output_folder, scene.map_file, &self.sheet_name());
+        let store = check::store_folder(scene.output_folder, &scene.map_file, &self.sheet_name());
         let folder = store.join("steps").join(&step.id);
         let row = &self.sheet.rows[row];
         let has_run = matches!(row.state, State::Done | State::Failed(_));

@@ -24,8 +24,9 @@ fn map(programs: Json) -> Arc<Map> {
 fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
     let registry = mve_modules::registry();
     let here = Path::new(".");
-    let scene =
-        Scene { map, folder: here, map_file: "box.json", registry: &registry, output_folder: here };
+    let map_file = "box.json".to_owned();
+    let folder = here.to_owned();
+    let scene = Scene { map, folder, map_file, registry: &registry, output_folder: here };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
     match panel.vary(node, param, &scene).remove(0) {
         Action::SetProgram { name, spec: Some(spec) } => (name, spec),

@@ -33,7 +33,7 @@ use mve_modules::data::{Field, Images, Measures, TriMesh};
 
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{Arrangement, BackFaces, ColorBy, MeshView, ScaleSettings, Settings, Spacing};
-pub use number::{count_text, number_text};
+pub use number::{brief_text, count_text, number_text};
 pub use table::{Column, Direction, Table, TableView};
 
 use field::FieldView;

@@ -1,5 +1,15 @@
 //! Numbers as people read them.
 
+use mve_core::{Scalar, Value};
+
+/// A value in a line: a number in at most six digits, else what the value says of itself.
+pub fn brief_text(value: &Value) -> String {
+    match value.scalar() {
+        Some(Scalar::Number(number)) => number_text(number),
+        _ => value.summary(),
+    }
+}
+
 /// A number in at most six digits, by powers of ten where it is very large or small.
 pub fn number_text(value: f64) -> String {
     if value.is_nan() {
