@@ -1,5 +1,6 @@
 //! The pictures of the window in README: `cargo run --release -p mve-editor --example screenshots
-//! -- docs/pictures`. They are drawn without a display, by the same hand that the tests have.
+//! -- docs/pictures`. They are drawn without a display, by the same hand that the tests have. Maps
+//! named after the folder are drawn in their place.
 
 #[path = "../tests/hand/mod.rs"]
 mod hand;
@@ -30,6 +31,11 @@ fn main() {
     let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("."), PathBuf::from);
     std::fs::create_dir_all(&folder).expect("the folder can be made");
     let folder = folder.canonicalize().expect("the folder is there");
+    let maps: Vec<PathBuf> = std::env::args_os().skip(2).map(PathBuf::from).collect();
+    if !maps.is_empty() {
+        maps.iter().for_each(|map| draw(map, &folder));
+        return;
+    }
     let scratch = tempfile::tempdir().expect("there is a folder for temporary files");
     // The pictures show paths, which are the same on all machines if they are relative.
     std::env::set_current_dir(scratch.path()).expect("the folder is there");
@@ -58,6 +64,14 @@ fn main() {
     hand.wait_for_the_program();
     hand.click("Plot");
     save(&mut hand, &folder, "program.png");
+}
+
+/// A picture of the whole of a map.
+fn draw(map: &Path, folder: &Path) {
+    let mut hand = Hand::with_map(folder, map);
+    hand.press(Key::Home);
+    let name = Path::new(map.file_name().expect("a map is a file")).with_extension("png");
+    save(&mut hand, folder, &name.to_string_lossy());
 }
 
 fn save(hand: &mut Hand, folder: &Path, name: &str) {

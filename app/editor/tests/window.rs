@@ -76,3 +76,46 @@ fn nodes_are_dragged_and_the_search_closes() {
     hand.press(eframe::egui::Key::Escape);
     assert!(!hand.sees("search modules"));
 }
+
+#[test]
+fn nodes_of_the_shipped_maps_stand_apart() {
+    let maps = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../maps");
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let found = std::fs::read_dir(maps).expect("maps are shipped");
+    for path in found.map(|entry| entry.expect("can be read").path()) {
+        let mut hand = Hand::with_map(folder.path(), &path);
+        hand.step();
+        if std::env::var_os("UPDATE").is_some() {
+            hand.click_last("canvas");
+            hand.press(eframe::egui::Key::L);
+            hand.press_with(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::S);
+        }
+        let session = hand.editor().session();
+        let sizes: Vec<_> = session.canvas.sizes().collect();
+        let place = |name: &str| {
+            let node = mve_editor::document::Item::Node(name.to_owned());
+            session.document.position(&node).expect("it is a node")
+        };
+        for (nth, (a, [width_a, height_a])) in sizes.iter().enumerate() {
+            for (b, [width_b, height_b]) in &sizes[..nth] {
+                let ([ax, ay], [bx, by]) = (place(a), place(b));
+                let is_beside = ax + width_a <= bx || bx + width_b <= ax;
+                let is_above = ay + height_a <= by || by + height_b <= ay;
+                assert!(is_beside || is_above, "{}: {a} covers {b}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn words_typed_into_a_number_are_said_to_be_none() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Vase");
+    let number = |hand: &Hand| hand.map().nodes["vase"].params.get("segments").cloned();
+    hand.type_number("segments", "many");
+    assert_eq!(number(&hand), None);
+    assert!(hand.sees("segments: \u{201c}many\u{201d} is no number; it stays 64"));
+    hand.type_number("segments", "1 0");
+    assert_eq!(number(&hand), Some(10.into()));
+}

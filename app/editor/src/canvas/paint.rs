@@ -314,12 +314,16 @@ impl Brush<'_> {
                     false => (Align2::RIGHT_CENTER, -11.0),
                 };
                 let name = port.at.port.replace('_', " ");
+                // The whole width, where no other name stands opposite.
+                let others = if is_input { &shape.outputs } else { &shape.inputs };
+                let is_alone = others.iter().all(|other| other.offset.y != port.offset.y);
+                let width = if is_alone { shape.size.x - 24.0 } else { shape.size.x / 2.0 - 8.0 };
                 self.line(
                     at + Vec2::new(by * zoom, 0.0),
                     align,
                     &name,
                     11.0,
-                    92.0,
+                    width,
                     self.palette.text,
                 );
             }

@@ -2,7 +2,8 @@
 //!
 //! Layers are those of Sugiyama, Tagawa & Toda, "Methods for visual understanding of hierarchical
 //! system structures" (1981): each node right of all that it takes values from, then a few sweeps
-//! that put every node near the mean place of its neighbors. Long links get no dummy nodes.
+//! that put every node near the mean place of its neighbors. Long links get no dummy nodes: wires
+//! go straight from end to end, whatever lies between.
 
 use std::collections::HashMap;
 
@@ -13,6 +14,9 @@ use super::edit::{Alignment, Direction};
 
 /// Between layers, and between the nodes of one.
 const GAPS: [f64; 2] = [60.0, 30.0];
+
+/// Where the wires of a node end, below its top: about the first port of what is drawn.
+const WIRES: f64 = 40.0;
 
 /// Sweeps to and fro that order the nodes of layers; more change little.
 const SWEEPS: usize = 6;
@@ -142,17 +146,19 @@ fn stack(layer: &[usize], sizes: &[[f64; 2]], tops: &mut [f64]) {
     }
 }
 
-/// Brings the nodes of a layer near the mean height of their neighbors, without overlap.
+/// Brings the nodes of a layer near the mean height of their neighbors, without overlap. Heights are
+/// those of the ends of wires, so that these are as straight as they can be.
 fn settle(layer: &mut [usize], neighbors: &[Vec<usize>], sizes: &[[f64; 2]], tops: &mut [f64]) {
-    let middle = |node: usize, tops: &[f64]| tops[node] + sizes[node][1] / 2.0;
+    let wires = |node: usize| (sizes[node][1] / 2.0).min(WIRES);
+    let height = |node: usize, tops: &[f64]| tops[node] + wires(node);
     let mut wanted: HashMap<usize, f64> = HashMap::new();
     for &node in layer.iter() {
         let near = &neighbors[node];
         let mean = match near.len() {
-            0 => middle(node, tops),
-            n => near.iter().map(|&other| middle(other, tops)).sum::<f64>() / n as f64,
+            0 => height(node, tops),
+            n => near.iter().map(|&other| height(other, tops)).sum::<f64>() / n as f64,
         };
-        wanted.insert(node, mean - sizes[node][1] / 2.0);
+        wanted.insert(node, mean - wires(node));
     }
     layer.sort_by(|a, b| wanted[a].total_cmp(&wanted[b]));
     let mut free = f64::NEG_INFINITY;

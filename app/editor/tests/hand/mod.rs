@@ -180,6 +180,16 @@ impl Hand {
         self.press(Key::Enter);
     }
 
+    /// Types into a field of a number, in place of what it shows, and leaves it.
+    pub fn type_number(&mut self, name: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::SpinButton, name).click();
+        self.step();
+        self.press_with(Modifiers::COMMAND, Key::A);
+        self.event(egui::Event::Text(text.to_owned()));
+        self.step();
+        self.press(Key::Enter);
+    }
+
     /// Drags from one thing to another.
     pub fn link(&mut self, from: &str, to: &str) {
         let (from, to) = (self.place_of(from), self.place_of(to));
