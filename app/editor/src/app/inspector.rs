@@ -33,21 +33,23 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
 
 fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
     let map = session.document.map();
-    ui.horizontal(|ui| {
-        ui.label("Title");
-        let id = ui.id().with("title");
-        let mut title = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| map.title.clone());
-        let field = egui::TextEdit::singleline(&mut title).hint_text("what the map is for");
-        let field = ui.add(field.desired_width(f32::INFINITY));
-        if field.has_focus() {
-            ui.data_mut(|data| data.insert_temp(id, title));
-        } else {
-            if field.lost_focus() && title != map.title {
-                wishes.push(Wish::Canvas(Action::Edit(vec![Edit::SetTitle(title)])));
-            }
-            ui.data_mut(|data| data.remove::<String>(id));
+    let id = ui.id().with("title");
+    let mut title = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| map.title.clone());
+    // Long titles wrap; Enter leaves the field.
+    let field = egui::TextEdit::multiline(&mut title).hint_text("What is this map for?");
+    let field = ui.add(field.desired_rows(1).desired_width(f32::INFINITY).return_key(None));
+    ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("title of the map"));
+    if field.has_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+        field.surrender_focus();
+    }
+    if field.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, title));
+    } else {
+        if title != map.title {
+            wishes.push(Wish::Canvas(Action::Edit(vec![Edit::SetTitle(title)])));
         }
-    });
+        ui.data_mut(|data| data.remove::<String>(id));
+    }
     let count = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
     ui.weak(format!("{}, {}", count(map.nodes.len(), "node"), count(map.links.len(), "link")));
     let problems = session.runner.problems();
