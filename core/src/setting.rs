@@ -102,7 +102,11 @@ impl Settings {
                 Some(json) => spec.parse(json, faults).or(default),
                 None => {
                     if default.is_none() {
-                        let message = "must be set: it has no default".to_owned();
+                        let message = match spec.kind {
+                            Kind::InputFile { .. } => "choose a file: there is no default",
+                            _ => "must be set: there is no default",
+                        };
+                        let message = message.to_owned();
                         faults.push(Fault { path: spec.name.to_owned(), message });
                     }
                     default

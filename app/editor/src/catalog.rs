@@ -1,11 +1,12 @@
 //! The search for modules: by what they are called, what they do, and what they link to.
 
-use mve_core::{DataType, Module, ModuleInfo, Registry};
+use mve_core::{DataType, Module, ModuleInfo, ParamSpec, Registry};
 use nucleo_matcher::pattern::{Atom, AtomKind, CaseMatching, Normalization};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 
-/// What a word of the query is worth by where it is found: in the id first, then in the category,
-/// then in the summary, last by its beginning alone.
+/// What a word of the query is worth by where it is found: in the id first, in one piece before
+/// letters here and there, then in the category, then in the summary, last by its beginning alone.
+const WHOLE_IN_ID: u32 = 5000;
 const IN_ID: u32 = 4000;
 const IN_CATEGORY: u32 = 3000;
 const IN_SUMMARY: u32 = 2000;
@@ -28,7 +29,7 @@ pub enum Fit {
     Input(DataType),
 }
 
-/// A module that was found.
+/// A module that was found, and of those of its ports that fit one.
 #[derive(Clone)]
 pub struct Hit {
     /// The module.
@@ -73,20 +74,21 @@ impl Catalog {
         Self { modules: registry.modules().to_vec() }
     }
 
-    /// The modules that have all words of the query and fit, the best first; without a query, all
-    /// that fit, sorted by id.
+    /// The modules that have all words of the query and fit, the best first, each with every port
+    /// that fits; without a query, all that fit, sorted by id.
     pub fn search(&self, query: &str, fit: Option<&Fit>) -> Vec<Hit> {
         let mut matcher = Matcher::new(Config::DEFAULT);
         let words: Vec<Word> = query.split_whitespace().map(Word::new).collect();
         let mut scored: Vec<(u32, Hit)> = Vec::new();
         'modules: for info in &self.modules {
             let mut score = FOR_PARAM;
-            let mut port = None;
+            let mut ports = vec![None];
             if let Some(fit) = fit {
-                let Some((name, is_param)) = fit.port(info.module) else { continue };
-                port = Some(name);
-                score -= if is_param { FOR_PARAM } else { 0 };
+                let (names, are_params) = fit.ports(info.module);
+                ports = names.into_iter().map(Some).collect();
+                score -= if are_params { FOR_PARAM } else { 0 };
             }
+            let Some(&port) = ports.first() else { continue };
             let mut hit =
                 Hit { info: *info, port, id_matches: Vec::new(), summary_matches: Vec::new() };
             for word in &words {
@@ -99,7 +101,7 @@ impl Catalog {
                 matches.sort_unstable();
                 matches.dedup();
             }
-            scored.push((score, hit));
+            scored.extend(ports.into_iter().map(|port| (score, Hit { port, ..hit.clone() })));
         }
         // The registry is sorted by id, and the sort keeps that order among equals.
         scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
@@ -108,21 +110,28 @@ impl Catalog {
 }
 
 impl Fit {
-    /// The first port of the module that fits, and whether it is a parameter.
-    fn port(&self, module: &Module) -> Option<(&'static str, bool)> {
+    /// The ports of the module that fit, and whether they are parameters: these stand in where no
+    /// input fits.
+    fn ports(&self, module: &Module) -> (Vec<&'static str>, bool) {
         match self {
             Self::Output(given) => {
-                // An input of the very type is meant rather than one that takes anything.
-                let same = module.inputs.iter().find(|input| input.data_type == *given);
-                let takes = || module.inputs.iter().find(|input| input.data_type.takes(*given));
-                let input = same.or_else(takes).map(|input| (input.name, false));
-                let takes = |wanted: Option<DataType>| wanted.is_some_and(|w| w.takes(*given));
-                let param = || module.params.iter().find(|param| takes(param.link_type()));
-                input.or_else(|| param().map(|param| (param.name, true)))
+                // Inputs of the very type are meant rather than those that take anything.
+                let is_same = |wanted: DataType| wanted == *given;
+                let takes = |wanted: DataType| wanted.takes(*given);
+                let inputs = |fits: &dyn Fn(DataType) -> bool| -> Vec<&'static str> {
+                    let fitting = module.inputs.iter().filter(|input| fits(input.data_type));
+                    fitting.map(|input| input.name).collect()
+                };
+                let found = [inputs(&is_same), inputs(&takes)];
+                if let Some(names) = found.into_iter().find(|names| !names.is_empty()) {
+                    return (names, false);
+                }
+                let fits = |param: &&ParamSpec| param.link_type().is_some_and(takes);
+                (module.params.iter().filter(fits).map(|param| param.name).collect(), true)
             }
             Self::Input(wanted) => {
-                let output = module.outputs.iter().find(|output| wanted.takes(output.data_type));
-                output.map(|output| (output.name, false))
+                let fitting = module.outputs.iter().filter(|output| wanted.takes(output.data_type));
+                (fitting.map(|output| output.name).collect(), false)
             }
         }
     }
@@ -149,6 +158,9 @@ impl Word {
     fn find(&self, hit: &mut Hit, matcher: &mut Matcher) -> Option<u32> {
         let (module, mut buffer) = (hit.info.module, Vec::new());
         let id = Utf32Str::new(module.id, &mut buffer);
+        if let Some(score) = self.whole.indices(id, matcher, &mut hit.id_matches) {
+            return Some(WHOLE_IN_ID + u32::from(score));
+        }
         if let Some(score) = self.fuzzy.indices(id, matcher, &mut hit.id_matches) {
             return Some(IN_ID + u32::from(score));
         }
@@ -207,6 +219,9 @@ mod tests {
         assert_eq!(ids("text wri", None), ["Write"]);
         assert_eq!(ids("test", None).len(), 5); // the category
         assert_eq!(ids("wrt", None), ["Write"]);
+        // Letters in one piece before the same ones here and there.
+        let all = Catalog::new(&mve_modules::registry()).search("comp", None);
+        assert_eq!(all[0].info.module.id, "MeshComparer");
         assert_eq!(ids("zzz", None), [""; 0]);
     }
 
@@ -238,6 +253,10 @@ mod tests {
             hits.iter().map(|hit| (hit.info.module.id, hit.port.unwrap())).collect::<Vec<_>>()
         };
         assert_eq!(hits(Fit::Output(f64::TYPE)), [("Add", "a")]);
+        let mesh = Fit::Output(mve_modules::data::TriMesh::TYPE);
+        let hits = Catalog::new(&mve_modules::registry()).search("comparer", Some(&mesh));
+        let ports: Vec<_> = hits.iter().filter_map(|hit| hit.port).collect();
+        assert_eq!(ports, ["original", "simplified"]);
         // A real input before a parameter.
         assert_eq!(hits(Fit::Output(String::TYPE)), [("Write", "text"), ("Echo", "say")]);
         assert_eq!(hits(Fit::Input(f64::TYPE)), [("Add", "sum"), ("Pick", "number")]);

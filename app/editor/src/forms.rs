@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 
 use eframe::egui::emath::Numeric;
+use eframe::egui::text::{CCursor, CCursorRange};
+use eframe::egui::text_edit::TextEditState;
 use eframe::egui::{self, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui};
 use mve_core::{ChoiceList, Kind, ParamSpec};
 use serde_json::{Map as JsonMap, Value as Json};
@@ -12,6 +14,9 @@ const NAME_WIDTH: f32 = 118.0;
 /// Room for the buttons behind a field, in points.
 const BACK_WIDTH: f32 = 28.0;
 const BROWSE_WIDTH: f32 = 32.0;
+
+/// What the field of a parameter that is off shows.
+const OFF: &str = "off";
 
 /// What a person did in a form.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +61,10 @@ impl Form<'_> {
         for spec in specs {
             self.row(ui, spec, spec.name, self.given.get(spec.name), &mut events);
         }
+        if self.wants_focus {
+            // Where there was no field, no field elsewhere is to have it.
+            ui.data_mut(|data| data.remove::<bool>(focus_asked()));
+        }
         events
     }
 
@@ -88,8 +97,8 @@ impl Form<'_> {
                 return;
             }
             let mut field = Field { spec, name, path, given, events };
-            if spec.can_be_off && !field.switch(ui) {
-                return;
+            if spec.can_be_off {
+                field.switch(ui);
             }
             field.show(ui, &format!("{}/{path}", self.id));
             field.buttons(ui);
@@ -137,17 +146,13 @@ impl Field<'_> {
         self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
 
-    /// Switches the parameter off and on; whether it is on.
-    fn switch(&mut self, ui: &mut Ui) -> bool {
+    /// Switches the parameter off and on.
+    fn switch(&mut self, ui: &mut Ui) {
         let mut is_on = !is_off(self.spec, self.given);
         let switch = ui.checkbox(&mut is_on, "");
         if switch.on_hover_text(format!("whether {} is on", self.name)).changed() {
             self.set(Some(if is_on { some_value(self.spec) } else { Json::Null }));
         }
-        if !is_on {
-            ui.weak("off");
-        }
-        is_on
     }
 
     fn show(&mut self, ui: &mut Ui, salt: &str) {
@@ -160,11 +165,13 @@ impl Field<'_> {
                 }
             }
             Kind::Integer { default, hard, soft } => {
-                let number = given.and_then(Json::as_i64).or(default).unwrap_or(hard.0.max(0));
+                let some = || some_value(self.spec).as_i64().unwrap_or(hard.0.max(0));
+                let number = given.and_then(Json::as_i64).or(default).unwrap_or_else(some);
                 self.number(ui, number, hard, soft);
             }
             Kind::Number { default, hard, soft } => {
-                let number = given.and_then(Json::as_f64).or(default).unwrap_or(hard.0.max(0.0));
+                let some = || some_value(self.spec).as_f64().unwrap_or(hard.0.max(0.0));
+                let number = given.and_then(Json::as_f64).or(default).unwrap_or_else(some);
                 self.number(ui, number, hard, soft);
             }
             Kind::Seed { default } => {
@@ -185,7 +192,8 @@ impl Field<'_> {
         }
     }
 
-    /// A number to drag or to type, with a slider where its declaration says what is usual.
+    /// A number to drag or to type, with a slider where its declaration says what is usual. What is
+    /// off says so in the field: a number in its place switches it on, and `off` switches it off.
     fn number<N: Numeric + Into<Json>>(
         &mut self,
         ui: &mut Ui,
@@ -196,31 +204,42 @@ impl Field<'_> {
         let mut changed = number;
         let usual = soft.map(|(from, to)| (from.to_f64(), to.to_f64()));
         let speed = speed_of(usual, number.to_f64()).max(if N::INTEGRAL { 0.05 } else { 0.0 });
-        let odd = RefCell::new(None);
+        let is_off = is_off(self.spec, self.given);
+        let shown = if is_off { OFF.to_owned() } else { exact_text(number.to_f64()) };
+        let typed = RefCell::new(None);
         let read = |text: &str| {
-            let number = read_number(text);
-            odd.replace(number.is_none().then(|| text.trim().to_owned()));
-            number
+            typed.replace(Some(text.trim().to_owned()));
+            read_number(text)
         };
         let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed);
-        let field = field.custom_formatter(|number, _| exact_text(number)).custom_parser(read);
-        let response = ui.add(field.suffix(suffix(self.spec)));
+        let field = field.update_while_editing(false).custom_parser(read);
+        let field = field.custom_formatter(|number, _| match is_off {
+            true => OFF.to_owned(),
+            false => exact_text(number),
+        });
+        let response = ui.add(field.suffix(if is_off { String::new() } else { suffix(self.spec) }));
         let range = range_text(hard.0.to_f64(), hard.1.to_f64(), self.spec);
         let response = response.on_hover_text(range);
-        name_it(&response, &self.name);
-        if let Some((from, to)) = soft {
+        name_it(&response, &self.name, shown.chars().count());
+        if let (Some((from, to)), false) = (soft, is_off) {
             ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
             let slider = Slider::new(&mut changed, from..=to).show_value(false);
             ui.add(slider.clamping(SliderClamping::Never));
         }
-        let odd = odd.take().filter(|text| response.lost_focus() && !text.is_empty());
-        if let Some(text) = odd {
-            let (name, stays) = (&self.name, exact_text(number.to_f64()));
-            let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {stays}");
-            self.events.push(FormEvent::NotUnderstood(text));
+        let typed = typed.take().filter(|text| !text.is_empty() && *text != shown);
+        if let Some(text) = &typed
+            && self.spec.can_be_off
+            && text.eq_ignore_ascii_case(OFF)
+        {
+            return self.set(Some(Json::Null));
+        }
+        if let Some(text) = typed.as_ref().filter(|text| read_number(text).is_none()) {
+            let name = &self.name;
+            let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {shown}");
+            return self.events.push(FormEvent::NotUnderstood(text));
         }
         let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
-        if changed != number && is_allowed {
+        if is_allowed && (changed != number || (is_off && typed.is_some())) {
             self.set(Some(changed.into()));
         }
     }
@@ -267,12 +286,13 @@ impl Field<'_> {
         let width = (ui.available_width() - room).max(60.0);
         let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
         let response = ui.add(field.desired_width(width));
-        name_it(&response, &self.name);
+        name_it(&response, &self.name, written.chars().count());
         if response.has_focus() {
             ui.data_mut(|data| data.insert_temp(id, text));
             return;
         }
-        if response.lost_focus() && text != written {
+        let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
+        if response.lost_focus() && text != written && !is_given_up {
             self.set(Some(Json::from(text)));
         }
         ui.data_mut(|data| data.remove::<String>(id));
@@ -314,13 +334,23 @@ fn exact_text(number: f64) -> String {
     }
 }
 
-/// Gives a field the name that a screen reader says.
-fn name_it(response: &egui::Response, name: &str) {
+/// Gives a field of so many letters the name that a screen reader says, and the focus if it is asked
+/// for: then all of its text is selected, and what is typed takes its place.
+fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
     let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
     if is_asked.is_some() {
         response.request_focus();
+        select_all(response, n_letters);
     }
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// Selects the text of a field of so many letters.
+pub fn select_all(field: &egui::Response, n_letters: usize) {
+    let mut state = TextEditState::default();
+    let all = CCursorRange::two(CCursor::new(0), CCursor::new(n_letters));
+    state.cursor.set_char_range(Some(all));
+    state.store(&field.ctx, field.id);
 }
 
 /// Where it is kept that the next field is to get the focus.
@@ -395,7 +425,7 @@ pub fn chosen_id(json: &Json) -> Option<&str> {
 /// A parameter's value in a few characters, as a node shows it.
 pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
     if is_off(spec, given) {
-        return "off".to_owned();
+        return OFF.to_owned();
     }
     let number = |x: f64| mve_core::brief(x);
     let text = match spec.kind {
@@ -417,7 +447,8 @@ pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
             given.and_then(Json::as_str).unwrap_or(default).to_owned()
         }
         Kind::Choice { default, .. } => given.and_then(chosen_id).unwrap_or(default).to_owned(),
-        Kind::InputFile { .. } | Kind::OutputFile { .. } => {
+        Kind::OutputFile { .. } => given.and_then(Json::as_str).unwrap_or("").to_owned(),
+        Kind::InputFile { .. } => {
             let path = given.and_then(Json::as_str).unwrap_or("");
             path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
         }

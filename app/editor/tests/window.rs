@@ -119,3 +119,68 @@ fn words_typed_into_a_number_are_said_to_be_none() {
     hand.type_number("segments", "1 0");
     assert_eq!(number(&hand), Some(10.into()));
 }
+
+#[test]
+fn a_number_typed_where_off_stands_switches_on_and_escape_gives_up() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Simplificator");
+    let param = |hand: &Hand, name| hand.map().nodes["simplificator"].params.get(name).cloned();
+    hand.click("simplificator.target_faces: off");
+    hand.type_text("2000");
+    hand.press(eframe::egui::Key::Enter);
+    assert_eq!(param(&hand, "target_faces"), Some(2000.into()));
+    assert_eq!(param(&hand, "ratio"), None);
+    hand.click("simplificator.target_faces: 2000");
+    hand.type_text("7");
+    hand.press(eframe::egui::Key::Escape);
+    assert_eq!(param(&hand, "target_faces"), Some(2000.into()));
+    // What is typed takes the place of what was there, and counts before the run that a key starts.
+    hand.click("simplificator.target_faces: 2000");
+    hand.type_text("300");
+    hand.press(eframe::egui::Key::F5);
+    assert_eq!(param(&hand, "target_faces"), Some(300.into()));
+    hand.wait_for_the_run();
+    hand.click("simplificator.target_faces: 300");
+    hand.type_text("off");
+    hand.press(eframe::egui::Key::Enter);
+    assert_eq!(param(&hand, "target_faces"), Some(serde_json::Value::Null));
+}
+
+#[test]
+fn a_note_is_written_when_it_is_made_and_edited_by_a_double_click() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Box");
+    hand.point_within("canvas", 0.5, 0.8);
+    hand.press(eframe::egui::Key::N);
+    hand.type_text("hello bmh");
+    hand.click_at("canvas", 0.1, 0.1);
+    let notes = |hand: &Hand| {
+        let extras = hand.editor().session().document.extras();
+        extras.notes.values().map(|note| note.text.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(notes(&hand), ["hello bmh"]);
+    assert_eq!(hand.map().nodes["box"].mode, mve_core::NodeMode::Active);
+    hand.double_click("note hello bmh");
+    hand.type_text("bye");
+    hand.click_at("canvas", 0.1, 0.1);
+    assert_eq!(notes(&hand), ["bye"]);
+}
+
+#[test]
+fn a_map_is_not_saved_over_another_without_a_question() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let path = folder.path().join("other.json");
+    std::fs::write(&path, "{\"mve\": 1}").expect("the folder takes files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Box");
+    let ctrl_shift = eframe::egui::Modifiers::COMMAND | eframe::egui::Modifiers::SHIFT;
+    hand.press_with(ctrl_shift, eframe::egui::Key::S);
+    hand.replace_text("path of the file", &path.display().to_string());
+    hand.press(eframe::egui::Key::Enter);
+    let text = || std::fs::read_to_string(&path).expect("it is there");
+    assert_eq!(text(), "{\"mve\": 1}");
+    hand.click("Replace the file");
+    assert!(text().contains("\"Box\""));
+}

@@ -1,9 +1,11 @@
 //! Boxes over the window: opening and saving, keys, questions before something is lost.
 
+use std::path::PathBuf;
+
 use eframe::egui::{self, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 use mve_core::Map;
 
-use super::files::typed_path;
+use super::files::{is_same, typed_path};
 use super::{Command, Editor, Wish};
 use crate::canvas::SHORTCUTS;
 use crate::document::Recovered;
@@ -30,6 +32,8 @@ enum Content {
     /// Path so far.
     OpenMap(String),
     SaveMap(String),
+    /// Another file is there; to be replaced?
+    SaveOver(PathBuf),
     Shortcuts,
     CloseMap(u64),
     Replace(u64),
@@ -92,6 +96,7 @@ impl Editor {
             Content::Nothing => Content::Nothing,
             Content::OpenMap(path) => self.open_box(ui, path, wishes),
             Content::SaveMap(path) => self.save_box(ui, path),
+            Content::SaveOver(path) => self.save_over_box(ui, path),
             Content::Shortcuts => shortcuts_box(ui),
             Content::CloseMap(id) => self.close_box(ui, id),
             Content::Replace(id) => self.replace_box(ui, id),
@@ -164,12 +169,6 @@ impl Editor {
                 wants_dialog = ui.button("Browse…").clicked();
                 is_done = ui.button("Save").clicked() || is_entered;
             });
-            if typed_path(&path).exists() {
-                ui.colored_label(
-                    ui.visuals().warn_fg_color,
-                    "A file of this name is there and will be replaced.",
-                );
-            }
             let folder = std::env::current_dir().unwrap_or_default();
             ui.weak(format!("Relative paths are below {}.", folder.display()));
         });
@@ -181,10 +180,26 @@ impl Editor {
             if target.extension().is_none() {
                 target.set_extension("json");
             }
+            let is_own = self.session().document.path().is_some_and(|own| is_same(own, &target));
+            if target.exists() && !is_own {
+                return Content::SaveOver(target);
+            }
             self.save_to(&target);
             return Content::Nothing;
         }
         if shown.should_close() { Content::Nothing } else { Content::SaveMap(path) }
+    }
+
+    fn save_over_box(&mut self, ui: &mut Ui, path: PathBuf) -> Content {
+        let text = format!("{} is there already. Replace it by this map?", path.display());
+        match question(ui, &text, &["Replace the file", "Cancel"]) {
+            Some(0) => {
+                self.save_to(&path);
+                Content::Nothing
+            }
+            Some(_) => Content::SaveMap(path.display().to_string()),
+            None => Content::SaveOver(path),
+        }
     }
 
     fn close_box(&mut self, ui: &mut Ui, id: u64) -> Content {
@@ -255,10 +270,15 @@ impl Editor {
 
     /// Says on a first start what is to be seen and what to do.
     pub(super) fn hint(&mut self, ui: &Ui) {
-        if self.settings.has_seen_hint {
+        let is_of_this = self.hint_for == Some(self.session().document.id());
+        if self.settings.has_seen_hint || !is_of_this {
             return;
         }
-        let area = egui::Area::new("hint".into()).anchor(egui::Align2::LEFT_TOP, [16.0, 72.0]);
+        // Below the nodes, and gone when what it says has been done.
+        if self.session().runner.last_run().is_some() {
+            self.settings.has_seen_hint = true;
+        }
+        let area = egui::Area::new("hint".into()).anchor(egui::Align2::LEFT_BOTTOM, [16.0, -40.0]);
         area.show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(330.0);
@@ -275,6 +295,7 @@ impl Editor {
     /// Offers the maps of a window that ended without being asked to.
     fn recovered_box(&mut self, ui: &mut Ui) {
         let mut decision: Option<(usize, bool)> = None;
+        let mut is_later = false;
         Modal::new("recovered".into()).show(ui.ctx(), |ui| {
             ui.set_width(520.0);
             ui.heading("These maps were not saved when mve ended");
@@ -293,7 +314,14 @@ impl Editor {
                     }
                 });
             }
+            ui.add_space(6.0);
+            let later =
+                ui.button("Later").on_hover_text("They are offered at the next start again");
+            is_later = later.clicked();
         });
+        if is_later {
+            self.boxes.recovered.clear();
+        }
         let Some((place, is_wanted)) = decision else { return };
         let recovered = self.boxes.recovered.remove(place);
         if is_wanted {
@@ -350,7 +378,8 @@ fn shortcuts_box(ui: &mut Ui) -> Content {
     let shown = Modal::new("keys".into()).show(ui.ctx(), |ui| {
         ui.set_width(520.0);
         ui.heading("Keys and gestures");
-        ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+        let height = ui.ctx().content_rect().height() - 160.0;
+        ScrollArea::vertical().max_height(height.max(120.0)).show(ui, |ui| {
             egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
                 let canvas = SHORTCUTS.iter().map(|shortcut| (shortcut.keys, shortcut.what));
                 for (keys, what) in WINDOW_KEYS.iter().copied().chain(canvas) {

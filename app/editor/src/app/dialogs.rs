@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
 use crate::runner::Shared;
 
@@ -17,10 +18,29 @@ pub enum Purpose {
     Param(u64, String, String),
 }
 
+/// What came of a dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// This file was chosen.
+    Chosen(PathBuf),
+    /// It seems that the system has none.
+    NoDialog,
+}
+
+/// A dialog that is closed sooner than this was never seen by anybody.
+const TOO_SOON: Duration = Duration::from_millis(400);
+
+/// A dialog that is open.
+struct Dialog {
+    purpose: Purpose,
+    since: Instant,
+    answer: Receiver<Option<PathBuf>>,
+}
+
 /// The dialogs that are open.
 #[derive(Default)]
 pub struct Dialogs {
-    open: Vec<(Purpose, Receiver<Option<PathBuf>>)>,
+    open: Vec<Dialog>,
 }
 
 impl Dialogs {
@@ -32,7 +52,7 @@ impl Dialogs {
         folder: PathBuf,
         shared: &Arc<Shared>,
     ) {
-        if self.open.iter().any(|(open, _)| *open == purpose) {
+        if self.open.iter().any(|open| open.purpose == purpose) {
             return;
         }
         let mut dialog = rfd::AsyncFileDialog::new();
@@ -43,6 +63,7 @@ impl Dialogs {
             dialog = dialog.add_filter(extensions.join(", "), extensions);
         }
         let (sender, receiver) = channel();
+        let since = Instant::now();
         let shared = Arc::clone(shared);
         let answer = move |file: Option<rfd::FileHandle>| {
             // The window may be gone; then nobody waits for the answer.
@@ -57,15 +78,19 @@ impl Dialogs {
             let asked = dialog.pick_file();
             std::thread::spawn(move || answer(pollster::block_on(asked)));
         }
-        self.open.push((purpose, receiver));
+        self.open.push(Dialog { purpose, since, answer: receiver });
     }
 
-    /// The files that were chosen since the last call. A dialog that was closed gives nothing.
-    pub fn answers(&mut self) -> Vec<(Purpose, PathBuf)> {
+    /// What came of dialogs since the last call. One that a person closed gives nothing.
+    pub fn answers(&mut self) -> Vec<(Purpose, Answer)> {
         let mut answers = Vec::new();
-        self.open.retain(|(purpose, receiver)| match receiver.try_recv() {
+        self.open.retain(|dialog| match dialog.answer.try_recv() {
             Ok(chosen) => {
-                answers.extend(chosen.map(|path| (purpose.clone(), path)));
+                let answer = match chosen {
+                    Some(path) => Some(Answer::Chosen(path)),
+                    None => (dialog.since.elapsed() < TOO_SOON).then_some(Answer::NoDialog),
+                };
+                answers.extend(answer.map(|answer| (dialog.purpose.clone(), answer)));
                 false
             }
             Err(TryRecvError::Empty) => true,

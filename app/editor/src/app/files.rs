@@ -6,10 +6,14 @@ use std::time::Instant;
 use eframe::egui::{self, Ui, ViewportCommand};
 use serde_json::Value as Json;
 
-use super::dialogs::Purpose;
+use super::dialogs::{Answer, Purpose};
 use super::session::Session;
 use super::{Editor, LOOK_AT_FILES};
-use crate::document::{DiskChange, Document, Edit};
+use crate::document::{DiskChange, Document, Edit, move_paths, written_path};
+
+/// What is said where the system has no file dialogs.
+const NO_DIALOG: &str = "No file dialog was found on this system (a desktop portal or zenity is \
+                         needed): type the path into the field instead.";
 
 /// Whether two paths name one file.
 pub fn is_same(a: &Path, b: &Path) -> bool {
@@ -22,10 +26,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
 impl Session {
     /// A path as the map writes it: relative to its folder where it lies below.
     pub fn written_path(&self, path: &Path) -> String {
-        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let folder = std::path::absolute(self.folder()).unwrap_or_default();
-        let below = absolute.strip_prefix(&folder).ok().filter(|_| self.document.path().is_some());
-        below.unwrap_or(&absolute).to_string_lossy().replace('\\', "/")
+        written_path(path, self.document.path().and_then(Path::parent))
     }
 }
 
@@ -64,6 +65,18 @@ impl Editor {
     /// Saves the map that is shown to a file.
     pub(super) fn save_to(&mut self, path: &Path) {
         let place = self.active;
+        let session = &self.sessions[place];
+        let (from, to) = (session.folder(), path.parent().unwrap_or(Path::new("")));
+        let edits = match is_same(&from, to) {
+            true => Vec::new(),
+            false => move_paths(session.document.map(), &self.shared.registry, &from, to),
+        };
+        if !edits.is_empty() {
+            self.edit(&edits);
+            self.toast(
+                "Paths of input files were rewritten for the folder that the map is in now.",
+            );
+        }
         let saved = self.sessions[place].document.save_as(path);
         self.after_saving(place, saved);
         self.sessions[place].check_again();
@@ -193,7 +206,14 @@ impl Editor {
 
     /// Files that were chosen in a dialog.
     pub(super) fn take_answers(&mut self) {
-        for (purpose, path) in self.dialogs.answers() {
+        for (purpose, answer) in self.dialogs.answers() {
+            let path = match answer {
+                Answer::Chosen(path) => path,
+                Answer::NoDialog => {
+                    self.toast(NO_DIALOG);
+                    continue;
+                }
+            };
             match purpose {
                 Purpose::OpenMap => {
                     self.boxes.close_open();
@@ -243,11 +263,18 @@ pub fn disk_banner(editor: &mut Editor, ui: &mut Ui) {
         DiskChange::Removed => "The file of this map is no longer there.",
     };
     let can_reload = *change == DiskChange::Changed;
+    let reload = match session.document.is_dirty() {
+        true => "Reload in place of the changes here",
+        false => "Reload",
+    };
     let mut failed = None;
-    egui::Frame::popup(ui.style()).show(ui, |ui| {
-        ui.horizontal(|ui| {
+    egui::Frame::popup(ui.style()).corner_radius(0).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.horizontal_wrapped(|ui| {
             ui.colored_label(ui.visuals().warn_fg_color, what);
-            if can_reload && ui.button("Reload").clicked() {
+            if can_reload
+                && ui.button(reload).on_hover_text("Undo brings back what was here.").clicked()
+            {
                 failed = session.document.reload().err();
                 session.disk_change = None;
             }

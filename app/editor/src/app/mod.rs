@@ -43,7 +43,7 @@ const TOAST: Duration = Duration::from_secs(6);
 const LOOK_AT_FILES: Duration = Duration::from_secs(2);
 
 /// The panels below the canvas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Lower {
     Console,
     Values,
@@ -126,6 +126,8 @@ pub struct Editor {
     looked_at_files: Instant,
     render: Option<RenderState>,
     window_title: String,
+    /// Number of the map that the hint for a first start is about.
+    hint_for: Option<u64>,
     /// Whether the window may close without a further question.
     may_close: bool,
 }
@@ -187,11 +189,13 @@ impl Editor {
             looked_at_files: Instant::now(),
             render: start.render,
             window_title: String::new(),
+            hint_for: None,
             may_close: false,
         };
         start.maps.iter().for_each(|path| editor.open(path));
         if editor.sessions.is_empty() {
             let first = if start.has_example { Document::from_text(EXAMPLE).ok() } else { None };
+            editor.hint_for = first.as_ref().map(Document::id);
             editor.add(first.unwrap_or_default());
         }
         editor.find_recovered();
@@ -266,7 +270,7 @@ impl Editor {
         let runs_on_edit = self.settings.runs_on_edit;
         self.sessions.iter_mut().for_each(|session| session.update(runs_on_edit));
         let mut wishes = Vec::new();
-        self.keys(ui, &mut wishes);
+        let commands = self.keys(ui);
         self.take_dropped(ui.ctx());
         self.take_answers();
         self.look_at_files(ui.ctx());
@@ -278,9 +282,11 @@ impl Editor {
         self.hint(ui);
         self.boxes(ui, &mut wishes);
         self.show_toasts(ui);
+        show_dragged(ui);
         self.guard_close(ui.ctx());
         self.name_window(ui.ctx());
-        for wish in wishes {
+        // What was being typed counts before what a key asks for.
+        for wish in wishes.into_iter().chain(commands.into_iter().map(Wish::Command)) {
             self.grant(ui.ctx(), wish);
         }
         if self.session().runner.is_running() || self.session().programs.is_running() {
@@ -298,7 +304,8 @@ impl Editor {
         };
         // Whatever the window's size, some of the canvas stays in sight.
         let most = (ui.available_height() * 0.65).max(90.0);
-        let panel = Panel::bottom(name).resizable(true).default_size(height);
+        let panel = Panel::bottom(self.for_this_size(ui, name)).resizable(true);
+        let panel = panel.default_size(height);
         let panel = panel.min_size(90.0).max_size(most);
         panel.show_collapsible(ui, &mut is_open, |ui| {
             let Self { sessions, active, lower, console, shared, .. } = self;
@@ -314,6 +321,13 @@ impl Editor {
             }
         });
         self.is_lower_open = is_open;
+    }
+
+    /// The name under which the height of a panel is remembered: in another room it has another one,
+    /// so that a small window does not leave small panels behind.
+    fn for_this_size(&self, ui: &Ui, name: &str) -> egui::Id {
+        let rooms = (ui.ctx().content_rect().height() / 120.0) as u32;
+        egui::Id::new((name, rooms, self.is_lower_open.then_some(self.lower)))
     }
 
     fn right(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
@@ -334,8 +348,9 @@ impl Editor {
         let has_pins = !self.session().pinned.is_empty();
         if self.middle == Middle::Both && has_pins {
             let height = ui.available_height();
-            let panel = Panel::bottom("viewer").resizable(true).default_size(height * 0.5);
-            let panel = panel.min_size(height.min(120.0)).max_size((height - 80.0).max(0.0));
+            let panel = Panel::bottom(self.for_this_size(ui, "viewer")).resizable(true);
+            let panel = panel.default_size(height * 0.5).min_size(height.min(120.0));
+            let panel = panel.max_size(height * 0.7);
             panel.show(ui, |ui| self.viewer(ui, wishes));
         }
         if self.middle == Middle::Viewer && has_pins {
@@ -402,8 +417,8 @@ impl Editor {
         }
     }
 
-    /// Keys that hold everywhere in the window.
-    fn keys(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    /// Keys that hold everywhere in the window; what they ask for.
+    fn keys(&mut self, ui: &mut Ui) -> Vec<Command> {
         use egui::{Key, Modifiers};
         let ctrl = Modifiers::COMMAND;
         let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
@@ -417,40 +432,57 @@ impl Editor {
             (Modifiers::NONE, Key::F1, Command::Shortcuts),
             (Modifiers::SHIFT, Key::Escape, Command::Stop),
         ];
+        let mut asked = Vec::new();
         if ui.ctx().memory(|memory| memory.top_modal_layer().is_some()) {
-            return;
+            return asked;
         }
         let is_typing = ui.ctx().text_edit_focused();
         ui.input_mut(|input| {
             for (modifiers, key, command) in commands {
                 if input.consume_key(modifiers, key) {
-                    wishes.push(Wish::Command(command));
+                    asked.push(command);
                 }
             }
             if input.consume_key(ctrl, Key::Enter)
                 || (!input.modifiers.shift && input.consume_key(Modifiers::NONE, Key::F5))
             {
-                wishes.push(Wish::Command(Command::Run));
+                asked.push(Command::Run);
             }
             // A field that is being typed in has its own undo.
             if is_typing {
                 return;
             }
             if input.consume_key(ctrl_shift, Key::Z) || input.consume_key(ctrl, Key::Y) {
-                wishes.push(Wish::Command(Command::Redo));
+                asked.push(Command::Redo);
             } else if input.consume_key(ctrl, Key::Z) {
-                wishes.push(Wish::Command(Command::Undo));
+                asked.push(Command::Undo);
             }
         });
+        if is_typing && !asked.is_empty() {
+            // Whoever has the focus takes over what was typed when it loses it.
+            ui.ctx().memory_mut(|memory| memory.focused().map(|id| memory.surrender_focus(id)));
+        }
         if ui.input_mut(|input| input.consume_key(Modifiers::CTRL, Key::Tab)) {
             self.active = (self.active + 1) % self.sessions.len();
         }
+        asked
     }
 
     /// Runs a part of the map that is shown.
     fn run(&mut self, part: Part) {
         self.session_mut().run(part);
     }
+}
+
+/// Names the parameter that is on its way to the program, beside the pointer.
+fn show_dragged(ui: &Ui) {
+    let Some(dragged) = egui::DragAndDrop::payload::<programs::DraggedParam>(ui.ctx()) else {
+        return;
+    };
+    let id = ui.id().with("dragged");
+    let anchor = egui::PopupAnchor::Pointer;
+    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
+        .show(|ui| ui.label(format!("{}.{} into the program", dragged.node, dragged.param)));
 }
 
 impl eframe::App for Editor {

@@ -22,6 +22,8 @@ pub struct Session {
     pub runner: Runner,
     /// The outputs whose values are shown.
     pub pinned: IndexSet<PortRef>,
+    /// Those of them whose nodes were removed.
+    lost_pins: IndexSet<PortRef>,
     /// What shows them.
     pub viewer: Viewer,
     /// Its programs.
@@ -46,6 +48,7 @@ impl Session {
             canvas: Canvas::default(),
             runner: Runner::new(shared),
             pinned: IndexSet::new(),
+            lost_pins: IndexSet::new(),
             viewer: Viewer::new(),
             programs: ProgramPanel::new(Arc::new(move || (wake.wake)())),
             number: 1,
@@ -131,12 +134,25 @@ impl Session {
         self.checked = None;
     }
 
-    /// Whether some node's outputs are not those of the map as it stands.
-    pub fn has_changes_to_run(&self) -> bool {
-        let is_old =
-            |name: &String| matches!(self.runner.status(name), Status::New | Status::Dirty);
-        let active = |node: &Node| node.mode == NodeMode::Active;
-        self.document.map().nodes.iter().any(|(name, node)| active(node) && is_old(name))
+    /// Whether some node's outputs are not those of the map as it stands, and if so, whether all
+    /// such nodes write files.
+    pub fn has_changes_to_run(&self) -> Option<bool> {
+        let is_old = |name: &str| matches!(self.runner.status(name), Status::New | Status::Dirty);
+        let writes = |node: &Node| {
+            let info = self.runner.registry().find(&node.module);
+            info.is_some_and(|info| info.module.writes_files())
+        };
+        let nodes = self.document.map().nodes.iter();
+        let old = nodes.filter(|(name, node)| node.mode == NodeMode::Active && is_old(name));
+        old.map(|(_, node)| writes(node)).reduce(|all, writes| all && writes)
+    }
+
+    /// The first node of the map that failed, and its error.
+    pub fn first_failure(&self) -> Option<(&str, String)> {
+        self.document.map().nodes.keys().find_map(|name| match self.runner.status(name) {
+            Status::Failed(error) => Some((name.as_str(), error)),
+            _ => None,
+        })
     }
 
     /// After a first run something is to be seen at once: the last thing of the kind that is most
@@ -199,12 +215,15 @@ impl Session {
         self.pinned = self.pinned.iter().map(renamed).collect();
     }
 
-    /// Drops pins of nodes and ports that are no longer there.
+    /// Takes off pins of nodes and ports that are no longer there, and puts those back whose nodes
+    /// have come back.
     pub fn prune_pins(&mut self, registry: &Registry) {
         let map = self.document.map();
-        self.pinned.retain(|port| {
+        let is_there = |port: &PortRef| {
             let module = map.nodes.get(&port.node).and_then(|node| registry.find(&node.module));
             module.is_some_and(|info| info.module.outputs.iter().any(|o| o.name == port.port))
-        });
+        };
+        let all = self.pinned.drain(..).chain(self.lost_pins.drain(..));
+        (self.pinned, self.lost_pins) = all.partition(is_there);
     }
 }

@@ -12,8 +12,17 @@ fn entry(ui: &mut Ui, label: &str, keys: &str, is_on: bool) -> bool {
     ui.add_enabled(is_on, Button::new(label).shortcut_text(keys)).clicked()
 }
 
+/// A line about trouble, whole on hover; whether it was clicked.
+fn trouble(ui: &mut Ui, text: &str) -> bool {
+    let color = ui.visuals().error_fg_color;
+    let label = egui::Label::new(RichText::new(text).color(color)).truncate();
+    ui.add(label.sense(egui::Sense::click())).on_hover_text(text).clicked()
+}
+
 impl Editor {
     pub(super) fn top(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        // Menus and buttons in one row, where there is room for them.
+        let is_narrow = ui.available_width() < 760.0;
         Panel::top("menus").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| {
                 ui.menu_button("File", |ui| self.file_menu(ui, wishes));
@@ -30,9 +39,14 @@ impl Editor {
                     ui.separator();
                     ui.weak(format!("mve {}", mve_core::VERSION));
                 });
-                ui.separator();
-                self.buttons(ui, wishes);
+                if !is_narrow {
+                    ui.separator();
+                    self.buttons(ui, wishes);
+                }
             });
+            if is_narrow {
+                ui.horizontal_wrapped(|ui| self.buttons(ui, wishes));
+            }
         });
         Panel::top("tabs").show(ui, |ui| self.tabs(ui, wishes));
     }
@@ -94,8 +108,7 @@ impl Editor {
             wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Remove(items)])));
         }
         if entry(ui, "Select all", "Ctrl+A", true) {
-            let all = document.map().nodes.keys().cloned().map(Item::Node);
-            wishes.push(Wish::Canvas(Action::Select(all.collect())));
+            wishes.push(Wish::Canvas(Action::Select(document.all_items())));
         }
         if entry(ui, "Arrange all", "L", true) {
             wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }])));
@@ -235,20 +248,24 @@ impl Editor {
                         format!("{n_errors} problems")
                     };
                     let text = first.map_or(what.clone(), |first| format!("{what}: {first}"));
-                    let color = ui.visuals().error_fg_color;
-                    let label = egui::Label::new(RichText::new(&text).color(color)).truncate();
-                    let label = ui.add(label.sense(egui::Sense::click()));
-                    if label.on_hover_text(text).clicked()
+                    if trouble(ui, &text)
                         && let Some(node) = first.and_then(|first| first.place.node.clone())
                     {
                         wishes.push(Wish::ShowNode(node));
                     }
                 } else if session.runner.is_running() {
                     ui.label("running");
+                } else if let Some((node, error)) = session.first_failure() {
+                    if trouble(ui, &format!("{node} failed: {error}")) {
+                        wishes.push(Wish::ShowNode(node.to_owned()));
+                    }
                 } else if session.document.map().nodes.is_empty() {
                     ui.weak("The map is empty: press Tab on the canvas to add a module.");
-                } else if session.has_changes_to_run() {
-                    ui.weak("Ready to run (F5).");
+                } else if let Some(only_writers) = session.has_changes_to_run() {
+                    ui.weak(match only_writers {
+                        true => "Up to date, but for files: Run (F5) writes them.",
+                        false => "Ready to run (F5).",
+                    });
                 } else {
                     let time =
                         session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));

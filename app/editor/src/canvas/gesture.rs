@@ -3,9 +3,10 @@
 use eframe::egui::{self, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType};
 use mve_core::{Link, PortRef};
 
+use super::menu::{self, Renaming};
 use super::paint::Brush;
 use super::shape::Port;
-use super::{Action, Canvas, Scene, menu};
+use super::{Action, Canvas, Scene};
 use crate::document::{Edit, Item, fits};
 
 /// The grid that nodes come to rest on, in units of the canvas.
@@ -247,7 +248,7 @@ impl Canvas {
             self.click_item(ui, item, response.secondary_clicked(), scene, actions);
         }
         if response.double_clicked() && kind != "reroute" {
-            self.renaming = Some((item.clone(), text.to_owned()));
+            self.renaming = Some(Renaming::new(item.clone(), text));
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
             self.start_move(ui, item, scene, actions);
@@ -295,13 +296,15 @@ impl Canvas {
             self.menu_at = place;
         }
         let (wire, at) = (self.menu_wire.clone(), self.menu_at);
-        let mut wants_search = false;
+        let mut asked = menu::Asked::Nothing;
         back.context_menu(|ui| match &wire {
             Some(link) => menu::of_wire(ui, link, at, actions),
-            None => wants_search = menu::of_canvas(ui, at, scene, actions),
+            None => asked = menu::of_canvas(ui, at, scene, actions),
         });
-        if wants_search {
-            self.search_at(brush.view.to_screen(pos(at)), None);
+        match asked {
+            menu::Asked::Nothing => {}
+            menu::Asked::Search => self.search_at(brush.view.to_screen(pos(at)), None),
+            menu::Asked::Note => self.add_note(at, actions),
         }
     }
 

@@ -4,7 +4,7 @@ use eframe::egui::{Event, Key, Modifiers, Response, Ui};
 use mve_core::NodeMode;
 
 use super::{Action, Canvas, Scene, node_of, toggled};
-use crate::document::{Edit, Item};
+use crate::document::Edit;
 use crate::runner::Part;
 
 /// A key of the canvas, as the list of shortcuts shows it.
@@ -27,8 +27,8 @@ pub const SHORTCUTS: &[Shortcut] = &[
     Shortcut { keys: "Delete, Backspace", what: "remove the selection" },
     Shortcut { keys: "Ctrl + C, X, V", what: "copy, cut, paste" },
     Shortcut { keys: "Ctrl + D", what: "duplicate with the links into it" },
-    Shortcut { keys: "Ctrl + A", what: "select all nodes" },
-    Shortcut { keys: "F2, double click a title", what: "rename" },
+    Shortcut { keys: "Ctrl + A", what: "select all" },
+    Shortcut { keys: "F2, double click a title", what: "rename; edit the text of a note or frame" },
     Shortcut { keys: "M", what: "mute: do not run" },
     Shortcut { keys: "B", what: "bypass: pass the input through" },
     Shortcut { keys: "H", what: "collapse to the title" },
@@ -103,8 +103,7 @@ impl Canvas {
             match key {
                 Key::D => actions.push(Action::Duplicate),
                 Key::A => {
-                    let all = scene.document.map().nodes.keys().cloned().map(Item::Node);
-                    actions.push(Action::Select(all.collect()));
+                    actions.push(Action::Select(scene.document.all_items()));
                 }
                 _ => {}
             }
@@ -121,8 +120,9 @@ impl Canvas {
                 actions.push(Action::Run(Part::UpTo(nodes)));
             }
             Key::F2 => {
-                if let [node] = nodes.as_slice() {
-                    self.renaming = Some((Item::Node(node.clone()), node.clone()));
+                let mut items = selection.iter();
+                if let (Some(item), None) = (items.next(), items.next()) {
+                    self.rename(item, scene);
                 }
             }
             Key::M if !nodes.is_empty() => {
@@ -140,8 +140,8 @@ impl Canvas {
             }
             Key::G => self.frame_selection(&nodes, actions),
             Key::N => {
-                let (text, at) = ("A note".to_owned(), self.pointer_place(ui));
-                actions.push(Action::Edit(vec![Edit::AddNote { text, at }]));
+                let at = self.pointer_place(ui);
+                self.add_note(at, actions);
             }
             Key::L => {
                 let nodes = if nodes.len() > 1 { nodes } else { Vec::new() };

@@ -6,10 +6,24 @@ use mve_core::{Link, NodeMode, PortRef};
 use super::gesture::pos;
 use super::{Action, Canvas, Scene, node_of, toggled};
 use crate::document::{Alignment, Edit, Item};
+use crate::forms::select_all;
 use crate::runner::Part;
 
-/// The item that gets another name, and the text so far.
-type Renaming = Option<(Item, String)>;
+/// An item that gets another name or text.
+pub struct Renaming {
+    item: Item,
+    /// The text so far.
+    text: String,
+    /// Whether its field is still to be shown.
+    is_new: bool,
+}
+
+impl Renaming {
+    /// Begins with the text that the item has.
+    pub fn new(item: Item, text: &str) -> Self {
+        Self { item, text: text.to_owned(), is_new: true }
+    }
+}
 
 /// The menu of a node; it is about all selected nodes.
 pub fn of_node(
@@ -17,7 +31,7 @@ pub fn of_node(
     name: &str,
     scene: &Scene,
     actions: &mut Vec<Action>,
-    renaming: &mut Renaming,
+    renaming: &mut Option<Renaming>,
 ) {
     let selection = scene.document.selection();
     let mut nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
@@ -40,7 +54,7 @@ pub fn of_node(
     }
     ui.separator();
     if item(ui, "Rename", "F2") {
-        *renaming = Some((Item::Node(name.to_owned()), name.to_owned()));
+        *renaming = Some(Renaming::new(Item::Node(name.to_owned()), name));
     }
     for (label, keys, mode) in [("Mute", "M", NodeMode::Muted), ("Bypass", "B", NodeMode::Bypassed)]
     {
@@ -97,11 +111,25 @@ fn clipboard_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
     }
 }
 
-/// The menu of the empty canvas; whether the search of modules is to open.
-pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Action>) -> bool {
-    let wants_search = item(ui, "Add a module…", "Tab");
+/// What the menu of the empty canvas asks for beside actions.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// Nothing.
+    Nothing,
+    /// The search of modules.
+    Search,
+    /// A note.
+    Note,
+}
+
+/// The menu of the empty canvas.
+pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Action>) -> Asked {
+    let mut asked = Asked::Nothing;
+    if item(ui, "Add a module…", "Tab") {
+        asked = Asked::Search;
+    }
     if item(ui, "Add a note", "N") {
-        actions.push(Action::Edit(vec![Edit::AddNote { text: "A note".to_owned(), at }]));
+        asked = Asked::Note;
     }
     if item(ui, "Add a frame", "") {
         let (title, size) = ("Frame".to_owned(), [320.0, 240.0]);
@@ -115,13 +143,12 @@ pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Act
         actions.push(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }]));
     }
     if item(ui, "Select all", "Ctrl+A") {
-        let all = scene.document.map().nodes.keys().cloned().map(Item::Node);
-        actions.push(Action::Select(all.collect()));
+        actions.push(Action::Select(scene.document.all_items()));
     }
     if item(ui, "Run", "F5") {
         actions.push(Action::Run(Part::All));
     }
-    wants_search
+    asked
 }
 
 /// The menu of a wire.
@@ -144,11 +171,11 @@ pub fn of_box(
     boxed: &Item,
     text: &str,
     actions: &mut Vec<Action>,
-    renaming: &mut Renaming,
+    renaming: &mut Option<Renaming>,
 ) {
     if !matches!(boxed, Item::Reroute(_)) {
-        if item(ui, "Edit the text", "") {
-            *renaming = Some((boxed.clone(), text.to_owned()));
+        if item(ui, "Edit the text", "F2") {
+            *renaming = Some(Renaming::new(boxed.clone(), text));
         }
         ui.horizontal(|ui| {
             for color in
@@ -173,9 +200,33 @@ fn item(ui: &mut Ui, label: &str, keys: &str) -> bool {
 }
 
 impl Canvas {
+    /// Opens the field in which an item gets another text.
+    pub(super) fn rename(&mut self, item: &Item, scene: &Scene) {
+        let extras = scene.document.extras();
+        let text = match item {
+            Item::Node(name) => Some(name),
+            Item::Frame(name) => extras.frames.get(name).map(|frame| &frame.title),
+            Item::Note(name) => extras.notes.get(name).map(|note| &note.text),
+            Item::Reroute(_) | Item::Link(_) => None,
+        };
+        self.renaming = text.map(|text| Renaming::new(item.clone(), text));
+    }
+
+    /// Adds a note, to be written at once.
+    pub(super) fn add_note(&mut self, at: [f64; 2], actions: &mut Vec<Action>) {
+        actions.push(Action::Edit(vec![Edit::AddNote { text: "A note".to_owned(), at }]));
+        self.wants_to_write = true;
+    }
+
     /// The field in which a node, frame or note gets another text.
     pub(super) fn rename_popup(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
-        let Some((item, text)) = &mut self.renaming else { return };
+        // What was added in the last frame is what is selected in this one.
+        if let Some(note @ Item::Note(_)) = scene.document.selection().first()
+            && std::mem::take(&mut self.wants_to_write)
+        {
+            self.rename(note, scene);
+        }
+        let Some(Renaming { item, text, is_new }) = &mut self.renaming else { return };
         let extras = scene.document.extras();
         let place = match item {
             Item::Node(name) => self.shapes.nodes.get(name).map(|shape| shape.at),
@@ -188,6 +239,7 @@ impl Canvas {
             return;
         };
         let is_note = matches!(item, Item::Note(_));
+        let is_new = std::mem::take(is_new);
         let area = Area::new(Id::new("rename")).order(Order::Foreground).constrain(true);
         let shown = area.fixed_pos(view.to_screen(place)).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
@@ -198,15 +250,19 @@ impl Canvas {
                 let field = ui.add(edit.desired_width(200.0));
                 ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("new name"));
                 field.request_focus();
+                if is_new {
+                    select_all(&field, text.chars().count());
+                }
             });
         });
         let (enter, escape) =
             ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
-        let is_done = (enter && !is_note) || shown.response.clicked_elsewhere();
+        // The click that opened the field is none beside it.
+        let is_done = (enter && !is_note) || (!is_new && shown.response.clicked_elsewhere());
         if !is_done && !escape {
             return;
         }
-        let Some((item, text)) = self.renaming.take() else { return };
+        let Some(Renaming { item, text, .. }) = self.renaming.take() else { return };
         if escape {
             return;
         }

@@ -24,6 +24,7 @@ pub use camera::Camera;
 use camera::View;
 use gesture::{End, Gesture};
 pub use keys::{SHORTCUTS, Shortcut};
+use menu::Renaming;
 pub use paint::status_color;
 use paint::{Brush, Look, Palette, distance_to_wire};
 use search::Search;
@@ -32,7 +33,7 @@ use shape::{Port, Shape, Shapes};
 use crate::catalog::Catalog;
 use crate::document::{Document, Edit, Item};
 use crate::forms::FormEvent;
-use crate::runner::{Part, Runner, Status};
+use crate::runner::{Part, Runner};
 
 /// How the canvas answers to hand and eye.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -111,14 +112,18 @@ pub struct Canvas {
     shapes: Shapes,
     gesture: Gesture,
     search: Option<Search>,
-    /// The node or frame that is being renamed, and the text so far.
-    renaming: Option<(Item, String)>,
+    /// The node, frame or note that is being given another text.
+    renaming: Option<Renaming>,
+    /// Whether a note was just added, and is to be written.
+    wants_to_write: bool,
     /// The parameter whose form is open.
     open_param: Option<param::OpenParam>,
     /// What the open menu of the background is about.
     menu_wire: Option<Link>,
     menu_at: [f64; 2],
     wants: Wanted,
+    /// Whether the whole map is shown, and was not moved since: then it follows the panel's size.
+    is_fitted: bool,
     /// A node to move into the middle of the view.
     wants_node: Option<String>,
     view: Option<View>,
@@ -138,6 +143,7 @@ impl Canvas {
     /// Shows what is in the middle at so many points of the screen for one unit of the canvas.
     pub fn zoom_to(&mut self, zoom: f32) {
         let center = self.camera.unwrap_or_default().center;
+        self.is_fitted = false;
         self.camera = Some(Camera { center, zoom });
     }
 
@@ -178,7 +184,9 @@ impl Canvas {
         back.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
         self.shapes.update(scene.document, scene.registry);
         let view = self.place_camera(screen, scene);
-        let view = View { camera: self.moved_camera(ui, &back, view, scene), ..view };
+        let moved = self.moved_camera(ui, &back, view, scene);
+        self.is_fitted &= moved == view.camera;
+        let view = View { camera: moved, ..view };
         self.camera = Some(view.camera);
         self.view = Some(view);
 
@@ -200,17 +208,23 @@ impl Canvas {
         let camera = self.camera.unwrap_or_default();
         let mut view = View { camera, screen };
         let is_first = self.camera.is_none() && screen.area() > 0.0;
+        let is_resized = self.view.is_some_and(|view| view.screen.size() != screen.size());
         let bounds = match std::mem::take(&mut self.wants) {
             Wanted::Selection => {
+                self.is_fitted = false;
                 self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
             }
-            Wanted::Nothing if !is_first => None,
-            Wanted::All | Wanted::Nothing => self.shapes.bounds(std::iter::empty()),
+            Wanted::Nothing if !is_first && !(self.is_fitted && is_resized) => None,
+            Wanted::All | Wanted::Nothing => {
+                self.is_fitted = true;
+                self.shapes.bounds(std::iter::empty())
+            }
         };
         if let Some(bounds) = bounds {
             view.camera = view.fitting(bounds);
         }
         if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
+            self.is_fitted = false;
             view.camera = Camera { center: shape.rect().center(), ..view.camera };
         }
         view
@@ -309,7 +323,7 @@ impl Canvas {
         let total: f64 = match scene.settings.shows_times {
             true => {
                 let names = self.shapes.nodes.keys();
-                names.filter_map(|name| seconds_of(&scene.runner.status(name))).sum()
+                names.filter_map(|name| scene.runner.seconds(name)).sum()
             }
             false => 0.0,
         };
@@ -335,8 +349,9 @@ impl Canvas {
                 name,
                 status: &status,
                 is_selected: scene.document.selection().contains(&Item::Node(name.clone())),
-                time_share: seconds_of(&status)
-                    .filter(|_| total > 0.0)
+                time_share: Some(total)
+                    .filter(|total| *total > 0.0)
+                    .and_then(|_| scene.runner.seconds(name))
                     .map(|seconds| seconds / total),
                 is_dimmed: &is_dimmed,
             };
@@ -379,14 +394,6 @@ impl Canvas {
 fn node_of(item: &Item) -> Option<&str> {
     match item {
         Item::Node(name) => Some(name),
-        _ => None,
-    }
-}
-
-/// Seconds that a node ran, where its outputs are those of the map as it stands.
-fn seconds_of(status: &Status) -> Option<f64> {
-    match status {
-        Status::Done(seconds) => *seconds,
         _ => None,
     }
 }

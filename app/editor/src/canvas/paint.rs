@@ -244,7 +244,11 @@ impl Brush<'_> {
         }
         let label = match look.status {
             _ if shape.mode == NodeMode::Muted => "muted: does not run".to_owned(),
-            _ if shape.mode == NodeMode::Bypassed => "bypassed: passes its input on".to_owned(),
+            _ if shape.mode == NodeMode::Bypassed => {
+                let has_input = shape.inputs.iter().any(|port| !port.is_param);
+                let what = if has_input { "passes its input on" } else { "has nothing to pass on" };
+                format!("bypassed: {what}")
+            }
             Status::New | Status::Dirty if shape.writes_files => {
                 format!("{}: writes files on Run", look.status.label())
             }

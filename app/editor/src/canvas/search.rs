@@ -1,7 +1,9 @@
 //! The search of modules: by Tab, by a double click, or where a link is dropped.
 
 use eframe::egui::text::{LayoutJob, TextFormat};
-use eframe::egui::{self, Area, Frame, Id, Key, Order, Pos2, ScrollArea, TextEdit, Ui};
+use eframe::egui::{
+    self, Align, Area, Frame, Id, Key, Layout, Order, Pos2, ScrollArea, TextEdit, Ui,
+};
 use mve_core::{Link, PortRef};
 
 use super::gesture::End;
@@ -12,6 +14,9 @@ use crate::document::Edit;
 
 /// Most height of the list of modules, in points.
 const HEIGHT: f32 = 320.0;
+
+/// Letters that two names begin with in common if they are about the same thing.
+const LIKE: usize = 4;
 
 /// A search while it is open.
 pub struct Search {
@@ -41,7 +46,10 @@ impl Search {
         actions: &mut Vec<Action>,
     ) -> bool {
         let fit = self.end.as_ref().and_then(|end| fit_of(end, scene));
-        let hits = scene.catalog.search(&self.query, fit.as_ref());
+        let mut hits = scene.catalog.search(&self.query, fit.as_ref());
+        if let Some(end) = &self.end {
+            sort_ports(&mut hits, end, scene);
+        }
         let (up, down, enter, escape) = ui.input_mut(|input| {
             let none = egui::Modifiers::NONE;
             (
@@ -77,15 +85,18 @@ impl Search {
                 }
                 field.request_focus();
                 ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
-                    for (place, hit) in hits.iter().enumerate() {
-                        let row = ui.selectable_label(place == self.chosen, text_of(hit, ui));
-                        if has_moved && place == self.chosen {
-                            row.scroll_to_me(None);
+                    let wide = Layout::top_down_justified(Align::LEFT);
+                    ui.with_layout(wide, |ui| {
+                        for (place, hit) in hits.iter().enumerate() {
+                            let row = ui.selectable_label(place == self.chosen, text_of(hit, ui));
+                            if has_moved && place == self.chosen {
+                                row.scroll_to_me(None);
+                            }
+                            if row.clicked() {
+                                taken = Some(hit);
+                            }
                         }
-                        if row.clicked() {
-                            taken = Some(hit);
-                        }
-                    }
+                    });
                     if hits.is_empty() {
                         ui.weak("No module fits these letters.");
                     }
@@ -105,7 +116,9 @@ impl Search {
         let name = scene.document.free_name(hit.info.module.id);
         let module = hit.info.module.id.to_owned();
         let across = if matches!(self.end, Some(End::To(_))) { WIDTH } else { 0.0 };
-        let at = shapes.free_place(self.world - egui::vec2(across, 20.0));
+        // Beside the pointer, so that what it says on hover does not cover the new node.
+        let beside = if across > 0.0 { -12.0 } else { 12.0 };
+        let at = shapes.free_place(self.world - egui::vec2(across - beside, 20.0));
         let at = [f64::from(at.x), f64::from(at.y)];
         let at = at.map(|x| if scene.settings.snaps { (x / 10.0).round() * 10.0 } else { x });
         let mut edits = vec![Edit::AddNode { module, name: Some(name.clone()), at }];
@@ -137,6 +150,24 @@ fn fit_of(end: &End, scene: &Scene) -> Option<Fit> {
     input.map(|spec| spec.data_type).or_else(param).map(Fit::Input)
 }
 
+/// Of several ports of one module, puts first the one that is named like what the link comes from
+/// or goes to: `simplified` for a link from `simplificator`.
+fn sort_ports(hits: &mut [Hit], end: &End, scene: &Scene) {
+    let node = &end.port().node;
+    let module = scene.document.map().nodes.get(node).map_or("", |node| node.module.as_str());
+    let likeness = |hit: &Hit| {
+        let port = hit.port.unwrap_or_default();
+        let alike = |name: &str| {
+            let pairs = name.chars().zip(port.chars());
+            pairs.take_while(|(a, b)| a.eq_ignore_ascii_case(b)).count()
+        };
+        [alike(node), alike(module)].into_iter().filter(|n| *n >= LIKE).max().unwrap_or(0)
+    };
+    for ports in hits.chunk_by_mut(|a, b| a.info.module.id == b.info.module.id) {
+        ports.sort_by_key(|hit| std::cmp::Reverse(likeness(hit)));
+    }
+}
+
 /// The module's id with the letters that were found, and its summary.
 fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
     let visuals = ui.visuals();
@@ -149,6 +180,10 @@ fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
         job.append(&letter.to_string(), 0.0, TextFormat::simple(body.clone(), color));
     }
     let weak = TextFormat::simple(small.clone(), visuals.weak_text_color());
+    if let Some(port) = hit.port {
+        let port = port.replace('_', " ");
+        job.append(&format!("  {port}"), 0.0, TextFormat::simple(body, visuals.text_color()));
+    }
     job.append(&format!("  {}", hit.info.category), 0.0, weak.clone());
     job.append(&format!("\n{}", hit.info.module.summary), 0.0, weak);
     job.wrap.max_width = 320.0;

@@ -12,6 +12,33 @@ use crate::programs::DraggedParam;
 use crate::runner::Status;
 use crate::views::brief_text;
 
+/// The menu of a parameter.
+fn param_menu(ui: &mut Ui, node: &str, row: &ParamRow, actions: &mut Vec<Action>) {
+    let path = row.spec.name;
+    if ui.button("Vary in the program").clicked() {
+        actions.push(Action::Vary(node.to_owned(), path.to_owned()));
+    }
+    if row.is_set
+        && row.spec.default_setting().is_some()
+        && ui.button("Back to the default").clicked()
+    {
+        let event = FormEvent::Set { path: path.to_owned(), value: None };
+        actions.push(Action::Form(node.to_owned(), event));
+    }
+}
+
+/// Where on the screen the value of a parameter stands.
+fn field_of(brush: &Brush, shape: &Shape, row: &ParamRow) -> Rect {
+    let top = shape.at + egui::vec2(104.0, row.y + 1.5);
+    let field = Rect::from_min_size(top, egui::vec2(shape.size.x - 112.0, ROW - 3.0));
+    brush.view.rect_to_screen(field).intersect(brush.view.screen)
+}
+
+/// Width and height on the screen of what a hand takes a port by.
+fn port_size(brush: &Brush) -> f32 {
+    (14.0 * brush.view.camera.zoom).max(8.0)
+}
+
 /// Whether a point is on the title of a node or on the line that says its state: what lies between
 /// them speaks for itself, and words over it would be in the way.
 fn says_what_it_is(brush: &Brush, shape: &Shape, at: egui::Pos2) -> bool {
@@ -41,10 +68,10 @@ impl Canvas {
             self.click_item(ui, &item, response.secondary_clicked(), scene, actions);
         }
         if response.double_clicked() {
-            self.renaming = Some((item.clone(), name.to_owned()));
+            self.renaming = Some(menu::Renaming::new(item.clone(), name));
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
-            self.start_move(ui, &item, scene, actions);
+            self.start_drag(ui, brush, scene, shape, &item, actions);
         }
         let is_idle = matches!(self.gesture, Gesture::Idle);
         if is_idle && response.hover_pos().is_some_and(|at| says_what_it_is(brush, shape, at)) {
@@ -57,9 +84,7 @@ impl Canvas {
             return;
         }
         for row in &shape.params {
-            let top = shape.at + egui::vec2(104.0, row.y + 1.5);
-            let field = Rect::from_min_size(top, egui::vec2(shape.size.x - 112.0, ROW - 3.0));
-            self.touch_param(ui, brush, name, row, field, actions);
+            self.touch_param(ui, brush, scene, (name, shape), row, actions);
         }
         for port in &shape.inputs {
             self.touch_port(ui, brush, scene, shape, port, false, actions);
@@ -69,25 +94,76 @@ impl Canvas {
         }
     }
 
+    /// Begins the drag of what was below the pointer when it was pressed: on a slow frame it has gone
+    /// on to something else since.
+    fn start_drag(
+        &mut self,
+        ui: &Ui,
+        brush: &Brush,
+        scene: &Scene,
+        shape: &Shape,
+        item: &Item,
+        actions: &mut Vec<Action>,
+    ) {
+        let Some(pressed) = ui.input(|input| input.pointer.press_origin()) else { return };
+        if brush.view.camera.zoom >= ROWS_FROM {
+            let reach = port_size(brush) / 2.0;
+            let sides = [(&shape.inputs, false), (&shape.outputs, true)];
+            let ports = sides
+                .into_iter()
+                .flat_map(|(ports, is_output)| ports.iter().map(move |port| (port, is_output)));
+            let distance = |port: &Port| {
+                (brush.view.to_screen(shape.at + port.offset) - pressed).abs().max_elem()
+            };
+            let near = ports.filter(|(port, _)| distance(port) <= reach);
+            if let Some((port, is_output)) =
+                near.min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)))
+            {
+                self.gesture = Gesture::start_link(&port.at, is_output, scene);
+                return;
+            }
+            let is_in = |row: &&ParamRow| field_of(brush, shape, row).contains(pressed);
+            if let (Some(row), Item::Node(node)) = (shape.params.iter().find(is_in), item) {
+                let (node, param) = (node.clone(), row.spec.name.to_owned());
+                egui::DragAndDrop::set_payload(ui.ctx(), DraggedParam { node, param });
+                return;
+            }
+        }
+        self.start_move(ui, item, scene, actions);
+    }
+
     fn touch_param(
         &mut self,
         ui: &mut Ui,
         brush: &Brush,
-        node: &str,
+        scene: &Scene,
+        (node, shape): (&str, &Shape),
         row: &ParamRow,
-        field: Rect,
         actions: &mut Vec<Action>,
     ) {
-        let rect = brush.view.rect_to_screen(field).intersect(brush.view.screen);
+        let rect = field_of(brush, shape, row);
         let path = row.spec.name;
+        // The name beside the field: what it is for, and the same menu.
+        let name = Rect::from_min_max(
+            egui::pos2(brush.view.to_screen(shape.at).x + rect.height(), rect.top()),
+            egui::pos2(rect.left(), rect.bottom()),
+        );
+        let name = name.intersect(brush.view.screen);
+        let name = ui.interact(name, ui.id().with(("name", node, path)), Sense::click());
+        name.context_menu(|ui| param_menu(ui, node, row, actions));
+        if name.clicked() && !row.is_linked {
+            self.open_param = Some(param::OpenParam::new(node, path, rect));
+            actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
+        }
+        name.on_hover_text(row.spec.doc);
         let response =
             ui.interact(rect, ui.id().with(("param", node, path)), Sense::click_and_drag());
         response.widget_info(|| {
             WidgetInfo::labeled(WidgetType::Button, true, format!("{node}.{path}: {}", row.value))
         });
-        if response.dragged() {
-            let (node, param) = (node.to_owned(), path.to_owned());
-            response.dnd_set_drag_payload(DraggedParam { node, param });
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            let item = Item::Node(node.to_owned());
+            self.start_drag(ui, brush, scene, shape, &item, actions);
         }
         if response.clicked() && !row.is_linked {
             self.open_param = Some(param::OpenParam::new(node, path, rect));
@@ -101,18 +177,7 @@ impl Canvas {
             };
             response.clone().on_hover_text(format!("{}\n{how}", row.spec.doc));
         }
-        response.context_menu(|ui| {
-            if ui.button("Vary in the program").clicked() {
-                actions.push(Action::Vary(node.to_owned(), path.to_owned()));
-            }
-            if row.is_set
-                && row.spec.default_setting().is_some()
-                && ui.button("Back to the default").clicked()
-            {
-                let event = FormEvent::Set { path: path.to_owned(), value: None };
-                actions.push(Action::Form(node.to_owned(), event));
-            }
-        });
+        response.context_menu(|ui| param_menu(ui, node, row, actions));
     }
 
     #[expect(clippy::too_many_arguments)] // One caller, and all of it is of the moment.
@@ -127,8 +192,7 @@ impl Canvas {
         actions: &mut Vec<Action>,
     ) {
         let at = brush.view.to_screen(shape.at + port.offset);
-        let size = (14.0 * brush.view.camera.zoom).max(8.0);
-        let rect = Rect::from_center_size(at, egui::Vec2::splat(size));
+        let rect = Rect::from_center_size(at, egui::Vec2::splat(port_size(brush)));
         if !brush.view.screen.intersects(rect) {
             return;
         }
@@ -139,14 +203,8 @@ impl Canvas {
             WidgetInfo::labeled(WidgetType::Button, true, format!("{side} {}", port.at))
         });
         if response.drag_started_by(egui::PointerButton::Primary) {
-            // On a slow frame the pointer has gone on to another port since it was pressed.
-            let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
-            let ports = if is_output { &shape.outputs } else { &shape.inputs };
-            let distance =
-                |port: &&Port| (brush.view.to_screen(shape.at + port.offset) - pressed).length();
-            let nearest = ports.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let start = nearest.map_or(&port.at, |port| &port.at);
-            self.gesture = Gesture::start_link(start, is_output, scene);
+            let item = Item::Node(port.at.node.clone());
+            self.start_drag(ui, brush, scene, shape, &item, actions);
         }
         if response.clicked() && is_output {
             actions.push(Action::Pin(port.at.clone()));

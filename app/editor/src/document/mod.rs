@@ -15,6 +15,7 @@ mod files;
 mod fit;
 mod history;
 mod names;
+mod paths;
 mod rename;
 
 use std::cell::OnceCell;
@@ -33,6 +34,7 @@ pub use edit::{Alignment, Applied, Direction, Edit, EditError, Item};
 pub use extras::{Extras, Frame, Note, Reroute};
 pub use files::{Recovered, Recovery};
 pub use fit::fits;
+pub use paths::{move_paths, written_path};
 
 use draft::Draft;
 use history::History;
@@ -132,6 +134,15 @@ impl Document {
             Item::Reroute(name) => self.extras.reroutes.get(name).map(|reroute| reroute.at),
             Item::Node(_) | Item::Link(_) => None,
         }
+    }
+
+    /// Everything that is drawn but links.
+    pub fn all_items(&self) -> Vec<Item> {
+        let nodes = self.map.nodes.keys().cloned().map(Item::Node);
+        let frames = self.extras.frames.keys().cloned().map(Item::Frame);
+        let notes = self.extras.notes.keys().cloned().map(Item::Note);
+        let reroutes = self.extras.reroutes.keys().cloned().map(Item::Reroute);
+        nodes.chain(frames).chain(notes).chain(reroutes).collect()
     }
 
     /// A name for a new node of a module, which no node has.

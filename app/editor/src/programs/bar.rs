@@ -120,7 +120,8 @@ impl ProgramPanel {
                         false => button_if(ui, !is_stopping, "\u{23f8} Pause", "Pause", ""),
                     };
                     let pause = pause.on_hover_text("Steps that run come to their end; no new one starts.");
-                    if let Some(job) = self.job.as_ref().filter(|_| pause.clicked()) {
+                    let job = self.job.as_ref().filter(|job| pause.clicked() && !job.has_just_begun());
+                    if let Some(job) = job {
                         job.pause(!is_paused);
                     }
                     let stop = button_if(ui, !is_stopping, "\u{23f9} Stop", "Stop", "stopping");
@@ -235,11 +236,22 @@ impl ProgramPanel {
             let is_checked = self.being_checked.is_none();
             return if is_checked { "no steps yet" } else { "being checked" }.to_owned();
         }
+        if self.checked.as_ref().is_some_and(|checked| checked.program.is_none()) {
+            return "cannot run as it stands; below are the results of before".to_owned();
+        }
         let n_failed = self.failed_rows().count();
         let n_done = rows.iter().filter(|row| row.state == State::Done).count();
         let mut words = vec![count(rows.len(), "step")];
         words.extend((n_done > 0).then(|| format!("{n_done} done")));
         words.extend((n_failed > 0).then(|| format!("{n_failed} failed")));
+        let n_steps = self.sheet.program.as_ref().map_or(0, |program| program.steps.len());
+        let n_same = n_steps.saturating_sub(rows.len());
+        words.extend((n_same > 0).then(|| {
+            format!(
+                "{} the same as another and counted once",
+                if n_same == 1 { "1 is".to_owned() } else { format!("{n_same} are") }
+            )
+        }));
         words.join(" \u{b7} ")
     }
 

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::Color32;
 
-use super::results::{Sheet, Source};
+use super::results::{Sheet, Source, State};
 
 /// Quotients of the largest and smallest number for which a logarithmic axis shows more. Beyond
 /// them the smallest is a rounding error, which would take up most of the axis.
@@ -94,7 +94,8 @@ pub fn default_y(sheet: &Sheet, x: usize) -> Option<usize> {
         let is_output = matches!(column.source, Source::Output(..));
         *place != x && is_output && column.is_number && column.is_chief
     };
-    let time = || sheet.column("seconds").filter(|place| sheet.columns[*place].is_number);
+    let is_free = |place: &usize| *place != x && sheet.columns[*place].is_number;
+    let time = || sheet.column("seconds").filter(is_free);
     (0..sheet.columns.len()).find(is_chief).or_else(time)
 }
 
@@ -122,7 +123,8 @@ pub fn curves(sheet: &Sheet, choice: Choice) -> Vec<Curve> {
     let mut names: Vec<&str> = Vec::new();
     let mut found: HashMap<Vec<&str>, usize> = HashMap::new();
     let mut curves: Vec<Curve> = Vec::new();
-    for (row, of_row) in sheet.rows.iter().enumerate() {
+    let ended = sheet.rows.iter().enumerate().filter(|(_, row)| row.state == State::Done);
+    for (row, of_row) in ended {
         let text = |place: usize| of_row.cells[place].text.as_str();
         let (Some(x), Some(y)) = (sheet.number(row, choice.x), sheet.number(row, choice.y)) else {
             continue;

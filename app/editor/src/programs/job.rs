@@ -62,8 +62,10 @@ pub struct News {
     pub running: IndexMap<usize, RunningStep>,
     /// Steps that have ended.
     pub ended: Vec<Arc<StepRecord>>,
-    /// Whether no new step may start.
-    is_paused: bool,
+    /// Since when no new step may start.
+    paused_since: Option<Instant>,
+    /// How long that was so before.
+    paused: Duration,
 }
 
 /// A program under way.
@@ -72,6 +74,7 @@ pub struct Job {
     pub program: Arc<Program>,
     /// How.
     pub how: How,
+    started: Instant,
     cancel: CancelToken,
     shared: Arc<(Mutex<News>, Condvar)>,
 }
@@ -85,7 +88,8 @@ impl Job {
         outbox: Sender<Message>,
         wake: Wake,
     ) -> Self {
-        let job = Self { program, how, cancel: CancelToken::new(), shared: Arc::default() };
+        let (started, cancel) = (Instant::now(), CancelToken::new());
+        let job = Self { program, how, started, cancel, shared: Arc::default() };
         let (program, cancel) = (Arc::clone(&job.program), job.cancel.clone());
         let shared = Arc::clone(&job.shared);
         std::thread::spawn(move || {
@@ -110,13 +114,27 @@ impl Job {
 
     /// Lets no new step start, or lets them start again. Steps that run come to their end.
     pub fn pause(&self, is_paused: bool) {
-        lock(&self.shared.0).is_paused = is_paused;
+        let mut news = lock(&self.shared.0);
+        let before = news.paused_since.take();
+        news.paused += before.map_or(Duration::ZERO, |since| since.elapsed());
+        news.paused_since = is_paused.then(Instant::now);
         self.shared.1.notify_all();
+    }
+
+    /// For how long new steps have waited in all.
+    pub fn paused_for(&self) -> Duration {
+        let news = lock(&self.shared.0);
+        news.paused + news.paused_since.map_or(Duration::ZERO, |since| since.elapsed())
+    }
+
+    /// Whether it has just begun: the second click of a double click on Run is none on Pause.
+    pub fn has_just_begun(&self) -> bool {
+        self.started.elapsed() < Duration::from_millis(500)
     }
 
     /// Whether new steps wait.
     pub fn is_paused(&self) -> bool {
-        lock(&self.shared.0).is_paused
+        lock(&self.shared.0).paused_since.is_some()
     }
 
     /// Stops: steps that run are given up, finished ones are kept.
@@ -178,7 +196,7 @@ fn hear(event: &ProgramEvent, (news, changed): &(Mutex<News>, Condvar), cancel: 
     let mut news = lock(news);
     match event {
         ProgramEvent::StepStarted { place, .. } => {
-            while news.is_paused && !cancel.is_cancelled() {
+            while news.paused_since.is_some() && !cancel.is_cancelled() {
                 let waited = changed.wait_timeout(news, Duration::from_millis(100));
                 news = waited.map_or_else(|poisoned| poisoned.into_inner().0, |(news, _)| news);
             }

@@ -227,7 +227,7 @@ impl ProgramPanel {
         &mut self,
         outcome: Result<(ProgramOutcome, Option<Result<PathBuf, String>>), String>,
     ) {
-        self.job = None;
+        let paused = self.job.take().map_or(Duration::ZERO, |job| job.paused_for());
         self.running.clear();
         // What became of single steps, the store knows best.
         self.checked = None;
@@ -236,7 +236,8 @@ impl ProgramPanel {
             Ok((_, Some(Err(error)))) => self.complain(format!("no report: {error}")),
             Ok((outcome, _)) => {
                 let ProgramOutcome { ran, failed, missing, seconds, .. } = outcome;
-                let time = pace::in_words(Duration::from_secs_f64(seconds.max(0.0)));
+                let seconds = (seconds - paused.as_secs_f64()).max(0.0);
+                let time = in_words(Duration::from_secs_f64(seconds));
                 let mut text = format!("{} run in {time}", widgets::count(ran, "step"));
                 if failed > 0 {
                     text.push_str(&format!(", {failed} failed"));

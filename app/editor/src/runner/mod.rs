@@ -21,6 +21,9 @@ pub use check::{Checked, Part};
 pub use log::{Line, Log, Loudness};
 pub use status::{Status, seconds_text};
 
+/// Nodes that were removed, and whose results are kept for the case of an undo.
+const MOST_GONE: usize = 64;
+
 /// What all runs of the window share.
 pub struct Shared {
     /// The modules.
@@ -209,6 +212,11 @@ impl Runner {
         self.ended.get(node)
     }
 
+    /// Seconds that a node took when it ran last, as it was then.
+    pub fn seconds(&self, node: &str) -> Option<f64> {
+        self.ended.get(node)?.record.seconds
+    }
+
     /// What became of all nodes that ran, in the order in which they ended.
     pub fn all_ended(&self) -> impl Iterator<Item = (&str, &Ended)> {
         self.ended.iter().map(|(name, ended)| (name.as_str(), ended))
@@ -258,7 +266,13 @@ impl Runner {
                 self.end(node, *ended);
             }
             Message::Finished => {
-                self.last_run = self.job.take().map(|job| job.started.elapsed());
+                let Some(job) = self.job.take() else { return };
+                let time = job.started.elapsed();
+                self.last_run = Some(time);
+                let n_nodes = job.nodes.values().filter(|share| **share == Some(1.0)).count();
+                let nodes = if n_nodes == 1 { "node" } else { "nodes" };
+                let text = format!("ran {n_nodes} {nodes} in {}", seconds_text(time.as_secs_f64()));
+                self.log.add(Line::of(None, Loudness::Note, text));
             }
         }
     }
@@ -277,6 +291,13 @@ impl Runner {
             }
             // A node that was stopped keeps what it had before.
             NodeStatus::Stopped if self.ended.contains_key(&node) => return,
+            NodeStatus::Done => {
+                let done = match (ended.record.cached.is_some(), ended.record.seconds) {
+                    (false, Some(seconds)) => format!("done in {}", seconds_text(seconds)),
+                    _ => "taken from an earlier run".to_owned(),
+                };
+                self.log.add(Line::of(Some(&node), Loudness::Note, done));
+            }
             _ => {}
         }
         self.ended.shift_remove(&node);
@@ -290,9 +311,21 @@ impl Runner {
         }
     }
 
-    /// Drops what is known of nodes that are no longer there, and the values that it holds.
+    /// Drops what is known of nodes that have become other modules, and of nodes that are no longer
+    /// there, but for the last few: they come back when their removal is undone.
     pub fn forget_all_but(&mut self, map: &Map) {
-        self.ended.retain(|name, _| map.nodes.contains_key(name));
+        let mut n_gone = 0;
+        let mut kept = std::mem::take(&mut self.ended);
+        kept.reverse();
+        kept.retain(|name, ended| match map.nodes.get(name) {
+            Some(node) => node.module == ended.record.module,
+            None => {
+                n_gone += 1;
+                n_gone <= MOST_GONE
+            }
+        });
+        kept.reverse();
+        self.ended = kept;
     }
 }
 

@@ -55,11 +55,11 @@ fn a_change_makes_old_what_hangs_on_it_and_undoing_it_makes_it_new_again() {
     runner.run(subject(MAP, 1), Part::All);
     wait(&mut runner, |runner| !runner.is_running());
     let changed =
-        MAP.replace(r#""module": "Box""#, r#""module": "Box", "params": { "faces": 48 }"#);
+        MAP.replace(r#""module": "Box""#, r#""module": "Box", "params": { "segments": 4 }"#);
     runner.check(subject(&changed, 2));
     wait(&mut runner, |runner| runner.checked().revision == 2);
-    assert!(matches!(runner.status("box"), Status::Dirty | Status::Refused(_)));
-    assert!(!matches!(runner.status("info"), Status::Done(_)));
+    assert_eq!(runner.status("box"), Status::Dirty);
+    assert_eq!(runner.status("info"), Status::Dirty);
     runner.check(subject(MAP, 3));
     wait(&mut runner, |runner| runner.checked().revision == 3);
     assert!(matches!(runner.status("info"), Status::Done(_)));
@@ -92,4 +92,19 @@ fn a_run_that_is_stopped_ends_soon_and_a_new_one_takes_its_place() {
     runner.run(subject(MAP, 2), Part::All);
     wait(&mut runner, |runner| !runner.is_running());
     assert!(matches!(runner.status("info"), Status::Done(_)));
+}
+
+#[test]
+fn what_was_removed_is_known_again_when_it_comes_back() {
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(MAP, 1), Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    let said: Vec<&str> = runner.log.lines().map(|line| line.text.as_str()).collect();
+    assert!(said.last().is_some_and(|text| text.starts_with("ran 2 nodes in ")), "{said:?}");
+    runner.forget_all_but(&Map::default());
+    runner.forget_all_but(&subject(MAP, 2).map);
+    assert!(runner.value("box", "mesh").is_some());
+    // Of one name, but another module.
+    runner.forget_all_but(&subject(&MAP.replace("\"Box\"", "\"Vase\""), 3).map);
+    assert!(runner.value("box", "mesh").is_none());
 }

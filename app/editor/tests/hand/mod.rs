@@ -180,14 +180,57 @@ impl Hand {
         self.press(Key::Enter);
     }
 
+    /// Types into what has the focus.
+    pub fn type_text(&mut self, text: &str) {
+        self.event(egui::Event::Text(text.to_owned()));
+        self.step();
+    }
+
+    /// Types into a field in place of what it holds.
+    pub fn replace_text(&mut self, name: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::TextInput, name).click();
+        self.step();
+        self.press_with(Modifiers::COMMAND, Key::A);
+        self.type_text(text);
+    }
+
     /// Types into a field of a number, in place of what it shows, and leaves it.
     pub fn type_number(&mut self, name: &str, text: &str) {
         self.harness.get_by_role_and_label(Role::SpinButton, name).click();
         self.step();
         self.press_with(Modifiers::COMMAND, Key::A);
-        self.event(egui::Event::Text(text.to_owned()));
-        self.step();
+        self.type_text(text);
         self.press(Key::Enter);
+    }
+
+    /// Moves the pointer to a place within what has this name: shares of its width and height.
+    pub fn point_within(&mut self, name: &str, x: f32, y: f32) -> Pos2 {
+        let at = self.harness.get_by_label(name).rect().lerp_inside(Vec2::new(x, y));
+        self.harness.hover_at(at);
+        self.step();
+        at
+    }
+
+    /// Clicks a place within what has this name.
+    pub fn click_at(&mut self, name: &str, x: f32, y: f32) {
+        let at = self.point_within(name, x, y);
+        self.harness.drag_at(at);
+        self.step();
+        self.harness.drop_at(at);
+        self.step();
+    }
+
+    /// Clicks twice what has this name.
+    pub fn double_click(&mut self, name: &str) {
+        let at = self.place_of(name);
+        self.harness.hover_at(at);
+        for _ in 0..2 {
+            self.harness.drag_at(at);
+            self.harness.step();
+            self.harness.drop_at(at);
+            self.harness.step();
+        }
+        self.step();
     }
 
     /// Drags from one thing to another.

@@ -1,0 +1,92 @@
+//! Paths of input files in a map that moves to another folder.
+
+use std::path::{Path, PathBuf, absolute};
+
+use mve_core::{Kind, Map, Registry};
+use serde_json::Value as Json;
+
+use super::edit::Edit;
+
+/// A path as a map in a folder writes it: relative where it lies below, with `/` between its parts.
+pub fn written_path(path: &Path, folder: Option<&Path>) -> String {
+    let path = absolute(path).unwrap_or_else(|_| path.to_owned());
+    let below = folder.and_then(|folder| path.strip_prefix(absolute(folder).ok()?).ok());
+    below.unwrap_or(&path).to_string_lossy().replace('\\', "/")
+}
+
+/// The edits after which the relative paths of a map, moved from one folder to another, name the
+/// files that they named before. Paths to where no file is stay as they are.
+pub fn move_paths(map: &Map, registry: &Registry, from: &Path, to: &Path) -> Vec<Edit> {
+    let moved = |json: &Json| {
+        let old = Path::new(json.as_str()?);
+        let file: PathBuf = from.join(old);
+        let is_moved = old.is_relative() && file.is_file();
+        is_moved.then(|| Json::from(written_path(&file, Some(to)))).filter(|new| new != json)
+    };
+    let is_input = |node: &str, param: &str| {
+        let info = map.nodes.get(node).and_then(|node| registry.find(&node.module));
+        let spec = info.and_then(|info| info.module.params.iter().find(|spec| spec.name == param));
+        spec.is_some_and(|spec| matches!(spec.kind, Kind::InputFile { .. }))
+    };
+    let mut edits = Vec::new();
+    for (node, content) in &map.nodes {
+        for (path, json) in content.params.iter().filter(|(param, _)| is_input(node, param)) {
+            if let Some(value) = moved(json) {
+                let (node, path, value) = (node.clone(), path.clone(), Some(value));
+                edits.push(Edit::SetParam { node, path, value });
+            }
+        }
+    }
+    let is_varied = |path: &str| path.split_once('.').is_some_and(|(n, p)| is_input(n, p));
+    for (name, spec) in &map.programs {
+        let mut changed = spec.clone();
+        let in_axes = changed.axes.iter_mut().flatten().filter(|(path, _)| is_varied(path));
+        let in_axes = in_axes.flat_map(|(_, values)| values);
+        let in_steps = changed.steps.iter_mut().flatten().filter(|(path, _)| is_varied(path));
+        for value in in_axes.chain(in_steps.map(|(_, value)| value)) {
+            *value = moved(value).unwrap_or_else(|| value.take());
+        }
+        if changed != *spec {
+            edits.push(Edit::SetProgram { name: name.clone(), spec: Some(changed) });
+        }
+    }
+    edits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_found_from_the_new_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let [old, new] = ["old", "new"].map(|name| folder.path().join(name));
+        for file in [old.join("a.obj"), new.join("b.obj")] {
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, "v 0 0 0").unwrap();
+        }
+        let map = Map::parse(
+            r#"{"mve": 1, "nodes": {
+                "one": {"module": "ObjLoader", "params": {"path": "a.obj"}},
+                "two": {"module": "ObjLoader", "params": {"path": "../new/b.obj"}},
+                "gone": {"module": "ObjLoader", "params": {"path": "gone.obj"}},
+                "out": {"module": "ObjSaver", "params": {"path": "a.obj"}}},
+                "programs": {"p": {"axes": [{"one.path": ["a.obj", "gone.obj"], "out.path": ["a.obj", "b"]}]}}}"#,
+        );
+        let mut document = crate::document::Document::from_text(&map.unwrap().to_text()).unwrap();
+        let registry = mve_modules::registry();
+        let edits = move_paths(document.map(), &registry, &old, &new);
+        document.apply(&edits, &registry).unwrap();
+        let path = |node: &str| document.map().nodes[node].params["path"].as_str().unwrap();
+        let a = old.join("a.obj").to_string_lossy().replace('\\', "/");
+        assert_eq!(path("one"), a);
+        assert_eq!([path("gone"), path("out")], ["gone.obj", "a.obj"]);
+        // It names the same file as before, by whatever path.
+        let two = new.join(path("two")).canonicalize().unwrap();
+        assert_eq!(two, new.join("b.obj").canonicalize().unwrap());
+        let axis = &document.map().programs["p"].axes[0];
+        assert_eq!(axis["one.path"], [Json::from(a), Json::from("gone.obj")]);
+        assert_eq!(axis["out.path"], ["a.obj", "b"]);
+        assert_eq!(move_paths(document.map(), &registry, &new, &new), []);
+    }
+}
