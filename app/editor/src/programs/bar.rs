@@ -120,8 +120,9 @@ impl ProgramPanel {
                         false => button_if(ui, !is_stopping, "\u{23f8} Pause", "Pause", ""),
                     };
                     let pause = pause.on_hover_text("Steps that run come to their end; no new one starts.");
-                    let job = self.job.as_ref().filter(|job| pause.clicked() && !job.has_just_begun());
-                    if let Some(job) = job {
+                    // The second click of a double click on Run is none on Pause.
+                    let is_clicked = pause.clicked() && !pause.double_clicked();
+                    if let Some(job) = self.job.as_ref().filter(|_| is_clicked) {
                         job.pause(!is_paused);
                     }
                     let stop = button_if(ui, !is_stopping, "\u{23f9} Stop", "Stop", "stopping");

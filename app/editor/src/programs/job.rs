@@ -74,7 +74,6 @@ pub struct Job {
     pub program: Arc<Program>,
     /// How.
     pub how: How,
-    started: Instant,
     cancel: CancelToken,
     shared: Arc<(Mutex<News>, Condvar)>,
 }
@@ -88,8 +87,7 @@ impl Job {
         outbox: Sender<Message>,
         wake: Wake,
     ) -> Self {
-        let (started, cancel) = (Instant::now(), CancelToken::new());
-        let job = Self { program, how, started, cancel, shared: Arc::default() };
+        let job = Self { program, how, cancel: CancelToken::new(), shared: Arc::default() };
         let (program, cancel) = (Arc::clone(&job.program), job.cancel.clone());
         let shared = Arc::clone(&job.shared);
         std::thread::spawn(move || {
@@ -125,11 +123,6 @@ impl Job {
     pub fn paused_for(&self) -> Duration {
         let news = lock(&self.shared.0);
         news.paused + news.paused_since.map_or(Duration::ZERO, |since| since.elapsed())
-    }
-
-    /// Whether it has just begun: the second click of a double click on Run is none on Pause.
-    pub fn has_just_begun(&self) -> bool {
-        self.started.elapsed() < Duration::from_millis(500)
     }
 
     /// Whether new steps wait.

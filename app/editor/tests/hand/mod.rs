@@ -55,7 +55,12 @@ impl Hand {
         };
         let size = Vec2::new(1500.0, 950.0);
         let harness =
-            Harness::builder().with_size(size).renderer(renderer).build_ui_state(draw, None);
+            // Frames as short as those of a screen, for what a hand does twice within a moment.
+            Harness::builder()
+                .with_size(size)
+                .with_step_dt(1.0 / 30.0)
+                .renderer(renderer)
+                .build_ui_state(draw, None);
         Self { harness, output_folder }
     }
 
@@ -224,6 +229,8 @@ impl Hand {
     pub fn double_click(&mut self, name: &str) {
         let at = self.place_of(name);
         self.harness.hover_at(at);
+        // So long that clicks before do not count along.
+        self.harness.run_steps(30);
         for _ in 0..2 {
             self.harness.drag_at(at);
             self.harness.step();
