@@ -12,10 +12,10 @@ const EDITOR: &str = "mve-editor";
 /// Open maps in the window
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  mve edit                              open the window on an example
+  mve edit                              the maps of the last time, or an example
   mve edit maps/simplify_and_measure.json")]
 pub struct Args {
-    /// The maps; without one, an example
+    /// The maps; without one, those of the last time, or an example
     maps: Vec<PathBuf>,
 }
 

@@ -47,13 +47,13 @@ fn main() {
     hand.click("\u{25b6} Run");
     hand.wait_for_the_run();
     hand.unpin_all();
-    hand.click("node simplify");
+    hand.click_at("node simplify", 0.5, 0.05);
     save(&mut hand, &folder, "map.png");
 
     hand.pin("simplify", "mesh");
     hand.pin("compare", "simplified_field");
     hand.wait_for_the_views();
-    hand.click("node compare");
+    hand.click_at("node compare", 0.5, 0.05);
     hand.wait_for_the_views();
     save(&mut hand, &folder, "error_field.png");
 

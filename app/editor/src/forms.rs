@@ -224,6 +224,7 @@ impl Field<'_> {
         if let (Some((from, to)), false) = (soft, is_off) {
             ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
             let slider = Slider::new(&mut changed, from..=to).show_value(false);
+            let slider = slider.logarithmic(spans_decades(from.to_f64(), to.to_f64()));
             ui.add(slider.clamping(SliderClamping::Never));
         }
         let typed = typed.take().filter(|text| !text.is_empty() && *text != shown);
@@ -410,7 +411,11 @@ fn some_value(spec: &ParamSpec) -> Json {
 
 /// The middle of a range: the geometric one where it spans decades.
 fn middle(from: f64, to: f64) -> f64 {
-    if from > 0.0 && to > 100.0 * from { (from * to).sqrt() } else { from + (to - from) / 2.0 }
+    if spans_decades(from, to) { (from * to).sqrt() } else { from + (to - from) / 2.0 }
+}
+
+fn spans_decades(from: f64, to: f64) -> bool {
+    from > 0.0 && to > 100.0 * from
 }
 
 /// The id in the JSON of a choice.

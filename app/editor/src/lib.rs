@@ -33,9 +33,11 @@ pub fn open_window(registry: Registry, maps: Vec<PathBuf>) -> Result<(), String>
     let create: eframe::AppCreator = Box::new(move |creation| {
         let stored = creation.storage.and_then(|storage| storage.get_string(SETTINGS));
         let settings: Option<Settings> = stored.and_then(|text| serde_json::from_str(&text).ok());
+        let settings = settings.unwrap_or_default();
+        let before = settings.open.iter().filter(|map| map.is_file()).cloned();
         let start = Start {
-            settings: settings.unwrap_or_default(),
-            maps,
+            maps: if maps.is_empty() { before.collect() } else { maps },
+            settings,
             recovery: eframe::storage_dir("mve").map(|folder| folder.join("unsaved")),
             render: creation.wgpu_render_state.clone(),
             output_folder: None,

@@ -8,7 +8,7 @@ Opens maps of mve in a window: build, run and look at them.
 
 Usage: mve-editor [MAP]...
 
-Without a map, the window opens on an example.
+Without a map, the window opens those of the last time, or an example.
 
 Options:
   -h, --help     print this

@@ -6,6 +6,7 @@ mod console;
 mod dialogs;
 mod files;
 mod inspector;
+mod panels;
 mod session;
 mod settings;
 mod top;
@@ -14,11 +15,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
+use eframe::egui::{self, Ui};
 use eframe::egui_wgpu::RenderState;
 use mve_core::{MapError, Registry};
 
-use crate::canvas::{Action, Scene};
+use crate::canvas::Action;
 use crate::catalog::Catalog;
 use crate::document::{Document, Recovery};
 use crate::programs;
@@ -32,12 +33,6 @@ const EXAMPLE: &str = include_str!("../../../../maps/simplify_and_measure.json")
 
 /// Bytes of values that the window keeps for the next run.
 const CACHE: usize = 2 << 30;
-
-/// Width of the window in points below which the inspector would take the canvas its room.
-const NARROW: f32 = 620.0;
-
-/// How long a message stays.
-const TOAST: Duration = Duration::from_secs(6);
 
 /// How often files on disk are looked at, and the map is saved for the case of a crash.
 const LOOK_AT_FILES: Duration = Duration::from_secs(2);
@@ -282,7 +277,7 @@ impl Editor {
         self.hint(ui);
         self.boxes(ui, &mut wishes);
         self.show_toasts(ui);
-        show_dragged(ui);
+        panels::show_dragged(ui);
         self.guard_close(ui.ctx());
         self.name_window(ui.ctx());
         // What was being typed counts before what a key asks for.
@@ -293,117 +288,6 @@ impl Editor {
             // So that times and bars move; what happens wakes the window by itself.
             ui.ctx().request_repaint_after(Duration::from_millis(100));
         }
-    }
-
-    fn lower(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let mut is_open = self.is_lower_open;
-        // A program needs more room than the log; each keeps the height that it was given.
-        let (name, height) = match self.lower {
-            Lower::Program => ("program", 400.0),
-            Lower::Console | Lower::Values => ("lower", 230.0),
-        };
-        // Whatever the window's size, some of the canvas stays in sight.
-        let most = (ui.available_height() * 0.65).max(90.0);
-        let panel = Panel::bottom(self.for_this_size(ui, name)).resizable(true);
-        let panel = panel.default_size(height);
-        let panel = panel.min_size(90.0).max_size(most);
-        panel.show_collapsible(ui, &mut is_open, |ui| {
-            let Self { sessions, active, lower, console, shared, .. } = self;
-            let session = &mut sessions[*active];
-            match lower {
-                Lower::Console => console.show(ui, session, wishes),
-                Lower::Values => console::values(ui, session, shared, wishes),
-                Lower::Program => {
-                    let (programs, scene) = session.programs(shared);
-                    let actions = programs.show(ui, &scene);
-                    wishes.extend(actions.into_iter().map(Wish::Program));
-                }
-            }
-        });
-        self.is_lower_open = is_open;
-    }
-
-    /// The name under which the height of a panel is remembered: in another room it has another one,
-    /// so that a small window does not leave small panels behind.
-    fn for_this_size(&self, ui: &Ui, name: &str) -> egui::Id {
-        let rooms = (ui.ctx().content_rect().height() / 120.0) as u32;
-        egui::Id::new((name, rooms, self.is_lower_open.then_some(self.lower)))
-    }
-
-    fn right(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let width = ui.available_width();
-        if !self.settings.has_inspector || width < NARROW {
-            return;
-        }
-        let panel = Panel::right("inspector").resizable(true).default_size(330.0);
-        panel.min_size(200.0).max_size(width * 0.5).show(ui, |ui| {
-            // Long rows scroll; they must not push the canvas aside.
-            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-                inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
-            });
-        });
-    }
-
-    fn middle(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let has_pins = !self.session().pinned.is_empty();
-        if self.middle == Middle::Both && has_pins {
-            let height = ui.available_height();
-            let panel = Panel::bottom(self.for_this_size(ui, "viewer")).resizable(true);
-            let panel = panel.default_size(height * 0.5).min_size(height.min(120.0));
-            let panel = panel.max_size(height * 0.7);
-            panel.show(ui, |ui| self.viewer(ui, wishes));
-        }
-        if self.middle == Middle::Viewer && has_pins {
-            CentralPanel::default().show(ui, |ui| self.viewer(ui, wishes));
-            return;
-        }
-        CentralPanel::no_frame().show(ui, |ui| {
-            files::disk_banner(self, ui);
-            let Self { sessions, active, shared, catalog, settings, .. } = self;
-            let session = &mut sessions[*active];
-            let pinned: Vec<_> = session.pinned.iter().cloned().collect();
-            let scene = Scene {
-                document: &session.document,
-                runner: &session.runner,
-                registry: &shared.registry,
-                catalog,
-                settings: &settings.canvas,
-                pinned: &pinned,
-            };
-            let actions = session.canvas.show(ui, &scene);
-            wishes.extend(actions.into_iter().map(Wish::Canvas));
-        });
-    }
-
-    fn viewer(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let render = self.render.clone();
-        let session = &mut self.sessions[self.active];
-        let pinned = session.pinned_values();
-        ui.push_id(session.document.id(), |ui| {
-            let action = session.viewer.show(ui, &pinned, render.as_ref());
-            if let Some(crate::views::ViewerAction::Unpin(place)) = action
-                && let Some(port) = session.pinned.get_index(place)
-            {
-                wishes.push(Wish::Canvas(Action::Pin(port.clone())));
-            }
-        });
-    }
-
-    fn show_toasts(&mut self, ui: &mut Ui) {
-        self.toasts.retain(|(since, _)| since.elapsed() < TOAST);
-        if self.toasts.is_empty() {
-            return;
-        }
-        ui.ctx().request_repaint_after(Duration::from_millis(500));
-        let area = egui::Area::new("messages".into()).order(egui::Order::Foreground);
-        area.anchor(egui::Align2::CENTER_BOTTOM, [0.0, -36.0]).show(ui.ctx(), |ui| {
-            for (_, text) in &self.toasts {
-                egui::Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_max_width(560.0);
-                    ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
-                });
-            }
-        });
     }
 
     /// Names the map that is shown in the title of the window.
@@ -474,23 +358,14 @@ impl Editor {
     }
 }
 
-/// Names the parameter that is on its way to the program, beside the pointer.
-fn show_dragged(ui: &Ui) {
-    let Some(dragged) = egui::DragAndDrop::payload::<programs::DraggedParam>(ui.ctx()) else {
-        return;
-    };
-    let id = ui.id().with("dragged");
-    let anchor = egui::PopupAnchor::Pointer;
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
-        .show(|ui| ui.label(format!("{}.{} into the program", dragged.node, dragged.param)));
-}
-
 impl eframe::App for Editor {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.show(ui);
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let open = self.sessions.iter().filter_map(|session| session.document.path());
+        self.settings.open = open.filter_map(|path| std::path::absolute(path).ok()).collect();
         if let Ok(text) = serde_json::to_string(&self.settings) {
             storage.set_string(crate::SETTINGS, text);
         }

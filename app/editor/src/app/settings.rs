@@ -29,6 +29,8 @@ pub struct Settings {
     pub has_inspector: bool,
     /// Maps that were open, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Maps that were open when the window was closed.
+    pub open: Vec<PathBuf>,
     /// Whether the hint for a first start was closed.
     pub has_seen_hint: bool,
 }
@@ -54,6 +56,7 @@ impl Default for Settings {
             runs_on_edit: false,
             has_inspector: true,
             recent: Vec::new(),
+            open: Vec::new(),
             has_seen_hint: false,
         }
     }

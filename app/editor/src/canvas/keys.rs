@@ -52,16 +52,18 @@ impl Canvas {
         let is_busy = self.search.is_some() || self.renaming.is_some() || self.open_param.is_some();
         // Elsewhere a letter may be meant for a field that is about to get the focus.
         let is_here = back.has_focus() || back.contains_pointer() || self.is_over_node(ui);
-        if is_typing || is_covered || is_busy || !is_here {
+        if is_typing || is_covered || is_busy {
             return;
         }
         let place = self.pointer_place(ui);
         let events = ui.input(|input| input.events.clone());
         for event in events {
             match event {
+                // Nothing else takes a part of a map.
+                Event::Paste(text) => actions.push(Action::Paste(text, place)),
+                _ if !is_here => {}
                 Event::Copy => actions.push(Action::Copy),
                 Event::Cut => actions.push(Action::Cut),
-                Event::Paste(text) => actions.push(Action::Paste(text, place)),
                 Event::Key { key, pressed: true, modifiers, .. } => {
                     self.key(ui, key, modifiers, scene, actions);
                 }
