@@ -145,10 +145,8 @@ impl Editor {
             }
             programs::Action::OpenFile(path) => {
                 let path = std::path::absolute(&path).unwrap_or(path);
-                self.toast(match open::that_detached(&path) {
-                    Ok(()) => format!("Opening {}", path.display()),
-                    Err(_) => format!("No program was found to open {}", path.display()),
-                });
+                self.toast(format!("Opening {}", path.display()));
+                self.dialogs.open_file(path, &self.shared);
             }
             programs::Action::RenameProgram { .. } if self.session().programs.has_results() => {
                 if let Some(edit) = edit_of(action) {

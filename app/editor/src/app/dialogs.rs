@@ -16,15 +16,19 @@ pub enum Purpose {
     SaveMap(u64),
     /// A parameter that names a file to read: number of the map, node, path of the parameter.
     Param(u64, String, String),
+    /// A file to be shown by another program.
+    Show(PathBuf),
 }
 
-/// What came of a dialog.
+/// What came of a dialog, or of opening a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
     /// This file was chosen.
     Chosen(PathBuf),
     /// It seems that the system has none.
     NoDialog,
+    /// No program of the system opened this file.
+    NotOpened(PathBuf),
 }
 
 /// A dialog that is closed sooner than this was never seen by anybody.
@@ -34,6 +38,7 @@ const TOO_SOON: Duration = Duration::from_millis(400);
 struct Dialog {
     purpose: Purpose,
     since: Instant,
+    /// The chosen file; for a file to be shown, the file once it is.
     answer: Receiver<Option<PathBuf>>,
 }
 
@@ -81,14 +86,29 @@ impl Dialogs {
         self.open.push(Dialog { purpose, since, answer: receiver });
     }
 
+    /// Has the system open a file or a folder.
+    pub fn open_file(&mut self, path: PathBuf, shared: &Arc<Shared>) {
+        let (sender, answer) = channel();
+        let (shared, since) = (Arc::clone(shared), Instant::now());
+        self.open.push(Dialog { purpose: Purpose::Show(path.clone()), since, answer });
+        std::thread::spawn(move || {
+            let opened = open::that(&path).is_ok();
+            // The window may be gone; then nobody waits for the answer.
+            let _ = sender.send(opened.then_some(path));
+            (shared.wake)();
+        });
+    }
+
     /// What came of dialogs since the last call. One that a person closed gives nothing.
     pub fn answers(&mut self) -> Vec<(Purpose, Answer)> {
         let mut answers = Vec::new();
         self.open.retain(|dialog| match dialog.answer.try_recv() {
             Ok(chosen) => {
-                let answer = match chosen {
-                    Some(path) => Some(Answer::Chosen(path)),
-                    None => (dialog.since.elapsed() < TOO_SOON).then_some(Answer::NoDialog),
+                let answer = match (chosen, &dialog.purpose) {
+                    (Some(_), Purpose::Show(_)) => None,
+                    (None, Purpose::Show(path)) => Some(Answer::NotOpened(path.clone())),
+                    (Some(path), _) => Some(Answer::Chosen(path)),
+                    (None, _) => (dialog.since.elapsed() < TOO_SOON).then_some(Answer::NoDialog),
                 };
                 answers.extend(answer.map(|answer| (dialog.purpose.clone(), answer)));
                 false

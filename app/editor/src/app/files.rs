@@ -213,8 +213,13 @@ impl Editor {
                     self.toast(NO_DIALOG);
                     continue;
                 }
+                Answer::NotOpened(path) => {
+                    self.toast(format!("No program was found to open {}", path.display()));
+                    continue;
+                }
             };
             match purpose {
+                Purpose::Show(_) => {}
                 Purpose::OpenMap => {
                     self.boxes.close_open();
                     self.open(&path);

@@ -67,10 +67,14 @@ impl Editor {
     pub(super) fn middle(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let has_pins = !self.session().pinned.is_empty();
         if self.middle == Middle::Both && has_pins {
-            let height = ui.available_height();
-            let panel = Panel::bottom(self.for_this_size(ui, "viewer")).resizable(true);
-            let panel = panel.default_size(height * 0.5).min_size(height.min(120.0));
-            let panel = panel.max_size(height * 0.7);
+            let room = ui.available_size();
+            // Side by side where there is more width than height, as above a program.
+            let (panel, all) = match room.x > 1.6 * room.y {
+                true => (Panel::right(self.for_this_size(ui, "viewer beside")), room.x),
+                false => (Panel::bottom(self.for_this_size(ui, "viewer")), room.y),
+            };
+            let panel = panel.resizable(true).default_size(all * 0.5);
+            let panel = panel.min_size(all.min(120.0)).max_size(all * 0.7);
             panel.show(ui, |ui| self.viewer(ui, wishes));
         }
         if self.middle == Middle::Viewer && has_pins {

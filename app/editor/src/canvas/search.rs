@@ -88,8 +88,9 @@ impl Search {
                     let wide = Layout::top_down_justified(Align::LEFT);
                     ui.with_layout(wide, |ui| {
                         for (place, hit) in hits.iter().enumerate() {
-                            let row = ui.selectable_label(place == self.chosen, text_of(hit, ui));
-                            if has_moved && place == self.chosen {
+                            let is_chosen = place == self.chosen;
+                            let row = ui.selectable_label(is_chosen, text_of(hit, is_chosen, ui));
+                            if has_moved && is_chosen {
                                 row.scroll_to_me(None);
                             }
                             if row.clicked() {
@@ -169,7 +170,7 @@ fn sort_ports(hits: &mut [Hit], end: &End, scene: &Scene) {
 }
 
 /// The module's id with the letters that were found, and its summary.
-fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
+fn text_of(hit: &Hit, is_chosen: bool, ui: &Ui) -> LayoutJob {
     let visuals = ui.visuals();
     let body = egui::TextStyle::Body.resolve(ui.style());
     let small = egui::TextStyle::Small.resolve(ui.style());
@@ -179,7 +180,11 @@ fn text_of(hit: &Hit, ui: &Ui) -> LayoutJob {
         let color = if is_found { visuals.warn_fg_color } else { visuals.strong_text_color() };
         job.append(&letter.to_string(), 0.0, TextFormat::simple(body.clone(), color));
     }
-    let weak = TextFormat::simple(small.clone(), visuals.weak_text_color());
+    let weak = match is_chosen {
+        true => visuals.selection.stroke.color,
+        false => visuals.weak_text_color(),
+    };
+    let weak = TextFormat::simple(small.clone(), weak);
     if let Some(port) = hit.port {
         let port = port.replace('_', " ");
         job.append(&format!("  {port}"), 0.0, TextFormat::simple(body, visuals.text_color()));
