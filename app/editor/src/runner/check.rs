@@ -27,6 +27,8 @@ pub struct Checked {
     pub problems: Vec<Problem>,
     /// Keys of the nodes that can run.
     pub keys: HashMap<String, Fingerprint>,
+    /// The first thing that is wrong with each node that has problems of its own.
+    pub faults: HashMap<String, String>,
     /// Nodes that cannot run only because of others, each with the reason.
     pub left_out: IndexMap<String, String>,
 }
@@ -72,8 +74,14 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
 impl Checked {
     fn add(&mut self, problems: &[Problem]) {
         for problem in problems {
-            if !self.problems.contains(problem) {
-                self.problems.push(problem.clone());
+            if self.problems.contains(problem) {
+                continue;
+            }
+            self.problems.push(problem.clone());
+            if let Some(node) = problem.place.node.clone().filter(|_| problem.is_error()) {
+                let port = problem.place.port.as_ref().map(|port| format!("{port}: "));
+                let text = || port.unwrap_or_default() + &problem.message;
+                self.faults.entry(node).or_insert_with(text);
             }
         }
     }

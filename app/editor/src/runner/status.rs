@@ -1,6 +1,6 @@
 //! What the window shows of a node's state.
 
-use mve_core::{NodeStatus, Severity};
+use mve_core::NodeStatus;
 
 use super::Runner;
 
@@ -86,12 +86,8 @@ impl Runner {
                 Some(_) => {}
             }
         }
-        let fault = |problem: &&mve_core::Problem| {
-            problem.severity == Severity::Error && problem.place.node.as_deref() == Some(node)
-        };
-        if let Some(problem) = self.checked.problems.iter().find(fault) {
-            let port = problem.place.port.as_ref().map(|port| format!("{port}: "));
-            return Status::Refused(port.unwrap_or_default() + &problem.message);
+        if let Some(why) = self.checked.faults.get(node) {
+            return Status::Refused(why.clone());
         }
         if let Some(why) = self.checked.left_out.get(node) {
             return Status::Refused(why.clone());
