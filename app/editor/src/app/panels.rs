@@ -104,7 +104,10 @@ impl Editor {
         let session = &mut self.sessions[self.active];
         let pinned = session.pinned_values();
         ui.push_id(session.document.id(), |ui| {
+            // All maps of a window are looked at in one way.
+            session.viewer.meshes.set_look(&self.settings.meshes);
             let action = session.viewer.show(ui, &pinned, render.as_ref());
+            self.settings.meshes = session.viewer.meshes.look();
             if let Some(crate::views::ViewerAction::Unpin(place)) = action
                 && let Some(port) = session.pinned.get_index(place)
             {

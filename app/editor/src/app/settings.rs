@@ -6,6 +6,7 @@ use eframe::egui;
 use serde::{Deserialize, Serialize};
 
 use crate::canvas::CanvasSettings;
+use crate::views::MeshLook;
 
 /// Most recent files that are kept.
 const MOST_RECENT: usize = 12;
@@ -21,6 +22,8 @@ pub struct Settings {
     pub canvas: CanvasSettings,
     /// Dark, light, or as the system has it.
     pub theme: Theme,
+    /// How meshes are shown.
+    pub meshes: MeshLook,
     /// Size of everything, 1 for the size that the system asks for.
     pub scale: f32,
     /// Whether what a change touches runs at once, savers excepted.
@@ -52,6 +55,7 @@ impl Default for Settings {
         Self {
             canvas: CanvasSettings::default(),
             theme: Theme::default(),
+            meshes: MeshLook::default(),
             scale: 1.0,
             runs_on_edit: false,
             has_inspector: true,

@@ -7,6 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 
 /// Half of the vertical field of view, as a tangent: 35° in all, which distorts little.
 const TAN_HALF_FOV: f64 = 0.315_298_788_878_983_4;
@@ -15,7 +16,7 @@ const TAN_HALF_FOV: f64 = 0.315_298_788_878_983_4;
 const MARGIN: f64 = 0.06;
 
 /// How depth becomes size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Projection {
     /// What is near looks larger.
     Perspective,
@@ -24,7 +25,7 @@ pub enum Projection {
 }
 
 /// The axis of the model that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum UpAxis {
     /// As in most OBJ files.
     Y,

@@ -8,6 +8,7 @@ use mve_modules::data::{Image, Images};
 use super::images_zoom::Zoom;
 use super::picture::{color_image, difference, rgb_at};
 use super::slot::{Same, Slot};
+use super::values;
 
 /// Pictures to show.
 #[derive(Clone, Debug)]
@@ -297,28 +298,8 @@ fn show_tile(
         let at: Vec2 = (pointer - place.min) / place.size() * size;
         *status = pixel_text(tiles, tile.image, [at.x as usize, at.y as usize]);
     }
-    let caption = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 8.0, 20.0));
-    let mut child = ui.new_child(egui::UiBuilder::new().max_rect(caption));
-    child.set_clip_rect(rect);
-    let mut is_unpinned = false;
-    egui::Frame::new().fill(child.visuals().window_fill().gamma_multiply(0.75)).show(
-        &mut child,
-        |ui| {
-            ui.horizontal(|ui| {
-                if tile.set.is_some() {
-                    let button = ui.small_button("×").on_hover_text("Take it out of this view");
-                    let label = format!("Unpin {}", tile.title);
-                    button.widget_info(|| {
-                        egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
-                    });
-                    is_unpinned = button.clicked();
-                }
-                let text = format!("{}, {} × {}", tile.title, tile.image.width, tile.image.height);
-                ui.add(egui::Label::new(text).selectable(false).truncate());
-            });
-        },
-    );
-    is_unpinned
+    let text = format!("{}, {} × {}", tile.title, tile.image.width, tile.image.height);
+    values::caption(ui, rect, &text, tile.set.map(|_| tile.title.as_str()))
 }
 
 /// The place of a pixel and its values in all pictures of that size.

@@ -2,6 +2,8 @@
 
 use eframe::egui::{self, Rect, Vec2, vec2};
 
+use super::wheel::wheel_factor;
+
 /// Zoom and place, shared by pictures side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zoom {
@@ -90,7 +92,7 @@ impl Zoom {
         }
         let Some(pointer) = response.hover_pos() else { return };
         let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        let factor = pinch * (wheel / 240.0).exp();
+        let factor = pinch * wheel_factor(f64::from(wheel)) as f32;
         if factor != 1.0 {
             self.zoom_at(factor, pointer - panel.center(), panel.size(), size, (relative, density));
             self.has_moved = true;

@@ -20,10 +20,12 @@ mod slot;
 mod table;
 mod table_plot;
 mod values;
+mod wheel;
 
 #[cfg(test)]
 mod tests;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::{self, Rect, pos2};
@@ -32,7 +34,9 @@ use mve_core::{Scalar, Value};
 use mve_modules::data::{Field, Images, Measures, TriMesh};
 
 pub use camera::{Camera, Projection, StandardView, UpAxis};
-pub use mesh::{Arrangement, BackFaces, ColorBy, MeshView, ScaleSettings, Settings, Spacing};
+pub use mesh::{
+    Arrangement, BackFaces, ColorBy, MeshLook, MeshView, ScaleSettings, Settings, Spacing,
+};
 pub use number::{brief_text, count_text, number_text};
 pub use table::{Column, Direction, Table, TableView};
 
@@ -62,6 +66,8 @@ pub struct Pinned {
     pub value: Option<Value>,
     /// How fresh it is, or why there is none.
     pub state: PortState,
+    /// Folders in which files may lie that the value names, such as textures.
+    pub folders: Vec<PathBuf>,
 }
 
 /// What the user wants of whoever shows the viewer.
@@ -128,7 +134,8 @@ impl Sorted {
             self.outdated.push(title.clone());
         }
         if let Some(mesh) = value.get::<TriMesh>() {
-            self.meshes.push((at, MeshInput { title, mesh }));
+            let folders = pinned.folders.clone();
+            self.meshes.push((at, MeshInput { title, mesh, folders }));
         } else if let Some(field) = value.get::<Field>() {
             self.fields.push((at, PinnedField { title, field }));
         } else if let Some(images) = value.get::<Images>() {

@@ -46,6 +46,13 @@ impl<K: PartialEq, T: Send + 'static> Slot<K, T> {
         }
     }
 
+    /// Makes the result at once, in this thread, when the wanted key differs from what is there.
+    pub fn make(&mut self, key: K, work: impl FnOnce() -> T) {
+        if self.made.as_ref().is_none_or(|(made_for, _)| *made_for != key) {
+            self.made = Some((key, Arc::new(work())));
+        }
+    }
+
     /// The latest result, perhaps for an earlier key.
     pub fn latest(&self) -> Option<Arc<T>> {
         self.made.as_ref().map(|(_, made)| Arc::clone(made))

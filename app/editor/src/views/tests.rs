@@ -9,7 +9,9 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use glam::DVec3;
 use image::RgbaImage;
-use mve_modules::data::{Domain, Image, Measure, PixelKind, VertexId};
+use mve_modules::data::{
+    Domain, Image, Layer, LayerValues, Material, Measure, PixelKind, VertexId,
+};
 use mve_modules::mesh::fixtures::{cube, mesh_of};
 
 use super::*;
@@ -21,7 +23,8 @@ struct Shown {
 }
 
 fn pinned(title: &str, value: Value) -> Pinned {
-    Pinned { title: title.to_owned(), value: Some(value), state: PortState::Ready }
+    let state = PortState::Ready;
+    Pinned { title: title.to_owned(), value: Some(value), state, folders: Vec::new() }
 }
 
 fn harness(pinned: Vec<Pinned>) -> Harness<'static, Shown> {
@@ -285,6 +288,7 @@ fn values_of_other_types_are_shown() {
         title: "save.file".to_owned(),
         value: None,
         state: PortState::Absent("not run yet".to_owned()),
+        folders: Vec::new(),
     };
     let list = vec![
         pinned("count.number", Value::new(1234.5)),
@@ -309,4 +313,52 @@ fn values_of_other_types_are_shown() {
     harness.get_by_label_contains("Picture difference × 4");
     harness.get_by_label("Sort by measure").click();
     settle(&mut harness);
+}
+
+/// The near square with a texture, the far one, which is seen around it, with a color.
+fn textured(file: &str) -> TriMesh {
+    let mut mesh = squares(DVec3::ONE, DVec3::ONE);
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(glam::DVec2::from);
+    let index = [0, 1, 2, 0, 2, 3].repeat(2);
+    let material = |name: &str, keyword: &str, text: &str| Material {
+        name: name.to_owned(),
+        statements: vec![(keyword.to_owned(), text.to_owned())],
+    };
+    mesh.materials = vec![material("front", "map_Kd", file), material("back", "Kd", "0 0 1")];
+    let names = vec!["front".to_owned(), "back".to_owned()];
+    for (name, domain, values, index) in [
+        (Layer::TEXCOORD, Domain::Corner, LayerValues::Vec2(corners.to_vec()), index),
+        (Layer::MATERIAL, Domain::Face, LayerValues::Label(names), vec![0, 0, 1, 1]),
+    ] {
+        mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
+    }
+    mesh
+}
+
+#[test]
+fn a_mesh_has_the_texture_that_its_material_names() {
+    let folder = tempfile::tempdir().unwrap();
+    // Red above, green below.
+    let color = |_, y| if y < 8 { [220, 20, 20] } else { [20, 220, 20] };
+    let texture = image::RgbImage::from_fn(16, 16, |x, y| image::Rgb(color(x, y)));
+    texture.save(folder.path().join("half.jpg")).unwrap();
+    let show = |file: &str| {
+        let mut mesh = pinned("squares.mesh", Value::new(textured(file)));
+        mesh.folders = vec![folder.path().to_owned()];
+        let mut harness = harness(vec![mesh]);
+        harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
+        let image = picture(&mut harness);
+        (harness, image)
+    };
+    let (_, image) = show("half.jpg");
+    let [r, g, b] = color_at(&image, 0.5, 0.5);
+    assert!(r > 130 && g < 70 && b < 70, "above: {r} {g} {b}");
+    let [r, g, b] = color_at(&image, 0.5, 0.65);
+    assert!(g > 130 && r < 70 && b < 70, "below: {r} {g} {b}");
+    let [r, g, b] = color_at(&image, 0.5, 0.8);
+    assert!(b > 130 && r < 70 && g < 70, "the color of a material without a texture: {r} {g} {b}");
+    let (harness, image) = show("gone.jpg");
+    harness.get_by_label_contains("texture gone.jpg is not there");
+    let [r, g, b] = color_at(&image, 0.5, 0.6);
+    assert!(r > 100 && (r - g).abs() < 25 && (g - b).abs() < 25, "plain: {r} {g} {b}");
 }

@@ -8,13 +8,22 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Key, Modifiers, Pos2, Vec2};
-use egui_kittest::Harness;
+use eframe::egui_wgpu::RenderState;
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, SnapshotOptions};
 use mve_core::Map;
 use mve_editor::app::{Editor, Session, Settings, Start};
 
 /// How long a run of a test may take.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// What a window is opened on.
+enum Maps {
+    /// Files; none for an empty map.
+    Files(Vec<PathBuf>),
+    /// The map that a first start shows.
+    Example,
+}
 
 /// A hand at a window without a display.
 pub struct Hand {
@@ -33,27 +42,39 @@ impl Hand {
         Self::with(folder, vec![map.to_owned()])
     }
 
+    /// A window of some size on the example, drawn by a certain rasteriser.
+    pub fn with_example(folder: &Path, render: RenderState, size: Vec2) -> Self {
+        Self::drawn_by(render, folder, Maps::Example, size)
+    }
+
     fn with(folder: &Path, maps: Vec<PathBuf>) -> Self {
-        let output_folder = folder.join("out");
-        let out = output_folder.clone();
         let setup = egui_kittest::wgpu::default_wgpu_setup();
         let render = egui_kittest::wgpu::create_render_state(
             setup,
             eframe::egui_wgpu::RendererOptions::PREDICTABLE,
         );
+        Self::drawn_by(render, folder, Maps::Files(maps), Vec2::new(1500.0, 950.0))
+    }
+
+    fn drawn_by(render: RenderState, folder: &Path, maps: Maps, size: Vec2) -> Self {
+        let output_folder = folder.join("out");
+        let out = output_folder.clone();
         let renderer = egui_kittest::wgpu::WgpuTestRenderer::from_render_state(render.clone());
         let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
             let start = || Start {
                 settings: Settings { has_seen_hint: true, ..Settings::default() },
                 output_folder: Some(out.clone()),
-                maps: maps.clone(),
+                maps: match &maps {
+                    Maps::Files(maps) => maps.clone(),
+                    Maps::Example => Vec::new(),
+                },
+                has_example: matches!(maps, Maps::Example),
                 render: Some(render.clone()),
                 ..Start::default()
             };
             let new = || Editor::new(ui.ctx(), mve_modules::registry(), start());
             editor.get_or_insert_with(new).show(ui);
         };
-        let size = Vec2::new(1500.0, 950.0);
         let harness =
             // Frames as short as those of a screen, for what a hand does twice within a moment.
             Harness::builder()
@@ -87,6 +108,11 @@ impl Hand {
     /// A picture of the window.
     pub fn picture(&mut self) -> image::RgbaImage {
         self.harness.render().expect("there is a rasteriser")
+    }
+
+    /// Compares the window with the picture of this name.
+    pub fn snapshot(&mut self, name: &str, options: &SnapshotOptions) {
+        self.harness.snapshot_options(name, options);
     }
 
     /// Hands an event to the window.

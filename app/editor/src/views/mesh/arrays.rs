@@ -10,11 +10,13 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use mve_modules::data::TriMesh;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
+use super::texture::TextureFiles;
 use crate::views::camera::Bounds;
 
 /// How normals come about.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shading {
     /// Faces at a vertex share a normal where they meet at less than this angle in radians.
     Smooth {
@@ -32,6 +34,19 @@ impl Default for Shading {
     }
 }
 
+impl Shading {
+    /// The same, with an angle that makes sense.
+    pub fn within_limits(self) -> Self {
+        match self {
+            Self::Smooth { crease_angle_rad } if crease_angle_rad.is_finite() => {
+                Self::Smooth { crease_angle_rad: crease_angle_rad.clamp(0.0, std::f32::consts::PI) }
+            }
+            Self::Smooth { .. } => Self::default(),
+            Self::Flat => Self::Flat,
+        }
+    }
+}
+
 /// Which corners may share a drawn vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sharing {
@@ -41,7 +56,8 @@ pub enum Sharing {
     Corners,
 }
 
-/// A direction as the GPU reads it: four signed normalized numbers, the last of them 0.
+/// A direction as the GPU reads it: three signed normalized numbers. The fourth is the place of the
+/// face's texture, -1 where its material has none; 0 where corners share vertices.
 pub type PackedNormal = [i16; 4];
 
 /// A mesh ready to be drawn.
@@ -250,7 +266,13 @@ impl LocalSurface<'_> {
         match sharing {
             Sharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
             Sharing::Corners => {
-                arrays.normals = indices.iter().map(|&wedge| normals[wedge as usize]).collect();
+                let textures = TextureFiles::of(self.mesh);
+                let normal = |(place, &wedge): (usize, &u32)| {
+                    let [x, y, z, _] = normals[wedge as usize];
+                    let texture = textures.of_face(self.faces[place / 3] as usize);
+                    [x, y, z, texture.map_or(-1, |place| place.min(i16::MAX as usize) as i16)]
+                };
+                arrays.normals = indices.par_iter().enumerate().map(normal).collect();
                 arrays.indices = places.clone();
             }
         }

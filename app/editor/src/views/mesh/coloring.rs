@@ -6,18 +6,22 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
 use mve_modules::geometry::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
 use mve_modules::geometry::color_scale::{ColorTable, Scale};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::arrays::{Arrays, Sharing};
-use super::palette::{colors_of_labels, label_layers};
+use super::palette::{colors_of_labels, diffuse_of, label_layers};
+use super::texture::TextureFiles;
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum ColorBy {
-    /// A field if there is exactly one, else colors if there are, else plain.
+    /// A field if there is exactly one, else textures of materials, else colors if there are, else
+    /// plain.
     #[default]
     Auto,
     /// One color.
@@ -32,6 +36,8 @@ pub enum ColorBy {
     Field(String),
     /// Squares in texture space.
     Checker,
+    /// The textures that the materials name.
+    Materials,
     /// A pinned picture as a texture, by title.
     Picture(String),
 }
@@ -58,8 +64,12 @@ pub enum Source {
     Labels(String),
     /// A field.
     Field(Arc<Field>),
-    /// The layer of texture coordinates.
-    TexCoords,
+    /// Squares in texture space.
+    Checker,
+    /// The textures that the materials name.
+    Materials,
+    /// A pinned picture as a texture.
+    Picture,
 }
 
 impl PartialEq for Source {
@@ -67,7 +77,9 @@ impl PartialEq for Source {
         match (self, other) {
             (Self::Plain, Self::Plain)
             | (Self::Colors, Self::Colors)
-            | (Self::TexCoords, Self::TexCoords) => true,
+            | (Self::Checker, Self::Checker)
+            | (Self::Materials, Self::Materials)
+            | (Self::Picture, Self::Picture) => true,
             (Self::Layer(a), Self::Layer(b)) | (Self::Labels(a), Self::Labels(b)) => a == b,
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
@@ -88,13 +100,19 @@ fn texcoords_of(mesh: &TriMesh) -> Option<&Layer> {
     mesh.layer(Layer::TEXCOORD).filter(|layer| matches!(layer.values, LayerValues::Vec2(_)))
 }
 
+fn has_textures(mesh: &TriMesh) -> bool {
+    texcoords_of(mesh).is_some() && !TextureFiles::of(mesh).names.is_empty()
+}
+
 /// Whether a mesh has what a choice asks for, and what that is.
 pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option<Source> {
     let fitting = || fields.iter().filter(|pinned| pinned.field.check_fits(mesh).is_ok());
     match by {
         ColorBy::Plain => Some(Source::Plain),
         ColorBy::Colors => colors_of(mesh).map(|_| Source::Colors),
-        ColorBy::Checker | ColorBy::Picture(_) => texcoords_of(mesh).map(|_| Source::TexCoords),
+        ColorBy::Checker => texcoords_of(mesh).map(|_| Source::Checker),
+        ColorBy::Picture(_) => texcoords_of(mesh).map(|_| Source::Picture),
+        ColorBy::Materials => has_textures(mesh).then_some(Source::Materials),
         ColorBy::Layer(name) => {
             let layer = number_layers(mesh).find(|layer| layer.name == *name)?;
             Some(Source::Layer(layer.name.clone()))
@@ -111,6 +129,9 @@ pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option
             let mut pinned = fitting();
             if let (Some(one), None) = (pinned.next(), pinned.next()) {
                 return Some(Source::Field(Arc::clone(&one.field)));
+            }
+            if has_textures(mesh) {
+                return Some(Source::Materials);
             }
             if colors_of(mesh).is_some() {
                 return Some(Source::Colors);
@@ -130,7 +151,9 @@ impl Source {
         match self {
             Self::Plain => None,
             Self::Colors => colors_of(mesh).map(|layer| layer.domain),
-            Self::TexCoords => texcoords_of(mesh).map(|layer| layer.domain),
+            Self::Checker | Self::Picture => texcoords_of(mesh).map(|layer| layer.domain),
+            // Materials are of faces.
+            Self::Materials => texcoords_of(mesh).map(|_| Domain::Corner),
             Self::Layer(name) | Self::Labels(name) => mesh.layer(name).map(|layer| layer.domain),
             Self::Field(field) => Some(field.domain),
         }
@@ -171,8 +194,12 @@ pub enum Reading {
     Color,
     /// Two numbers: a value with [`Values::extent`] as 0 to 1, and 0 where there is none, else 1.
     Value,
-    /// Two numbers: texture coordinates.
-    TexCoord,
+    /// Two numbers, texture coordinates, of squares.
+    Checker,
+    /// The same, of one picture.
+    Picture,
+    /// The same, of the picture of the face's material; a display color where it has none.
+    Materials,
 }
 
 /// What the drawn vertices carry beside position and normal.
@@ -187,7 +214,7 @@ pub struct Attribute {
 }
 
 /// Whether colors follow values or their decimal logarithms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Spacing {
     /// Values.
     #[default]
@@ -233,21 +260,22 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
             let Some((colors, index)) = color_list(mesh, source) else { return nothing() };
             let word = |at: usize| {
                 let color = index.get(at).and_then(|&value| colors.get(value as usize));
-                let [r, g, b] = color.copied().unwrap_or_default();
-                [u32::from_le_bytes([r, g, b, if color.is_some() { 255 } else { 0 }]), 0]
+                [color.map_or(0, |color| color_word(*color)), 0]
             };
             Attribute { reading: Reading::Color, words: words(&word), values: None }
         }
-        Source::TexCoords => match texcoords_of(mesh) {
-            Some(Layer { values: LayerValues::Vec2(coords), index, .. }) => {
-                let coord = |at: usize| coords.get(*index.get(at)? as usize);
-                let word = |at: usize| {
-                    let uv = coord(at).copied().unwrap_or_default();
-                    [(uv.x as f32).to_bits(), (uv.y as f32).to_bits()]
-                };
-                Attribute { reading: Reading::TexCoord, words: words(&word), values: None }
-            }
-            _ => nothing(),
+        Source::Checker | Source::Picture => {
+            let reading = match source {
+                Source::Checker => Reading::Checker,
+                _ => Reading::Picture,
+            };
+            let coord = |at: usize| bits_of(texcoord(mesh, at));
+            Attribute { reading, words: words(&coord), values: None }
+        }
+        Source::Materials => Attribute {
+            reading: Reading::Materials,
+            words: words_of_materials(mesh, drawn),
+            values: None,
         },
         Source::Layer(_) | Source::Field(_) => {
             let Some(values) = values_of(mesh, source, domain, spacing) else { return nothing() };
@@ -262,6 +290,50 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
         }
     }
 }
+
+/// The texture coordinates of an element; the origin where it has none.
+fn texcoord(mesh: &TriMesh, element: usize) -> DVec2 {
+    let value = match texcoords_of(mesh) {
+        Some(Layer { values: LayerValues::Vec2(coords), index, .. }) => {
+            index.get(element).and_then(|&at| coords.get(at as usize))
+        }
+        _ => None,
+    };
+    value.copied().unwrap_or_default()
+}
+
+fn bits_of(uv: DVec2) -> [u32; 2] {
+    [(uv.x as f32).to_bits(), (uv.y as f32).to_bits()]
+}
+
+/// A display color with full opacity, as the GPU unpacks it.
+fn color_word([r, g, b]: [u8; 3]) -> u32 {
+    u32::from_le_bytes([r, g, b, 255])
+}
+
+/// Texture coordinates where a face's material has a texture, else the material's color.
+fn words_of_materials(mesh: &TriMesh, drawn: &Arrays) -> Vec<[u32; 2]> {
+    let files = TextureFiles::of(mesh);
+    let is_by_vertex = texcoords_of(mesh).is_some_and(|layer| layer.domain == Domain::Vertex);
+    let (labels, of_faces): (&[String], &[u32]) = match mesh.layer(Layer::MATERIAL) {
+        Some(Layer { values: LayerValues::Label(labels), index, .. }) => (labels, index),
+        _ => (&[], &[]),
+    };
+    let colors: Vec<_> = labels.iter().map(|label| diffuse_of(mesh, label)).collect();
+    let word = |&corner: &u32| {
+        let (face, k) = (corner as usize / 3, corner as usize % 3);
+        if files.of_face(face).is_none() {
+            let color = of_faces.get(face).and_then(|&label| *colors.get(label as usize)?);
+            return [color_word(color.unwrap_or(UNCOLORED)), 0];
+        }
+        let element = if is_by_vertex { mesh.faces[face][k].idx() } else { corner as usize };
+        bits_of(texcoord(mesh, element))
+    };
+    drawn.corners.par_iter().map(word).collect()
+}
+
+/// The color of a face whose material states none.
+const UNCOLORED: [u8; 3] = [189, 189, 184];
 
 /// The colors of a source, and which of them each element has.
 fn color_list<'a>(mesh: &'a TriMesh, source: &Source) -> Option<(Vec<[u8; 3]>, &'a [u32])> {

@@ -3,14 +3,16 @@
 //! Nothing here decides when to draw: see `view.rs`.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
+use serde::{Deserialize, Serialize};
 
-use super::gpu_buffers::{LineBuffers, SurfaceBuffers};
+use super::gpu_buffers::{Faces, LineBuffers};
+use super::gpu_target::{PiecePlace, Target};
+use super::texture::Pictures;
 
 /// The numbers that the shader reads; see there.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -31,13 +33,14 @@ pub struct Uniforms {
 pub const FINE: u32 = 4;
 
 /// A picture for the shader.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Texture {
     view: wgpu::TextureView,
 }
 
 /// Which lines are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Lines {
     /// All edges.
     pub has_wire: bool,
@@ -50,19 +53,32 @@ pub struct Lines {
 pub struct Drawing<'a> {
     /// Cameras, colors, modes.
     pub uniforms: Uniforms,
-    /// Faces and their attribute; `None` draws nothing.
-    pub surface: Option<(&'a SurfaceBuffers, &'a wgpu::Buffer)>,
+    /// The faces.
+    pub faces: &'a Faces,
+    /// Whether they are a rough version.
+    pub is_coarse: bool,
+    /// What their vertices carry.
+    pub attribute: &'a wgpu::Buffer,
     /// Edges, and which of them.
     pub lines: Option<(&'a LineBuffers, Lines)>,
     /// The colors of values.
     pub table: &'a Texture,
-    /// The texture.
-    pub picture: &'a Texture,
+    /// The textures.
+    pub pictures: Texture,
     /// Whether faces that are seen from behind are left out.
     pub is_culled: bool,
-    /// Whether a rough version does, where there is one; it has no lines.
-    pub is_rough: bool,
 }
+
+/// How far a picture has come that is drawn in pieces: so many indices of one of its lists (faces,
+/// edges, edges of the border), and all of those before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cursor {
+    list: usize,
+    at: u32,
+}
+
+/// Indices that are drawn in one piece by a processor: some 30 ms of work.
+const PIECE: u32 = 300_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum PipelineKind {
@@ -80,10 +96,13 @@ pub struct Gpu {
     pipelines: HashMap<(PipelineKind, u32), wgpu::RenderPipeline>,
     clamping: wgpu::Sampler,
     repeating: wgpu::Sampler,
+    no_pictures: Texture,
 }
 
-const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const SAMPLED: wgpu::TextureUsages =
+    wgpu::TextureUsages::TEXTURE_BINDING.union(wgpu::TextureUsages::COPY_DST);
 
 impl Gpu {
     /// Prepares the device of the window.
@@ -102,12 +121,14 @@ impl Gpu {
                 address_mode_v: mode,
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..Default::default()
             })
         };
         Self {
             clamping: sampler(wgpu::AddressMode::ClampToEdge),
             repeating: sampler(wgpu::AddressMode::Repeat),
+            no_pictures: Texture::of_pictures(device, &state.queue, &Pictures::none()),
             state: state.clone(),
             shader,
             bind_layout,
@@ -121,46 +142,43 @@ impl Gpu {
         &self.state.device
     }
 
+    /// Its queue.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.state.queue
+    }
+
+    /// What the window draws with.
+    pub(super) fn state(&self) -> &RenderState {
+        &self.state
+    }
+
+    /// Whether other threads may use the GPU beside that of the window. OpenGL lets one at a time,
+    /// and gives up when that takes long.
+    pub fn is_shared(&self) -> bool {
+        self.state.adapter.get_info().backend != wgpu::Backend::Gl
+    }
+
     /// Whether pictures are computed by the processor, where every sample counts.
     pub fn is_software(&self) -> bool {
         self.state.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Uploads a picture of display colors, four bytes a pixel, no larger than
-    /// [`Gpu::max_texture_side`].
-    pub fn texture(&self, [width, height]: [u32; 2], pixels: &[u8]) -> Texture {
-        let texture = self.texture_of([width, height], 1, COLOR_FORMAT, SAMPLED);
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * width),
-            rows_per_image: None,
-        };
-        self.state.queue.write_texture(texture.as_image_copy(), pixels, layout, texture.size());
+    /// Uploads a row of display colors.
+    pub fn table(&self, colors: &[[u8; 4]]) -> Texture {
+        let size = [colors.len() as u32, 1];
+        let texture = texture_of(&self.state.device, (size, 1), (1, 1), COLOR_FORMAT, SAMPLED);
+        write(&self.state.queue, &texture, (0, 0), size, bytemuck::cast_slice(colors));
         Texture { view: texture.create_view(&wgpu::TextureViewDescriptor::default()) }
+    }
+
+    /// What is read where there is no texture.
+    pub fn no_pictures(&self) -> &Texture {
+        &self.no_pictures
     }
 
     /// Most pixels of a side of a texture.
     pub fn max_texture_side(&self) -> u32 {
         self.state.device.limits().max_texture_dimension_2d
-    }
-
-    fn texture_of(
-        &self,
-        [width, height]: [u32; 2],
-        sample_count: u32,
-        format: wgpu::TextureFormat,
-        usage: wgpu::TextureUsages,
-    ) -> wgpu::Texture {
-        self.state.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("mesh view"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        })
     }
 
     fn pipeline(&mut self, kind: PipelineKind, samples: u32) -> wgpu::RenderPipeline {
@@ -233,21 +251,27 @@ impl Gpu {
         })
     }
 
-    /// Draws one picture into a target that is made, or made anew, to fit. `samples` is 1 or
-    /// [`FINE`]. Nothing waits for the GPU.
+    /// Draws a piece of a picture into a target that is made, or made anew, to fit. `samples` is 1
+    /// or [`FINE`]. Gives where the next piece begins; the target shows fine pictures when they are
+    /// done. Nothing waits for the GPU.
     pub fn draw(
         &mut self,
         target: &mut Option<Target>,
         size: [u32; 2],
         samples: u32,
         drawing: &Drawing,
-    ) {
-        let fits = |t: &Target| t.size == size && t.samples == samples;
-        if !target.as_ref().is_some_and(fits) {
-            let known = target.take();
-            *target = Some(Target::new(self, known, size, samples));
+        from: Cursor,
+    ) -> Option<Cursor> {
+        let known = target.take().filter(|known| known.size == size);
+        let target = target.insert(known.unwrap_or_else(|| Target::new(self, size)));
+        match samples {
+            FINE => target.make_room(self),
+            // Where even the faces are rough, every second pixel is enough.
+            _ if drawing.is_coarse => {
+                target.make_rough_room(self, size.map(|side| side.div_ceil(2)))
+            }
+            _ => target.make_rough_room(self, size),
         }
-        let Some(target) = target else { return };
         let bytes = bytemuck::bytes_of(&drawing.uniforms);
         self.state.queue.write_buffer(&target.uniforms, 0, bytes);
         let bind_group = self.bind_group(target, drawing);
@@ -256,40 +280,37 @@ impl Gpu {
             false => self.pipeline(PipelineKind::Surface, samples),
         };
         let line = self.pipeline(PipelineKind::Line, samples);
+        let budget = if self.is_software() && samples > 1 { PIECE } else { u32::MAX };
+        let (ranges, next) = piece(drawing.lengths(), from, budget);
         let mut encoder = self.state.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = target.begin(&mut encoder);
+        let place = PiecePlace { is_first: from == Cursor::default(), is_last: next.is_none() };
+        if let Some(mut pass) = target.begin(&mut encoder, samples, place) {
             pass.set_bind_group(0, &bind_group, &[]);
-            if let Some((mesh, attribute)) = drawing.surface {
-                pass.set_pipeline(&surface);
-                pass.set_vertex_buffer(0, mesh.positions.slice(..));
-                pass.set_vertex_buffer(1, mesh.normals.slice(..));
-                pass.set_vertex_buffer(2, attribute.slice(..));
-                let rough = mesh.coarse.as_ref().filter(|_| drawing.is_rough);
-                let whole = (&mesh.indices, mesh.n_indices);
-                let (indices, n) = rough.map_or(whole, |(indices, n)| (indices, *n));
+            let faces = drawing.faces;
+            pass.set_vertex_buffer(0, faces.positions.slice(..));
+            pass.set_vertex_buffer(1, faces.normals.slice(..));
+            pass.set_vertex_buffer(2, drawing.attribute.slice(..));
+            for (list, range) in ranges {
+                let (pipeline, indices, instance) = match (list, &drawing.lines) {
+                    (0, _) => (&surface, &faces.indices, 0),
+                    (_, Some((edges, _))) => (&line, &edges.indices, list as u32 - 1),
+                    _ => continue,
+                };
+                pass.set_pipeline(pipeline);
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..n, 0, 0..1);
-                if let (Some((edges, which)), None) = (drawing.lines, rough) {
-                    pass.set_pipeline(&line);
-                    pass.set_index_buffer(edges.indices.slice(..), wgpu::IndexFormat::Uint32);
-                    if which.has_wire {
-                        pass.draw_indexed(0..edges.n_indices, 0, 0..1);
-                    }
-                    if which.has_border {
-                        pass.draw_indexed(0..edges.n_border, 0, 1..2);
-                    }
-                }
+                pass.draw_indexed(range, 0, instance..instance + 1);
             }
         }
         self.state.queue.submit([encoder.finish()]);
+        target.end(samples, next.is_none());
+        next
     }
 
     fn bind_group(&self, target: &Target, drawing: &Drawing) -> wgpu::BindGroup {
         let resources = [
             target.uniforms.as_entire_binding(),
             wgpu::BindingResource::TextureView(&drawing.table.view),
-            wgpu::BindingResource::TextureView(&drawing.picture.view),
+            wgpu::BindingResource::TextureView(&drawing.pictures.view),
             wgpu::BindingResource::Sampler(&self.clamping),
             wgpu::BindingResource::Sampler(&self.repeating),
         ];
@@ -303,19 +324,118 @@ impl Gpu {
     }
 }
 
+impl Drawing<'_> {
+    /// How many indices there are of faces, edges and edges of the border.
+    fn lengths(&self) -> [u32; 3] {
+        let [wire, border] = self.lines.map_or([0, 0], |(edges, which)| {
+            let wire = if which.has_wire { edges.n_indices } else { 0 };
+            [wire, if which.has_border { edges.n_border } else { 0 }]
+        });
+        [self.faces.n_indices, wire, border]
+    }
+}
+
+pub(super) fn texture_of(
+    device: &wgpu::Device,
+    ([width, height], n_layers): ([u32; 2], u32),
+    (sample_count, mip_level_count): (u32, u32),
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("mesh view"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: n_layers },
+        mip_level_count,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn write(
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    (layer, mip_level): (u32, u32),
+    [width, height]: [u32; 2],
+    pixels: &[u8],
+) {
+    let place = wgpu::TexelCopyTextureInfo {
+        mip_level,
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+        ..texture.as_image_copy()
+    };
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width),
+        rows_per_image: None,
+    };
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    queue.write_texture(place, pixels, layout, size);
+}
+
+impl Texture {
+    /// Uploads pictures of one size, with smaller versions of each.
+    pub fn of_pictures(device: &wgpu::Device, queue: &wgpu::Queue, pictures: &Pictures) -> Self {
+        let n_levels = pictures.size[0].max(pictures.size[1]).max(1).ilog2() + 1;
+        let n_layers = pictures.layers.len() as u32;
+        let levels = (1, n_levels);
+        let texture = texture_of(device, (pictures.size, n_layers), levels, COLOR_FORMAT, SAMPLED);
+        for (layer, picture) in pictures.layers.iter().enumerate() {
+            let versions =
+                std::iter::once(picture).chain(pictures.smaller.get(layer).into_iter().flatten());
+            for (level, version) in versions.enumerate() {
+                let size = version.dimensions().into();
+                write(queue, &texture, (layer as u32, level as u32), size, version);
+            }
+        }
+        let view = wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        };
+        Self { view: texture.create_view(&view) }
+    }
+}
+
+/// What to draw of lists of these lengths, each with the place of the list, when so many indices
+/// may be drawn; and where to go on.
+fn piece(
+    lengths: [u32; 3],
+    from: Cursor,
+    budget: u32,
+) -> (Vec<(usize, Range<u32>)>, Option<Cursor>) {
+    let mut ranges = Vec::new();
+    let (mut at, mut left) = (from.at, budget);
+    for (list, &length) in lengths.iter().enumerate().skip(from.list) {
+        // Whole faces and whole edges.
+        let n = (length - at.min(length)).min(left - left % 6);
+        if n > 0 {
+            ranges.push((list, at..at + n));
+        }
+        if at + n < length {
+            return (ranges, Some(Cursor { list, at: at + n }));
+        }
+        (at, left) = (0, left - n);
+    }
+    (ranges, None)
+}
+
 fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let texture = wgpu::BindingType::Texture {
+    let texture = |view_dimension| wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: true },
-        view_dimension: wgpu::TextureViewDimension::D2,
+        view_dimension,
         multisampled: false,
     };
+    let table = texture(wgpu::TextureViewDimension::D2);
+    let pictures = texture(wgpu::TextureViewDimension::D2Array);
     let uniforms = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
         has_dynamic_offset: false,
         min_binding_size: None,
     };
     let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-    let types = [uniforms, texture, texture, sampler, sampler];
+    let types = [uniforms, table, pictures, sampler, sampler];
     let entry = |(at, ty)| wgpu::BindGroupLayoutEntry {
         binding: at as u32,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
@@ -329,101 +449,26 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-const SAMPLED: wgpu::TextureUsages =
-    wgpu::TextureUsages::TEXTURE_BINDING.union(wgpu::TextureUsages::COPY_DST);
-const DRAWN: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// A picture that is drawn into, known to the window by an id until it is dropped.
-pub struct Target {
-    size: [u32; 2],
-    samples: u32,
-    /// What the window shows.
-    resolved: wgpu::TextureView,
-    /// Several samples a pixel, when there are.
-    sampled: Option<wgpu::TextureView>,
-    depth: wgpu::TextureView,
-    uniforms: wgpu::Buffer,
-    shown: Arc<ShownTexture>,
-}
-
-/// A texture of the window, forgotten by it when dropped.
-struct ShownTexture {
-    id: TextureId,
-    state: RenderState,
-}
-
-impl Drop for ShownTexture {
-    fn drop(&mut self) {
-        self.state.renderer.write().free_texture(&self.id);
-    }
-}
-
-impl Target {
-    fn new(gpu: &Gpu, known: Option<Self>, size: [u32; 2], samples: u32) -> Self {
-        let view = |samples, format, usage| {
-            let texture = gpu.texture_of(size, samples, format, usage);
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
-        let kept = known.filter(|known| known.size == size);
-        let (resolved, shown) = match kept {
-            Some(kept) => (kept.resolved, kept.shown),
-            None => {
-                let resolved = view(1, COLOR_FORMAT, DRAWN | SAMPLED);
-                let id = gpu.state.renderer.write().register_native_texture(
-                    &gpu.state.device,
-                    &resolved,
-                    wgpu::FilterMode::Nearest,
-                );
-                (resolved, Arc::new(ShownTexture { id, state: gpu.state.clone() }))
+    #[test]
+    fn pieces_cover_all_lists_once_and_cut_no_face() {
+        for (lengths, budget) in [([30, 8, 2], 7), ([3, 0, 2], 6), ([9, 4, 0], u32::MAX)] {
+            let mut drawn = [0; 3];
+            let mut from = Some(Cursor::default());
+            while let Some(place) = from {
+                let (ranges, next) = piece(lengths, place, budget);
+                for (list, range) in ranges {
+                    assert_eq!(range.start, drawn[list], "{lengths:?}");
+                    assert!(list > 0 || range.len() % 3 == 0);
+                    drawn[list] = range.end;
+                }
+                assert_ne!(next, from, "it goes on");
+                from = next;
             }
-        };
-        let uniforms = gpu.state.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("mesh uniforms"),
-            size: size_of::<Uniforms>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Self {
-            size,
-            samples,
-            resolved,
-            sampled: (samples > 1).then(|| view(samples, COLOR_FORMAT, DRAWN)),
-            depth: view(samples, DEPTH_FORMAT, DRAWN),
-            uniforms,
-            shown,
+            assert_eq!(drawn, lengths);
         }
-    }
-
-    /// What the window knows the picture by.
-    pub fn id(&self) -> TextureId {
-        self.shown.id
-    }
-
-    fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
-        let (view, resolve_target) = match &self.sampled {
-            Some(sampled) => (sampled, Some(&self.resolved)),
-            None => (&self.resolved, None),
-        };
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("mesh"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        })
     }
 }

@@ -3,19 +3,31 @@
 use eframe::wgpu;
 
 use super::arrays::Arrays;
+use super::coarse::Coarse;
 use super::coloring::Attribute;
 use super::edges::Edges;
 
-/// The arrays of a mesh on the GPU.
+/// Faces on the GPU, and where their vertices are.
 #[derive(Debug)]
-pub struct SurfaceBuffers {
+pub struct Faces {
     pub(super) positions: wgpu::Buffer,
     pub(super) normals: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     pub(super) n_indices: u32,
-    /// Faces of a rough version, and how many indices they have; `None` for a surface that is
-    /// always drawn as it is.
-    pub(super) coarse: Option<(wgpu::Buffer, u32)>,
+}
+
+/// A mesh on the GPU, and its rough version where it has one.
+#[derive(Debug)]
+pub struct SurfaceBuffers {
+    pub(super) whole: Faces,
+    pub(super) coarse: Option<Faces>,
+}
+
+/// What the vertices of a mesh and of its rough version carry.
+#[derive(Debug)]
+pub struct AttributeBuffers {
+    pub(super) whole: wgpu::Buffer,
+    pub(super) coarse: Option<wgpu::Buffer>,
 }
 
 /// The edges of a mesh on the GPU.
@@ -30,11 +42,12 @@ pub struct LineBuffers {
 #[derive(Clone, Copy, Debug)]
 pub struct TooLarge;
 
-fn buffer(
+fn buffer<T: bytemuck::NoUninit>(
     device: &wgpu::Device,
-    bytes: &[u8],
+    array: &[T],
     usage: wgpu::BufferUsages,
 ) -> Result<wgpu::Buffer, TooLarge> {
+    let bytes: &[u8] = bytemuck::cast_slice(array);
     let size = (bytes.len() as u64).next_multiple_of(4).max(4);
     if size > device.limits().max_buffer_size {
         return Err(TooLarge);
@@ -52,48 +65,63 @@ fn buffer(
     Ok(buffer)
 }
 
+/// The entries at some places.
+fn gathered<T: Copy>(array: &[T], places: &[u32]) -> Vec<T> {
+    places.iter().map(|&at| array[at as usize]).collect()
+}
+
 impl SurfaceBuffers {
     /// Uploads.
     ///
     /// # Errors
     /// When an array is larger than the GPU takes.
-    pub fn new(device: &wgpu::Device, arrays: &Arrays, coarse: &[u32]) -> Result<Self, TooLarge> {
-        let with_coarse = !coarse.is_empty();
-        let vertex = |bytes| buffer(device, bytes, wgpu::BufferUsages::VERTEX);
+    pub fn new(
+        device: &wgpu::Device,
+        arrays: &Arrays,
+        coarse: Option<&Coarse>,
+    ) -> Result<Self, TooLarge> {
+        let faces = |positions: &[_], normals: &[_], indices: &[u32]| {
+            Ok(Faces {
+                positions: buffer(device, positions, wgpu::BufferUsages::VERTEX)?,
+                normals: buffer(device, normals, wgpu::BufferUsages::VERTEX)?,
+                indices: buffer(device, indices, wgpu::BufferUsages::INDEX)?,
+                n_indices: indices.len() as u32,
+            })
+        };
+        let rough = |coarse: &Coarse| {
+            let positions = gathered(&arrays.positions, &coarse.places);
+            let normals = gathered(&arrays.normals, &coarse.sources);
+            faces(&positions, &normals, &coarse.indices)
+        };
         Ok(Self {
-            positions: vertex(bytemuck::cast_slice(&arrays.positions))?,
-            normals: vertex(bytemuck::cast_slice(&arrays.normals))?,
-            indices: index_buffer(device, &arrays.indices)?,
-            n_indices: arrays.indices.len() as u32,
-            coarse: match with_coarse {
-                true => Some((index_buffer(device, coarse)?, coarse.len() as u32)),
-                false => None,
-            },
+            whole: faces(&arrays.positions, &arrays.normals, &arrays.indices)?,
+            coarse: coarse.map(rough).transpose()?,
         })
     }
 }
 
-fn index_buffer(device: &wgpu::Device, indices: &[u32]) -> Result<wgpu::Buffer, TooLarge> {
-    buffer(device, bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX)
-}
-
-/// Uploads the attribute of so many drawn vertices; zeros where there is none.
-///
-/// # Errors
-/// When it is larger than the GPU takes.
-pub fn attribute_buffer(
-    device: &wgpu::Device,
-    attribute: &Attribute,
-    n_vertices: usize,
-) -> Result<wgpu::Buffer, TooLarge> {
-    let zeros;
-    let words = if attribute.words.is_empty() {
-        zeros = vec![[0u32; 2]; n_vertices];
-        &zeros
-    } else {
-        &attribute.words
-    };
-    buffer(device, bytemuck::cast_slice(words), wgpu::BufferUsages::VERTEX)
+impl AttributeBuffers {
+    /// Uploads the attribute of so many drawn vertices; zeros where there is none.
+    ///
+    /// # Errors
+    /// When it is larger than the GPU takes.
+    pub fn new(
+        device: &wgpu::Device,
+        attribute: &Attribute,
+        n_vertices: usize,
+        coarse: Option<&Coarse>,
+    ) -> Result<Self, TooLarge> {
+        let zeros;
+        let words = if attribute.words.is_empty() {
+            zeros = vec![[0u32; 2]; n_vertices];
+            &zeros
+        } else {
+            &attribute.words
+        };
+        let usage = wgpu::BufferUsages::VERTEX;
+        let rough = |coarse: &Coarse| buffer(device, &gathered(words, &coarse.sources), usage);
+        Ok(Self { whole: buffer(device, words, usage)?, coarse: coarse.map(rough).transpose()? })
+    }
 }
 
 impl LineBuffers {
@@ -103,7 +131,7 @@ impl LineBuffers {
     /// When there are more edges than the GPU takes.
     pub fn new(device: &wgpu::Device, edges: &Edges) -> Result<Self, TooLarge> {
         Ok(Self {
-            indices: index_buffer(device, &edges.indices)?,
+            indices: buffer(device, &edges.indices, wgpu::BufferUsages::INDEX)?,
             n_border: 2 * edges.n_border as u32,
             n_indices: edges.indices.len() as u32,
         })

@@ -1,11 +1,9 @@
-//! Where pictures of meshes are on the panel, and what is written over them.
+//! Where pictures of meshes are on the panel.
 
 use eframe::egui::{Color32, Rect, pos2, vec2};
 
-use super::item::{Item, Undrawable};
 use super::overlay::BAR_SPACE;
 use super::settings::{Arrangement, Settings};
-use crate::views::number::counted;
 
 /// One picture on the screen.
 pub struct Tile {
@@ -65,37 +63,6 @@ pub fn part_of(rect: Rect, settings: &Settings, at: usize) -> (Rect, Color32) {
         }
         _ => (rect, Color32::WHITE),
     }
-}
-
-/// Name, counts, and what is going on.
-pub fn caption(title: &str, item: &Item) -> String {
-    let mesh = &item.mesh;
-    let counts = format!(
-        "{title}: {}, {}",
-        counted(mesh.faces.len(), "face", "faces"),
-        counted(mesh.positions.len(), "vertex", "vertices"),
-    );
-    let state = match item.prepared().as_deref() {
-        _ if item.is_lost() => ", cannot be shown: preparing it failed".to_owned(),
-        None => ", preparing…".to_owned(),
-        Some(Err(Undrawable::Empty)) => ", nothing to draw".to_owned(),
-        Some(Err(Undrawable::TooLarge)) => ", larger than the GPU takes".to_owned(),
-        Some(Ok(prepared)) => match prepared.arrays.n_left_out(mesh) {
-            0 => String::new(),
-            n => format!(", {} not drawn: not finite", counted(n, "face", "faces")),
-        },
-    };
-    let edges = item.edges().map_or(String::new(), |edges| {
-        let bad = match edges.n_non_manifold {
-            0 => String::new(),
-            n => format!(", {}", counted(n, "non-manifold edge", "non-manifold edges")),
-        };
-        match edges.n_border {
-            0 => format!(", closed{bad}"),
-            n => format!(", {}{bad}", counted(n, "border edge", "border edges")),
-        }
-    });
-    counts + &edges + &state
 }
 
 #[cfg(test)]

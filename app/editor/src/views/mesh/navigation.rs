@@ -6,6 +6,7 @@ use glam::DVec2;
 use super::overlay::Screen;
 use super::settings::Settings;
 use crate::views::camera::{Bounds, Camera, Projection, StandardView};
+use crate::views::wheel::wheel_factor;
 
 /// What the user did in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,7 +46,7 @@ pub fn by_pointer(
     moved.is_moving = drag != DVec2::ZERO;
     if let Some(place) = response.hover_pos() {
         let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        let factor = f64::from(pinch) * (f64::from(wheel) / 240.0).exp();
+        let factor = f64::from(pinch) * wheel_factor(f64::from(wheel));
         if factor != 1.0 {
             let at = screen.normalized(place);
             camera.zoom(factor, at, screen.aspect(), bounds.radius());

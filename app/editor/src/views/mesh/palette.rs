@@ -35,7 +35,8 @@ pub fn colors_of_labels(mesh: &TriMesh, layer: &Layer) -> Vec<[u8; 3]> {
     names.iter().enumerate().map(color).collect()
 }
 
-fn diffuse_of(mesh: &TriMesh, name: &str) -> Option<[u8; 3]> {
+/// The diffuse color that a material states.
+pub fn diffuse_of(mesh: &TriMesh, name: &str) -> Option<[u8; 3]> {
     let material = mesh.materials.iter().find(|material| material.name == name)?;
     let (_, text) = material.statements.iter().find(|(keyword, _)| keyword == "Kd")?;
     let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().ok());

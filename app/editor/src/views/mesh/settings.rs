@@ -4,6 +4,7 @@ use eframe::egui;
 use mve_core::Enumeration;
 use mve_modules::geometry::color_map::Outside;
 use mve_modules::geometry::color_scale::Scale;
+use serde::{Deserialize, Serialize};
 
 use super::arrays::Shading;
 use super::coloring::{ColorBy, ScaleSettings, Spacing};
@@ -11,7 +12,7 @@ use super::gpu::Lines;
 use crate::views::camera::{Camera, Projection, StandardView, UpAxis};
 
 /// How faces look that are seen from behind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BackFaces {
     /// Reddish, so that holes and turned faces show.
     #[default]
@@ -23,7 +24,7 @@ pub enum BackFaces {
 }
 
 /// How several meshes share the panel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Arrangement {
     /// Each has a part of its own.
     #[default]

@@ -21,13 +21,14 @@ const READ_COLOR = 1u;
 const READ_VALUE = 2u;
 const READ_CHECKER = 3u;
 const READ_PICTURE = 4u;
+const READ_MATERIALS = 5u;
 
 const TABLE_LENGTH = 1024.0;
 const GRAY = vec3<f32>(0.5);
 
 @group(0) @binding(0) var<uniform> u: Uniforms;
 @group(0) @binding(1) var table: texture_2d<f32>;
-@group(0) @binding(2) var picture: texture_2d<f32>;
+@group(0) @binding(2) var pictures: texture_2d_array<f32>;
 @group(0) @binding(3) var clamping: sampler;
 @group(0) @binding(4) var repeating: sampler;
 
@@ -36,6 +37,8 @@ struct SurfacePoint {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) carried: vec4<f32>,
+    // The place of the texture among the pictures, below 0 for a color in its place.
+    @location(3) @interpolate(flat) texture: i32,
 }
 
 @vertex
@@ -49,7 +52,11 @@ fn surface_vertex(
     out.clip = u.clip_from_view * view;
     out.position = view.xyz;
     out.normal = (u.view_from_local * vec4(normal.xyz, 0.0)).xyz;
-    if u.modes.x == READ_COLOR {
+    out.texture = 0;
+    if u.modes.x == READ_MATERIALS {
+        out.texture = i32(round(normal.w * 32767.0));
+    }
+    if u.modes.x == READ_COLOR || out.texture < 0 {
         out.carried = unpack4x8unorm(words.x);
     } else {
         out.carried = vec4(bitcast<f32>(words.x), bitcast<f32>(words.y), 0.0, 0.0);
@@ -57,7 +64,11 @@ fn surface_vertex(
     return out;
 }
 
-fn color_at(carried: vec4<f32>) -> vec3<f32> {
+fn color_at(carried: vec4<f32>, texture: i32) -> vec3<f32> {
+    // The first row of a picture is at the top, that of texture space at the bottom.
+    let at = vec2(carried.x, 1.0 - carried.y);
+    let across = dpdx(at);
+    let down = dpdy(at);
     switch u.modes.x {
         case READ_COLOR: {
             // Corners without a color darken what they are mixed with by as much as they hide it.
@@ -80,10 +91,11 @@ fn color_at(carried: vec4<f32>) -> vec3<f32> {
             let hue = 0.12 * fract(carried.xy);
             return select(vec3(0.80, 0.82, 0.84), vec3(0.30, 0.42, 0.55) + vec3(hue, 0.0), is_odd);
         }
-        case READ_PICTURE: {
-            // The first row of a picture is at the top, that of texture space at the bottom.
-            let at = vec2(carried.x, 1.0 - carried.y);
-            return textureSampleLevel(picture, repeating, at, 0.0).rgb;
+        case READ_PICTURE, READ_MATERIALS: {
+            if texture < 0 {
+                return carried.rgb;
+            }
+            return textureSampleGrad(pictures, repeating, at, texture, across, down).rgb;
         }
         default: {
             return u.surface.rgb;
@@ -103,7 +115,7 @@ fn surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> 
         normal = flat_normal;
     }
     normal = normalize(normal);
-    var color = color_at(in.carried);
+    var color = color_at(in.carried, in.texture);
     if !is_front {
         color = mix(color, u.back.rgb, u.back.a);
     }

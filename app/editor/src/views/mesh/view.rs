@@ -1,19 +1,22 @@
 //! The panel of meshes: layout, what is prepared and drawn, and what the user does with it.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
-use eframe::egui::{self, Rect, Sense, pos2, vec2};
+use eframe::egui::{self, Rect, Sense, pos2};
 use eframe::egui_wgpu::RenderState;
-use mve_modules::data::{Image, TriMesh};
+use mve_modules::data::{Images, TriMesh};
 
+use super::captions::captions;
 use super::coloring::{
     ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of,
 };
 use super::gpu::{FINE, Gpu, Texture};
 use super::hover::Hover;
 use super::item::{Colors, Frame, Item};
-use super::layout::{Tile, caption, layout, part_of};
+use super::kept::MeshLook;
+use super::layout::{Tile, layout, part_of};
 use super::navigation::{by_keys, by_pointer};
 use super::overlay::{
     BoxPart, Screen, histogram, paint_axes, paint_background, paint_box, paint_color_bar,
@@ -21,8 +24,9 @@ use super::overlay::{
 use super::palette::label_layers;
 use super::pick::describe;
 use super::settings::{Arrangement, Offers, Settings, controls};
+use super::texture::{TextureSource, files_of};
 use crate::views::camera::{Bounds, Camera};
-use crate::views::picture::{fitting_size, rgba};
+use crate::views::slot::Same;
 
 /// A mesh to show.
 #[derive(Clone, Debug)]
@@ -31,6 +35,8 @@ pub struct MeshInput {
     pub title: String,
     /// The mesh.
     pub mesh: Arc<TriMesh>,
+    /// Where files lie that it names.
+    pub folders: Vec<PathBuf>,
 }
 
 /// A picture that may be a texture.
@@ -39,13 +45,7 @@ pub struct PinnedPicture {
     /// Where it comes from: `texture.images`.
     pub title: String,
     /// Holds the picture.
-    pub images: Arc<mve_modules::data::Images>,
-}
-
-impl PinnedPicture {
-    fn image(&self) -> Option<&Image> {
-        self.images.0.first()
-    }
+    pub images: Arc<Images>,
 }
 
 /// The state of a panel of meshes.
@@ -62,10 +62,8 @@ pub struct MeshView {
     has_moved: bool,
     /// When the camera moved last, by the clock of the window.
     moved_secs: Option<f64>,
+    /// The color scale on the GPU, and how often there was another one.
     table: Option<(ScaleSettings, Texture, u64)>,
-    picture: Option<(Arc<mve_modules::data::Images>, Texture, u64)>,
-    /// Numbers for contents of textures.
-    next_content: u64,
     bars: Option<Bar>,
     hover: Hover,
 }
@@ -87,6 +85,20 @@ impl MeshView {
     /// Whether something is in the making.
     pub fn is_busy(&self) -> bool {
         self.items.iter().any(Item::is_busy)
+    }
+
+    /// How meshes are shown, for the next start or for another view.
+    pub fn look(&self) -> MeshLook {
+        MeshLook::of(&self.settings, &self.camera)
+    }
+
+    /// Shows meshes as another view did.
+    pub fn set_look(&mut self, look: &MeshLook) {
+        let up = self.camera.up;
+        look.apply(&mut self.settings, &mut self.camera);
+        if self.camera.up != up {
+            self.fitted = None;
+        }
     }
 
     /// Lets go of all meshes.
@@ -117,12 +129,17 @@ impl MeshView {
         let offers = self.offers(meshes, fields, pictures);
         let wishes = controls(ui, &mut self.settings, &mut self.camera, &offers);
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
-        for item in &mut self.items {
+        for (item, input) in self.items.iter_mut().zip(meshes) {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
             let source = source.unwrap_or(Source::Plain);
-            item.prepare(ui.ctx(), gpu.device(), source, &self.settings);
+            let texture = match source {
+                Source::Materials => Some(files_of(&input.mesh, &input.folders)),
+                Source::Picture => pinned_picture(&self.settings.color_by, pictures),
+                _ => None,
+            };
+            item.prepare(ui.ctx(), &gpu, (source, texture), &self.settings);
         }
-        let unpinned = self.panel(ui, meshes, pictures, &mut gpu, wishes.is_fit);
+        let unpinned = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
         self.gpu = Some(gpu);
         unpinned
     }
@@ -163,6 +180,7 @@ impl MeshView {
         for layer in meshes.iter().flat_map(|input| label_layers(&input.mesh)) {
             color_by.push((ColorBy::Labels(layer.name.clone()), format!("By {}", layer.name)));
         }
+        color_by.push((ColorBy::Materials, "Texture of the material".to_owned()));
         color_by.push((ColorBy::Checker, "Squares in texture space".to_owned()));
         for picture in pictures {
             let text = format!("Texture {}", picture.title);
@@ -186,7 +204,6 @@ impl MeshView {
         &mut self,
         ui: &mut egui::Ui,
         meshes: &[MeshInput],
-        pictures: &[PinnedPicture],
         gpu: &mut Gpu,
         is_fit: bool,
     ) -> Option<usize> {
@@ -213,7 +230,7 @@ impl MeshView {
             _ => false,
         };
         if let Some(bounds) = &bounds {
-            self.content(gpu, pictures);
+            self.color_table(gpu);
             // Pictures made by the processor are rougher in motion, and made well at rest.
             let is_rough = gpu.is_software() && self.is_in_motion(ui, &responses, is_moving);
             let samples = if is_rough { 1 } else { FINE };
@@ -223,7 +240,7 @@ impl MeshView {
         if let (Some(bar), Some(values)) = (bar, values.first()) {
             self.show_bar(ui, bar, range, values);
         }
-        self.captions(ui, meshes, &tiles, is_overlaid)
+        captions(ui, meshes, &tiles, &self.items, &mut self.settings)
     }
 
     /// Takes in what pointer and keys do; whether the camera moves.
@@ -248,6 +265,7 @@ impl MeshView {
             moved.is_fit |= by.is_fit;
             moved.is_moving |= by.is_moving;
         }
+        moved.is_moving |= self.camera != before;
         self.has_moved |= self.camera != before;
         if moved.is_fit || is_fit {
             self.fit(bounds, aspect);
@@ -312,33 +330,14 @@ impl MeshView {
         shown.iter().map(respond).collect()
     }
 
-    /// Uploads the color scale and the texture when they have changed.
-    fn content(&mut self, gpu: &Gpu, pictures: &[PinnedPicture]) {
+    /// Uploads the color scale when it has changed.
+    fn color_table(&mut self, gpu: &Gpu) {
         let scale = self.settings.scale;
         let same_colors =
             |old: &ScaleSettings| (old.scale, old.is_reversed) == (scale.scale, scale.is_reversed);
         if !self.table.as_ref().is_some_and(|(old, ..)| same_colors(old)) {
-            let table = scale.table();
-            let size = [table.len() as u32, 1];
-            let texture = gpu.texture(size, bytemuck::cast_slice(&table));
-            self.next_content += 1;
-            self.table = Some((scale, texture, self.next_content));
-        }
-        let wanted = match &self.settings.color_by {
-            ColorBy::Picture(title) => pictures.iter().find(|picture| picture.title == *title),
-            _ => None,
-        };
-        let Some((picture, image)) = wanted.and_then(|p| Some((p, p.image()?))) else {
-            self.picture = None;
-            return;
-        };
-        let is_known = |(old, ..): &(Arc<_>, Texture, u64)| Arc::ptr_eq(old, &picture.images);
-        if !self.picture.as_ref().is_some_and(is_known) {
-            let size = fitting_size(image, gpu.max_texture_side() as usize);
-            let pixels = rgba(image, size);
-            let texture = gpu.texture(size.map(|side| side as u32), &pixels);
-            self.next_content += 1;
-            self.picture = Some((Arc::clone(&picture.images), texture, self.next_content));
+            let number = self.table.as_ref().map_or(0, |(.., number)| number + 1);
+            self.table = Some((scale, gpu.table(&scale.table()), number));
         }
     }
 
@@ -352,8 +351,7 @@ impl MeshView {
         samples: u32,
     ) {
         let Some((_, table, table_number)) = &self.table else { return };
-        let picture = self.picture.as_ref().map(|(_, texture, number)| (texture, *number));
-        let colors = Colors { table: (table, *table_number), picture, range };
+        let colors = Colors { table: (table, *table_number), range };
         let points = ui.ctx().pixels_per_point();
         let most = gpu.max_texture_side() as f32;
         let line_color = ui.visuals().weak_text_color();
@@ -375,6 +373,9 @@ impl MeshView {
                 let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                 painter.image(target.id(), tile.rect, all, tint);
             }
+            if item.is_drawing() {
+                ui.ctx().request_repaint();
+            }
             if has_box {
                 let part = BoxPart::Ahead;
                 paint_box(&painter, &screen, &self.camera, &around, part, line_color);
@@ -394,63 +395,6 @@ impl MeshView {
         if let Some(bar) = &self.bars {
             paint_color_bar(ui, rect, &self.settings.scale, range, values, &bar.histogram);
         }
-    }
-
-    /// Names, counts and buttons over the pictures.
-    fn captions(
-        &mut self,
-        ui: &mut egui::Ui,
-        meshes: &[MeshInput],
-        tiles: &[Tile],
-        is_overlaid: bool,
-    ) -> Option<usize> {
-        let mut unpinned = None;
-        for (at, tile) in tiles.iter().enumerate() {
-            let input = &meshes[tile.item];
-            let text = caption(&input.title, &self.items[tile.item]);
-            let mut rect = tile.rect.shrink(6.0);
-            if is_overlaid {
-                let half = 0.5 * rect.width();
-                rect = if at == 0 { rect } else { rect.translate(vec2(half, 0.0)) };
-                rect.set_width(half);
-            }
-            rect.set_height(rect.height().min(40.0));
-            let mut child = ui.new_child(egui::UiBuilder::new().max_rect(rect));
-            child.set_clip_rect(tile.rect);
-            child.horizontal_wrapped(|ui| {
-                let button = ui.small_button("×").on_hover_text("Take it out of this view");
-                let label = format!("Unpin {}", input.title);
-                button.widget_info(|| {
-                    egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
-                });
-                if button.clicked() {
-                    unpinned = Some(tile.item);
-                }
-                ui.add(egui::Label::new(text).selectable(false));
-            });
-        }
-        if is_overlaid && self.settings.arrangement == Arrangement::Wipe {
-            self.wipe_handle(ui, tiles[0].rect);
-        }
-        unpinned
-    }
-
-    fn wipe_handle(&mut self, ui: &egui::Ui, rect: Rect) {
-        let x = rect.left() + self.settings.balance * rect.width();
-        let line = Rect::from_x_y_ranges(x..=x, rect.y_range());
-        let id = ui.id().with("wipe line");
-        let response = ui.interact(line.expand2(vec2(5.0, 0.0)), id, Sense::drag());
-        let label = "Line between the two meshes";
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, label));
-        if response.dragged() {
-            let moved = response.drag_delta().x / rect.width();
-            self.settings.balance = (self.settings.balance + moved).clamp(0.0, 1.0);
-        }
-        if response.hovered() || response.dragged() {
-            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
-        }
-        let stroke = egui::Stroke::new(2.0, ui.visuals().text_color());
-        ui.painter_at(rect).line_segment([line.center_top(), line.center_bottom()], stroke);
     }
 
     /// Says what is under a pointer at rest.
@@ -485,6 +429,13 @@ impl MeshView {
         let is_right = place.x > rect.left() + self.settings.balance * rect.width();
         tiles[if is_wipe && is_right { 1 } else { at }].item
     }
+}
+
+/// The picture that is chosen as a texture.
+fn pinned_picture(by: &ColorBy, pictures: &[PinnedPicture]) -> Option<TextureSource> {
+    let is_chosen = |picture: &&PinnedPicture| *by == ColorBy::Picture(picture.title.clone());
+    let picture = pictures.iter().find(is_chosen)?;
+    Some(TextureSource::Pinned(Same(Arc::clone(&picture.images))))
 }
 
 fn values_of(item: &Item) -> Option<Arc<Values>> {
