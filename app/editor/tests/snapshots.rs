@@ -54,8 +54,10 @@ fn rasteriser() -> Option<RenderState> {
     Some(create_render_state(setup, RendererOptions::PREDICTABLE))
 }
 
-/// A pixel may differ by a step that an eye does not see, and so many pixels by more. Text and panels
-/// are drawn with whole pixels and hardly depend on a rasteriser; edges of a mesh and lines do.
+/// A pixel may differ by a step that an eye hardly sees, and so many pixels by more. Text and panels
+/// have whole pixels and hardly depend on a rasteriser, so few of theirs may; edges of a mesh and
+/// lines do. The numbers are a judgement, and were tried the other way round: a patch of 12 × 6 pixels
+/// of another color fails the canvas and the dialog, another hue or brightness the meshes.
 fn tolerance(n_pixels: usize) -> SnapshotOptions {
     SnapshotOptions::new().threshold(1.0).max_failed_pixels(n_pixels)
 }

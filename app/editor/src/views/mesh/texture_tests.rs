@@ -82,7 +82,7 @@ fn what_is_wrong_with_a_file_is_said_in_a_line() {
         ("folder.png", "texture folder.png is not there"),
         ("text.png", "texture text.png is no picture"),
         ("text.bin", "texture text.bin is neither a PNG nor a JPEG file"),
-        ("cut.png", "texture cut.png is no picture"),
+        ("cut.png", "texture cut.png cannot be read"),
     ];
     for (name, message) in cases {
         let found = of(&[("a", name)], &here).unwrap_err();
