@@ -304,6 +304,12 @@ impl Brush<'_> {
             if (look.is_dimmed)(port) {
                 color = color.gamma_multiply(0.2);
             }
+            if zoom < ROWS_FROM {
+                // Too small for their form to be seen, and cheaper than circles.
+                let dot = Rect::from_center_size(at, Vec2::splat(2.0 * radius.max(1.0)));
+                self.painter.rect_filled(dot, 0.0, color);
+                continue;
+            }
             let edge = Stroke::new(zoom.max(0.5), self.palette.back);
             // Optional inputs are rings.
             if is_input && !port.is_required {

@@ -82,6 +82,17 @@ impl Bounds {
         if largest.is_normal() { (half / largest).length() * largest } else { 1.0 }
     }
 
+    /// The axis that seems to point up: y, as in most files, unless the model is as wide as it is
+    /// deep along x and y and of another height along z, as solids of revolution and height fields
+    /// are that stand on the xy plane.
+    pub fn up(&self) -> UpAxis {
+        let size = self.high - self.low;
+        let across = size.x.max(size.y);
+        let differs = |a: f64, b: f64| (a - b).abs() > 0.01 * across;
+        let stands = size.z > 0.05 * across && differs(size.z, across);
+        if stands && !differs(size.x, size.y) { UpAxis::Z } else { UpAxis::Y }
+    }
+
     /// The eight corners; bit k of the place says which end axis k has.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
@@ -426,5 +437,16 @@ mod tests {
         assert_eq!(Bounds::around([DVec3::NAN]), None);
         let around = Bounds::around([DVec3::NAN, DVec3::ONE, DVec3::splat(f64::INFINITY)]);
         assert_eq!(around, Some(Bounds { low: DVec3::ONE, high: DVec3::ONE }));
+    }
+
+    #[test]
+    fn what_stands_on_the_xy_plane_points_up_along_z() {
+        let of = |size: [f64; 3]| Bounds { low: DVec3::ZERO, high: DVec3::from(size) }.up();
+        assert_eq!(of([0.6, 0.6, 1.0]), UpAxis::Z); // a vase
+        assert_eq!(of([1.0, 1.0, 0.18]), UpAxis::Z); // a height field
+        assert_eq!(of([1.0, 1.0, 1.0]), UpAxis::Y); // a cube
+        assert_eq!(of([1.0, 1.0, 0.0]), UpAxis::Y); // a picture
+        assert_eq!(of([0.6, 1.0, 0.6]), UpAxis::Y); // a vase that stands on xz
+        assert_eq!(of([0.156, 0.154, 0.121]), UpAxis::Y); // a scan
     }
 }

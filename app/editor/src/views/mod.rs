@@ -27,6 +27,7 @@ mod tests;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
@@ -44,6 +45,9 @@ use field::FieldView;
 use images::{ImagesInput, ImagesView};
 use measures::{MeasuresInput, MeasuresTable};
 use mesh::{MeshInput, PinnedField, PinnedPicture};
+
+/// How long a value may be old before that is said.
+const OUTDATED: Duration = Duration::from_millis(700);
 
 /// How fresh the value of a port is, and why there is none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -86,6 +90,8 @@ pub struct Viewer {
     fields: Vec<(String, FieldView)>,
     measures: MeasuresTable,
     table: TableView,
+    /// Since when some value is of an earlier run.
+    outdated_since: Option<Instant>,
 }
 
 /// The pinned values by how they are shown, each with its place in the list.
@@ -229,7 +235,14 @@ impl Viewer {
                 unpinned = Some(*at);
             }
         }
-        if !sorted.outdated.is_empty() {
+        // While a run follows each edit, values are old for moments only, and nothing is to jump.
+        let is_outdated = !sorted.outdated.is_empty();
+        self.outdated_since =
+            self.outdated_since.or_else(|| Some(Instant::now())).filter(|_| is_outdated);
+        if is_outdated {
+            ui.ctx().request_repaint_after(OUTDATED);
+        }
+        if self.outdated_since.is_some_and(|since| since.elapsed() > OUTDATED) {
             ui.weak(format!("From an earlier run: {}", sorted.outdated.join(", ")));
         }
         if !sorted.scalars.is_empty() {

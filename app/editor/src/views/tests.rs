@@ -38,7 +38,9 @@ fn harness_with(
     size: egui::Vec2,
 ) -> Harness<'static, Shown> {
     let renderer = WgpuTestRenderer::from_render_state(render.clone());
-    let shown = Shown { viewer: Viewer::new(), pinned, action: None };
+    let mut shown = Shown { viewer: Viewer::new(), pinned, action: None };
+    // Most of the models here lie in the xy plane and are looked at from the front.
+    shown.viewer.meshes.settings.up = Some(UpAxis::Y);
     let show = move |ui: &mut egui::Ui, shown: &mut Shown| {
         let action = shown.viewer.show(ui, &shown.pinned, Some(&render));
         shown.action = action.or(shown.action.take());

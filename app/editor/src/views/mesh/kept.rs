@@ -23,7 +23,7 @@ pub struct MeshLook {
     has_box: bool,
     arrangement: Arrangement,
     projection: Projection,
-    up: UpAxis,
+    up: Option<UpAxis>,
     /// Name of the color scale.
     scale: String,
     is_reversed: bool,
@@ -51,7 +51,7 @@ impl MeshLook {
             has_box: settings.has_box,
             arrangement: settings.arrangement,
             projection: camera.projection,
-            up: camera.up,
+            up: settings.up,
             scale: name.map(|(_, (name, _))| (*name).to_owned()).collect(),
             is_reversed: settings.scale.is_reversed,
             is_symmetric: settings.scale.is_symmetric,
@@ -77,7 +77,7 @@ impl MeshLook {
         settings.back_faces = self.back_faces;
         (settings.has_axes, settings.has_box) = (self.has_axes, self.has_box);
         settings.arrangement = self.arrangement;
-        (camera.projection, camera.up) = (self.projection, self.up);
+        (camera.projection, settings.up) = (self.projection, self.up);
     }
 }
 
@@ -99,7 +99,8 @@ mod tests {
         settings.scale.scale = Scale::VALUES[1];
         settings.scale.low = Some(3.0);
         settings.scale.outside = Outside::Gray;
-        let camera = Camera { up: UpAxis::Z, ..Camera::default() };
+        settings.up = Some(UpAxis::Z);
+        let camera = Camera { projection: Projection::Orthographic, ..Camera::default() };
         let look = MeshLook::of(&settings, &camera);
         let text = serde_json::to_string(&look).unwrap();
         let read: MeshLook = serde_json::from_str(&text).unwrap();
@@ -107,7 +108,8 @@ mod tests {
         let (mut other, mut other_camera) = (Settings::default(), Camera::default());
         read.apply(&mut other, &mut other_camera);
         assert_eq!(MeshLook::of(&other, &other_camera), look);
-        assert_eq!((other.scale.low, other_camera.up), (None, UpAxis::Z));
+        assert_eq!((other.scale.low, other.up), (None, Some(UpAxis::Z)));
+        assert_eq!(other_camera.projection, Projection::Orthographic);
     }
 
     #[test]

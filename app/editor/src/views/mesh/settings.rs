@@ -52,6 +52,8 @@ pub struct Settings {
     pub has_axes: bool,
     /// Whether the box around all is drawn, with its lengths.
     pub has_box: bool,
+    /// What points up; found from the model where it is not said.
+    pub up: Option<UpAxis>,
     /// How several share the panel.
     pub arrangement: Arrangement,
     /// Where the line of the wipe is, or how much of the second is seen: 0 to 1.
@@ -70,6 +72,7 @@ impl Default for Settings {
             scale: ScaleSettings::default(),
             has_axes: true,
             has_box: false,
+            up: None,
             arrangement: Arrangement::default(),
             balance: 0.5,
             pair: [0, 1],
@@ -118,7 +121,7 @@ pub fn controls(
         if ui.button("Fit").on_hover_text("Show all of it (R, or double click)").clicked() {
             wishes.is_fit = true;
         }
-        ui.menu_button("View", |ui| view_menu(ui, camera, &mut wishes))
+        ui.menu_button("View", |ui| view_menu(ui, settings, camera, &mut wishes))
             .response
             .on_hover_text("Direction, projection and what points up");
         ui.menu_button("Surface", |ui| surface_menu(ui, settings))
@@ -139,7 +142,7 @@ pub fn controls(
     wishes
 }
 
-fn view_menu(ui: &mut egui::Ui, camera: &mut Camera, wishes: &mut Wishes) {
+fn view_menu(ui: &mut egui::Ui, settings: &mut Settings, camera: &mut Camera, wishes: &mut Wishes) {
     let views = [
         (StandardView::Front, "Front (1)"),
         (StandardView::Side, "Side (3)"),
@@ -158,10 +161,11 @@ fn view_menu(ui: &mut egui::Ui, camera: &mut Camera, wishes: &mut Wishes) {
     ui.radio_value(&mut camera.projection, Projection::Orthographic, "Orthographic")
         .on_hover_text("Parallel lines stay parallel (5 switches)");
     ui.separator();
-    let up = camera.up;
-    ui.radio_value(&mut camera.up, UpAxis::Y, "Y is up");
-    ui.radio_value(&mut camera.up, UpAxis::Z, "Z is up");
-    wishes.is_fit |= up != camera.up;
+    let before = settings.up;
+    ui.radio_value(&mut settings.up, None, "Up as the model seems to stand");
+    ui.radio_value(&mut settings.up, Some(UpAxis::Y), "Y is up");
+    ui.radio_value(&mut settings.up, Some(UpAxis::Z), "Z is up");
+    wishes.is_fit |= settings.up != before;
 }
 
 fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings) {

@@ -292,6 +292,7 @@ impl MeshView {
     }
 
     fn fit(&mut self, bounds: &Bounds, aspect: f64) {
+        self.camera.up = self.settings.up.unwrap_or_else(|| bounds.up());
         self.camera.fit(bounds, aspect);
         self.fitted = Some((*bounds, aspect));
         self.has_moved = false;
