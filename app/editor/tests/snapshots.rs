@@ -130,8 +130,7 @@ fn the_canvas_shows_the_example() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = Hand::with_example(folder.path(), render, Vec2::new(1000.0, 640.0));
     assert_eq!(hand.problems(), Vec::<String>::new());
-    hand.click("node simplify");
-    hand.step();
+    hand.click_at("node simplify", 0.5, 0.05);
     hand.snapshot("canvas", &tolerance(60));
 }
 

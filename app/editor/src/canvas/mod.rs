@@ -214,7 +214,7 @@ impl Canvas {
                 self.is_fitted = false;
                 self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
             }
-            Wanted::Nothing if !is_first && !(self.is_fitted && is_resized) => None,
+            Wanted::Nothing if !(is_first || self.is_fitted && is_resized) => None,
             Wanted::All | Wanted::Nothing => {
                 self.is_fitted = true;
                 self.shapes.bounds(std::iter::empty())

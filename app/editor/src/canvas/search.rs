@@ -69,7 +69,6 @@ impl Search {
         let window = ui.ctx().content_rect();
         let lowest = (window.bottom() - HEIGHT - 70.0).max(window.top());
         let at = Pos2::new(self.screen.x, self.screen.y.min(lowest));
-        let has_moved = up || down;
         let shown = area.fixed_pos(at).constrain(true).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(340.0);
@@ -84,24 +83,7 @@ impl Search {
                     self.chosen = 0;
                 }
                 field.request_focus();
-                ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
-                    let wide = Layout::top_down_justified(Align::LEFT);
-                    ui.with_layout(wide, |ui| {
-                        for (place, hit) in hits.iter().enumerate() {
-                            let is_chosen = place == self.chosen;
-                            let row = ui.selectable_label(is_chosen, text_of(hit, is_chosen, ui));
-                            if has_moved && is_chosen {
-                                row.scroll_to_me(None);
-                            }
-                            if row.clicked() {
-                                taken = Some(hit);
-                            }
-                        }
-                    });
-                    if hits.is_empty() {
-                        ui.weak("No module fits these letters.");
-                    }
-                });
+                taken = self.list(ui, &hits, up || down).or(taken);
             });
         });
         let is_new = std::mem::take(&mut self.is_new);
@@ -110,6 +92,29 @@ impl Search {
             return true;
         }
         escape || (!is_new && shown.response.clicked_elsewhere())
+    }
+
+    /// The modules that were found; the one that was clicked.
+    fn list<'h>(&self, ui: &mut Ui, hits: &'h [Hit], has_moved: bool) -> Option<&'h Hit> {
+        let mut clicked = None;
+        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+            ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
+                for (place, hit) in hits.iter().enumerate() {
+                    let is_chosen = place == self.chosen;
+                    let row = ui.selectable_label(is_chosen, text_of(hit, is_chosen, ui));
+                    if has_moved && is_chosen {
+                        row.scroll_to_me(None);
+                    }
+                    if row.clicked() {
+                        clicked = Some(hit);
+                    }
+                }
+            });
+            if hits.is_empty() {
+                ui.weak("No module fits these letters.");
+            }
+        });
+        clicked
     }
 
     /// Adds the module, and links it to the end that was dropped.

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3};
+use mve_modules::data::Domain;
 
 use super::coloring::{ScaleSettings, Spacing, Values};
 use crate::views::camera::{Bounds, Camera};
@@ -151,7 +152,13 @@ pub fn paint_color_bar(
     let text_color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);
     let unit = if values.unit.is_empty() { String::new() } else { format!("\n{}", values.unit) };
-    let title = format!("{}{unit}", values.name);
+    // A field of vertices does not have what a metric finds between them, so say what it has.
+    let place = match values.domain {
+        Domain::Vertex => "at vertices",
+        Domain::Corner => "at corners",
+        Domain::Face => "of faces",
+    };
+    let title = format!("{}{unit}\n{place}", values.name);
     let title = painter.layout(title, font.clone(), text_color, rect.width() - 8.0);
     let bar = Rect::from_min_max(
         rect.left_top() + vec2(28.0, title.size().y + 18.0),
