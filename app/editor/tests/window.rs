@@ -184,3 +184,22 @@ fn a_map_is_not_saved_over_another_without_a_question() {
     hand.click("Replace the file");
     assert!(text().contains("\"Box\""));
 }
+
+#[test]
+fn dropped_files_are_opened_or_read() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    let mesh = cube(folder.path());
+    hand.drop_file(&mesh);
+    let nodes = hand.map().nodes.clone();
+    assert_eq!(nodes.len(), 1);
+    assert_eq!(nodes["obj_loader"].params["path"], mesh.display().to_string());
+    hand.drop_file(&folder.path().join("notes.txt"));
+    assert_eq!(hand.map().nodes, nodes);
+    let map = folder.path().join("map.json");
+    std::fs::write(&map, r#"{"mve": 1, "nodes": {"a": {"module": "Box"}}}"#)
+        .expect("it is written");
+    hand.drop_file(&map);
+    assert_eq!(hand.editor().session().document.path(), Some(map.as_path()));
+    assert!(hand.map().nodes.contains_key("a"));
+}

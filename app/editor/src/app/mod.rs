@@ -278,6 +278,7 @@ impl Editor {
         self.boxes(ui, &mut wishes);
         self.show_toasts(ui);
         panels::show_dragged(ui);
+        panels::show_hovered(ui);
         self.guard_close(ui.ctx());
         self.name_window(ui.ctx());
         // What was being typed counts before what a key asks for.

@@ -134,6 +134,19 @@ impl Editor {
     }
 }
 
+/// Says what becomes of files that are held over the window.
+pub fn show_hovered(ui: &Ui) {
+    if ui.input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let area = egui::Area::new("hovered".into()).order(egui::Order::Foreground);
+    area.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ui.ctx(), |ui| {
+        egui::Frame::popup(ui.style()).inner_margin(24).show(ui, |ui| {
+            ui.heading("Drop it here: a map is opened, a mesh gets a module that reads it.");
+        });
+    });
+}
+
 /// Names the parameter that is on its way to the program, beside the pointer.
 pub fn show_dragged(ui: &Ui) {
     let Some(dragged) = egui::DragAndDrop::payload::<programs::DraggedParam>(ui.ctx()) else {

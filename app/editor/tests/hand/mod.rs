@@ -17,6 +17,20 @@ use mve_editor::app::{Editor, Session, Settings, Start};
 /// How long a run of a test may take.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// A file that was dropped.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
 /// What a window is opened on.
 enum Maps {
     /// Files; none for an empty map.
@@ -113,6 +127,13 @@ impl Hand {
     /// Compares the window with the picture of this name.
     pub fn snapshot(&mut self, name: &str, options: &SnapshotOptions) {
         self.harness.snapshot_options(name, options);
+    }
+
+    /// Lets a file fall on the window.
+    pub fn drop_file(&mut self, path: &Path) {
+        let file = Arc::new(Dropped(path.to_owned()));
+        self.harness.input_mut().dropped_files.push(file);
+        self.step();
     }
 
     /// Hands an event to the window.
