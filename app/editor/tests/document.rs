@@ -380,3 +380,19 @@ fn what_was_not_saved_outlives_a_crash() {
     drop(third);
     assert_eq!(files_in(&place), 0);
 }
+
+#[test]
+fn a_frame_stays_around_what_is_arranged() {
+    let registry = registry();
+    let mut document = chain();
+    let names: Vec<String> = document.map().nodes.keys().cloned().collect();
+    let last = names.last().unwrap().clone();
+    let moved = vec![(Item::Node(last.clone()), [3000.0, 2000.0])];
+    let frame =
+        Edit::AddFrame { title: "around".to_owned(), at: [2900.0, 1900.0], size: [900.0, 900.0] };
+    document.apply(&[Edit::Move(moved), frame], &registry).unwrap();
+    document.apply(&[Edit::Arrange { nodes: Vec::new() }], &registry).unwrap();
+    let [x, y] = document.position(&Item::Node(last)).unwrap();
+    let frame = document.extras().frames.values().next().unwrap();
+    assert_eq!(frame.at, [x - 20.0, y - 40.0]);
+}

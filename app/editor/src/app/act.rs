@@ -38,11 +38,11 @@ impl Editor {
                 for edit in &edits {
                     if let Edit::SetMode { nodes, mode } = edit {
                         let what = match mode {
-                            NodeMode::Active => "run again",
-                            NodeMode::Muted => "muted: they do not run",
-                            NodeMode::Bypassed => "bypassed: they pass their input through",
+                            NodeMode::Active => "neither muted nor bypassed",
+                            NodeMode::Muted => "muted, does not run",
+                            NodeMode::Bypassed => "bypassed, passes the input through",
                         };
-                        self.toast(format!("{} {what} (Ctrl+Z undoes it)", nodes.join(", ")));
+                        self.toast(format!("{}: {what} (Ctrl+Z undoes it)", nodes.join(", ")));
                     }
                 }
                 self.edit(&edits);

@@ -180,6 +180,11 @@ impl Editor {
             if target.extension().is_none() {
                 target.set_extension("json");
             }
+            let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+            if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+                self.toast(format!("There is no folder {}", folder.display()));
+                return Content::SaveMap(path);
+            }
             let is_own = self.session().document.path().is_some_and(|own| is_same(own, &target));
             if target.exists() && !is_own {
                 return Content::SaveOver(target);

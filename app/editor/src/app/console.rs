@@ -3,12 +3,10 @@
 use std::time::UNIX_EPOCH;
 
 use eframe::egui::{self, RichText, ScrollArea, Ui};
-use mve_core::PortRef;
 
 use super::Wish;
-use super::inspector::value_label;
+use super::inspector::port_table;
 use super::session::Session;
-use crate::canvas::Action;
 use crate::runner::{Loudness, Shared};
 
 /// What the console shows of the log.
@@ -97,28 +95,14 @@ pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<
         selection.is_empty() || selection.contains(&item)
     };
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        egui::Grid::new("values").num_columns(4).striped(true).show(ui, |ui| {
-            for heading in ["output", "type", "value", "time"] {
-                ui.strong(heading);
-            }
-            ui.end_row();
-            for (name, node) in session.document.map().nodes.iter().filter(|(n, _)| is_shown(n)) {
-                let Some(info) = shared.registry.find(&node.module) else { continue };
-                for output in info.module.outputs {
-                    let port = PortRef { node: name.clone(), port: output.name.to_owned() };
-                    let pin = ui.selectable_label(session.pinned.contains(&port), port.to_string());
-                    if pin.on_hover_text("Click to look at it.").clicked() {
-                        wishes.push(Wish::Canvas(Action::Pin(port)));
-                    }
-                    ui.weak(output.data_type.id);
-                    match session.runner.value(name, output.name) {
-                        Some(value) => value_label(ui, &value),
-                        None => ui.weak("no value yet"),
-                    };
-                    ui.weak(session.runner.status(name).label());
-                    ui.end_row();
-                }
-            }
-        });
+        for (name, node) in session.document.map().nodes.iter().filter(|(n, _)| is_shown(n)) {
+            let Some(info) = shared.registry.find(&node.module) else { continue };
+            ui.horizontal(|ui| {
+                ui.strong(name);
+                ui.weak(session.runner.status(name).explanation());
+            });
+            port_table(ui, session, name, info.module, true, wishes);
+            ui.add_space(6.0);
+        }
     });
 }

@@ -73,11 +73,17 @@ impl Editor {
         };
         if !edits.is_empty() {
             self.edit(&edits);
-            self.toast(
-                "Paths of input files were rewritten for the folder that the map is in now.",
-            );
         }
-        let saved = self.sessions[place].document.save_as(path);
+        let session = &mut self.sessions[place];
+        let saved = session.document.save_as(path);
+        match (saved.is_ok(), edits.is_empty()) {
+            (_, true) => {}
+            (true, false) => self.toast("Paths of input files now fit the folder of the map."),
+            (false, false) => drop(session.document.undo()),
+        }
+        if saved.is_err() {
+            self.boxes.save_map(path.display().to_string());
+        }
         self.after_saving(place, saved);
         self.sessions[place].check_again();
     }

@@ -113,21 +113,24 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
         );
     }
     ui.separator();
-    values(ui, session, name, module, wishes);
+    port_table(ui, session, name, module, false, wishes);
     said(ui, session, name, &status);
 }
 
-/// A value in a line, with all its digits on hover.
-pub fn value_label(ui: &mut Ui, value: &Value) -> egui::Response {
-    ui.add(egui::Label::new(brief_text(value)).truncate()).on_hover_text(value.summary())
+/// A value in a line, cut where there is no room for it, with all its digits on hover.
+fn value_label(ui: &mut Ui, value: &Value, is_whole: bool) -> egui::Response {
+    let label = egui::Label::new(brief_text(value));
+    let label = if is_whole { label.extend() } else { label.truncate() };
+    ui.add(label).on_hover_text(value.summary())
 }
 
-/// The values of the node's ports.
-fn values(
+/// The values of a node's ports.
+pub fn port_table(
     ui: &mut Ui,
     session: &Session,
     name: &str,
     module: &mve_core::Module,
+    is_whole: bool,
     wishes: &mut Vec<Wish>,
 ) {
     let links = &session.document.map().links;
@@ -139,7 +142,7 @@ fn values(
             let value =
                 link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
             match (link, value) {
-                (_, Some(value)) => value_label(ui, &value),
+                (_, Some(value)) => value_label(ui, &value, is_whole),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),
                 (None, None) if input.is_required => {
                     ui.colored_label(ui.visuals().error_fg_color, "not linked")
@@ -157,7 +160,7 @@ fn values(
             }
             ui.weak(output.data_type.id);
             match session.runner.value(name, output.name) {
-                Some(value) => value_label(ui, &value),
+                Some(value) => value_label(ui, &value, is_whole),
                 None => ui.weak("no value yet"),
             };
             ui.end_row();
@@ -180,6 +183,7 @@ fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
         ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap());
     }
     for file in &ended.record.files {
-        ui.label(format!("wrote {}", file.display()));
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        ui.add(egui::Label::new(format!("wrote {}", file.display())).wrap());
     }
 }

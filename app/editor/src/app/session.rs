@@ -125,7 +125,11 @@ impl Session {
         }
         let has_settled = self.runner.checked().revision == revision;
         if runs_on_edit && has_settled && self.run_for != Some(revision) {
-            self.run(Part::Quiet);
+            self.run_for = Some(revision);
+            // A note or a move makes nothing old; what writes files waits for a person.
+            if self.has_changes_to_run() == Some(false) {
+                self.run(Part::Quiet);
+            }
         }
     }
 

@@ -83,6 +83,12 @@ impl Settings {
             Theme::Light => egui::ThemePreference::Light,
         });
         ctx.set_zoom_factor(self.scale.clamp(0.5, 3.0));
+        ctx.style_mut_of(egui::Theme::Light, |style| {
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(95));
+        });
+        ctx.style_mut_of(egui::Theme::Dark, |style| {
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+        });
         ctx.all_styles_mut(|style| style.interaction.tooltip_delay = TOOLTIP_SECS);
     }
 }

@@ -263,7 +263,8 @@ impl Canvas {
             return;
         }
         let Some(Renaming { item, text, .. }) = self.renaming.take() else { return };
-        if escape {
+        // What was written into a note is not to be lost; undo brings back what was there.
+        if escape && !is_note {
             return;
         }
         let edit = match item {

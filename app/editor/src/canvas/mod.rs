@@ -369,7 +369,7 @@ impl Canvas {
             self.search = None;
         }
         if let Some(open) = &mut self.open_param
-            && open.show(ui, scene, actions)
+            && open.show(ui, self.camera, scene, actions)
         {
             self.open_param = None;
         }

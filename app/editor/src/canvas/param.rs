@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Area, Frame, Id, Key, Order, Rect, Ui};
 
-use super::{Action, Scene};
+use super::{Action, Camera, Scene};
 use crate::forms::Form;
 
 /// A parameter's form while it is open.
@@ -11,17 +11,25 @@ pub struct OpenParam {
     param: &'static str,
     /// Where on the screen the parameter is drawn.
     field: Rect,
+    /// What the canvas showed when it was opened.
+    camera: Option<Camera>,
     is_new: bool,
 }
 
 impl OpenParam {
     /// Opens the form below the field of a parameter.
-    pub fn new(node: &str, param: &'static str, field: Rect) -> Self {
-        Self { node: node.to_owned(), param, field, is_new: true }
+    pub fn new(node: &str, param: &'static str, field: Rect, camera: Option<Camera>) -> Self {
+        Self { node: node.to_owned(), param, field, camera, is_new: true }
     }
 
     /// Shows the form; whether it is to be closed.
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) -> bool {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        camera: Option<Camera>,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) -> bool {
         let Some(node) = scene.document.map().nodes.get(&self.node) else { return true };
         let Some(info) = scene.registry.find(&node.module) else { return true };
         let Some(spec) = info.module.params.iter().find(|spec| spec.name == self.param) else {
@@ -46,6 +54,8 @@ impl OpenParam {
             ui.input(|input| (input.key_pressed(Key::Escape), input.key_pressed(Key::Enter)));
         let is_elsewhere =
             shown.response.clicked_elsewhere() && !egui::Popup::is_any_open(ui.ctx());
-        !is_new && (escape || enter || is_elsewhere)
+        // The node is no longer where it was.
+        let has_moved = camera != self.camera;
+        !is_new && (escape || enter || is_elsewhere || has_moved)
     }
 }

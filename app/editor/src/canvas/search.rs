@@ -97,7 +97,7 @@ impl Search {
     /// The modules that were found; the one that was clicked.
     fn list<'h>(&self, ui: &mut Ui, hits: &'h [Hit], has_moved: bool) -> Option<&'h Hit> {
         let mut clicked = None;
-        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+        ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT).show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 for (place, hit) in hits.iter().enumerate() {
                     let is_chosen = place == self.chosen;

@@ -122,7 +122,8 @@ impl Canvas {
                 self.gesture = Gesture::start_link(&port.at, is_output, scene);
                 return;
             }
-            let is_in = |row: &&ParamRow| field_of(brush, shape, row).contains(pressed);
+            let height = brush.view.to_world(pressed).y - shape.at.y;
+            let is_in = |row: &&ParamRow| (row.y..row.y + ROW).contains(&height);
             if let (Some(row), Item::Node(node)) = (shape.params.iter().find(is_in), item) {
                 let (node, param) = (node.clone(), row.spec.name.to_owned());
                 egui::DragAndDrop::set_payload(ui.ctx(), DraggedParam { node, param });
@@ -149,11 +150,15 @@ impl Canvas {
             egui::pos2(rect.left(), rect.bottom()),
         );
         let name = name.intersect(brush.view.screen);
-        let name = ui.interact(name, ui.id().with(("name", node, path)), Sense::click());
+        let name = ui.interact(name, ui.id().with(("name", node, path)), Sense::click_and_drag());
         name.context_menu(|ui| param_menu(ui, node, row, actions));
         if name.clicked() && !row.is_linked {
-            self.open_param = Some(param::OpenParam::new(node, path, rect));
+            self.open_param = Some(param::OpenParam::new(node, path, rect, self.camera));
             actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
+        }
+        if name.drag_started_by(egui::PointerButton::Primary) {
+            let item = Item::Node(node.to_owned());
+            self.start_drag(ui, brush, scene, shape, &item, actions);
         }
         name.on_hover_text(row.spec.doc);
         let response =
@@ -166,7 +171,7 @@ impl Canvas {
             self.start_drag(ui, brush, scene, shape, &item, actions);
         }
         if response.clicked() && !row.is_linked {
-            self.open_param = Some(param::OpenParam::new(node, path, rect));
+            self.open_param = Some(param::OpenParam::new(node, path, rect, self.camera));
             actions.push(Action::Select(vec![Item::Node(node.to_owned())]));
         }
         if response.hovered() {

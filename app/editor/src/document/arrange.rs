@@ -28,6 +28,20 @@ pub(super) struct Area {
     pub size: [f64; 2],
 }
 
+impl Area {
+    /// Whether another lies in it as a whole.
+    pub fn holds(&self, other: &Self) -> bool {
+        let end = |area: &Self, axis: usize| area.at[axis] + area.size[axis];
+        [0, 1].into_iter().all(|i| self.at[i] <= other.at[i] && end(other, i) <= end(self, i))
+    }
+
+    /// A frame around it, with room for a title.
+    pub fn framed(&self) -> Self {
+        let ([x, y], [width, height]) = (self.at, self.size);
+        Self { at: [x - 20.0, y - 40.0], size: [width + 40.0, height + 60.0] }
+    }
+}
+
 /// A guess at the size of a node that has not been drawn.
 pub(super) fn guessed_size(map: &Map, node: &str) -> [f64; 2] {
     const WIDTH: f64 = 200.0;

@@ -378,10 +378,25 @@ impl Draft<'_> {
             some => some.to_vec(),
         };
         let items: Vec<Item> = names.iter().cloned().map(Item::Node).collect();
-        let Some(before) = arrange::bounds(self.areas(&items)?) else { return Ok(()) };
+        let areas = self.areas(&items)?;
+        let held = |frame: &Frame| -> Vec<Item> {
+            let around = Area { at: frame.at, size: frame.size };
+            let inside = items.iter().zip(&areas).filter(|(_, area)| around.holds(area));
+            inside.map(|(item, _)| item.clone()).collect()
+        };
+        let frames = self.extras.frames.iter();
+        let framed: Vec<_> = frames.map(|(name, frame)| (name.clone(), held(frame))).collect();
+        let Some(before) = arrange::bounds(areas) else { return Ok(()) };
         let places = arrange::in_layers(&self.map, &names, |name| self.size(name));
         for (name, place) in places {
             self.map.layout.insert(name, offset(place, before.at)?);
+        }
+        // Frames stay around what they were around.
+        for (name, items) in framed {
+            if let Some(around) = arrange::bounds(self.areas(&items)?) {
+                let frame = self.frame(&name)?;
+                Area { at: frame.at, size: frame.size } = around.framed();
+            }
         }
         Ok(())
     }

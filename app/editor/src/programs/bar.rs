@@ -149,7 +149,7 @@ impl ProgramPanel {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
             let store = check::store_folder(scene.output_folder, &scene.map_file, name);
-            let report = button_if(ui, self.has_results(), "Open report", "Open report", "nothing has run yet");
+            let report = button_if(ui, self.has_results() || store.is_dir(), "Open report", "Open report", "nothing has run yet");
             if report.clicked() {
                 self.open_report(store);
             }

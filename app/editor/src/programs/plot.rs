@@ -18,6 +18,8 @@ use super::widgets::named;
 
 /// How near the pointer must be to a point, in points of the screen.
 const REACH: f32 = 12.0;
+/// Width that a list of columns takes with its name and what follows it, in points.
+const ROOM_OF_LIST: f32 = 230.0;
 /// Height and width below which nothing is plotted.
 const SMALLEST: f32 = 80.0;
 /// What is plotted, and its lines.
@@ -143,6 +145,10 @@ fn pick(
     is_wanted: &dyn Fn(&&Column) -> bool,
     chosen: &mut Option<String>,
 ) {
+    // A list cannot be wrapped by itself.
+    if ui.available_size_before_wrap().x < ROOM_OF_LIST {
+        ui.end_row();
+    }
     ui.label(what);
     let name = |place: usize| sheet.columns[place].name.as_str();
     let current = current.map_or("", name);

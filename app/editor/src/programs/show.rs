@@ -102,7 +102,10 @@ impl ProgramPanel {
             }
         });
         match self.view {
-            View::Plot => self.show_plot(ui),
+            View::Plot => {
+                ui.horizontal(|ui| self.show_selected(ui, scene, actions));
+                self.show_plot(ui);
+            }
             View::Table | View::Setup => self.show_table(ui, scene, actions),
         }
     }
@@ -122,7 +125,10 @@ impl ProgramPanel {
                 self.show_failed(ui, actions);
                 self.show_table(ui, scene, actions);
             }
-            View::Plot => self.show_plot(ui),
+            View::Plot => {
+                ui.horizontal(|ui| self.show_selected(ui, scene, actions));
+                self.show_plot(ui);
+            }
         }
     }
 }

@@ -103,7 +103,7 @@ impl ProgramPanel {
     }
 
     /// A line on the selected step.
-    fn show_selected(&self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    pub(super) fn show_selected(&self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         let selected = self.table.selected.as_deref();
         let mut rows = (0..self.sheet.rows.len()).filter_map(|row| {
             Some((row, self.sheet.step(row).filter(|step| Some(step.id.as_str()) == selected)?))

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
-use mve_core::{Fingerprint, Map, OutputScope, Plan, PlanOptions, Problem};
+use mve_core::{Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem};
 
 use super::{Shared, Subject};
 
@@ -32,6 +32,8 @@ pub struct Checked {
     pub faults: HashMap<String, String>,
     /// The folders of the files that nodes read, or that those before them do.
     folders: HashMap<String, BTreeSet<PathBuf>>,
+    /// Nodes that are left out of every run: they are muted, or need one that is.
+    pub off: HashSet<String>,
     /// Nodes that cannot run only because of others, each with the reason.
     pub left_out: IndexMap<String, String>,
 }
@@ -72,6 +74,10 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
         checked.keys = plan.nodes.iter().map(|node| (node.name.clone(), node.key)).collect();
         checked.add_folders(&map, plan);
     }
+    let is_off = |(name, node): &(&String, &Node)| {
+        !checked.keys.contains_key(*name) && (plan.is_some() || node.mode != NodeMode::Active)
+    };
+    checked.off = map.nodes.iter().filter(is_off).map(|(name, _)| name.clone()).collect();
     (checked, plan)
 }
 

@@ -27,6 +27,8 @@ pub enum Status {
     Stopped,
     /// The map does not let it run.
     Refused(String),
+    /// It is muted or bypassed, or needs a node that is muted.
+    Off,
 }
 
 impl Status {
@@ -44,6 +46,7 @@ impl Status {
             Self::Skipped(_) => "skipped".to_owned(),
             Self::Stopped => "stopped".to_owned(),
             Self::Refused(_) => "cannot run".to_owned(),
+            Self::Off => "does not run".to_owned(),
         }
     }
 
@@ -61,6 +64,9 @@ impl Status {
             Self::Skipped(because_of) => format!("not run, because {because_of} failed"),
             Self::Stopped => "stopped before it was done".to_owned(),
             Self::Refused(why) => why.clone(),
+            Self::Off => {
+                "does not run: it is muted or bypassed, or needs a node that is muted".to_owned()
+            }
         }
     }
 }
@@ -92,8 +98,11 @@ impl Runner {
         if let Some(why) = self.checked.left_out.get(node) {
             return Status::Refused(why.clone());
         }
-        let Some(ended) = self.ended.get(node) else { return Status::New };
         let key = self.checked.keys.get(node);
+        if key.is_none() && self.checked.off.contains(node) {
+            return Status::Off;
+        }
+        let Some(ended) = self.ended.get(node) else { return Status::New };
         if key.is_some_and(|key| *key != ended.record.key) {
             return Status::Dirty;
         }

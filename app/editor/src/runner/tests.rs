@@ -108,3 +108,21 @@ fn what_was_removed_is_known_again_when_it_comes_back() {
     runner.forget_all_but(&subject(&MAP.replace("\"Box\"", "\"Vase\""), 3).map);
     assert!(runner.value("box", "mesh").is_none());
 }
+
+#[test]
+fn what_needs_a_muted_node_is_off() {
+    let map = |mode: &str| {
+        let text = r#"{ "mve": 1, "nodes": { "box": { "module": "Box", "mode": "MODE" },
+            "info": { "module": "MeshInfo" }, "vase": { "module": "Vase" } },
+            "links": ["box.mesh -> info.mesh"] }"#;
+        text.replace("MODE", mode)
+    };
+    let mut runner = Runner::new(&shared());
+    runner.run(subject(&map("active"), 1), Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(matches!(runner.status("info"), Status::Done(_)));
+    runner.check(subject(&map("muted"), 2));
+    wait(&mut runner, |runner| runner.checked().revision == 2);
+    assert_eq!([runner.status("box"), runner.status("info")], [Status::Off, Status::Off]);
+    assert!(matches!(runner.status("vase"), Status::Done(_)));
+}

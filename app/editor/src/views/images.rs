@@ -142,6 +142,9 @@ impl ImagesView {
                 ui.toggle_value(&mut self.has_difference, "Difference")
                     .on_hover_text("What the first two differ by, without sign");
                 if self.has_difference {
+                    if ui.available_size_before_wrap().x < 190.0 {
+                        ui.end_row();
+                    }
                     let slider = egui::Slider::new(&mut self.gain.0, 1.0..=64.0).logarithmic(true);
                     ui.add(slider.text("gain")).on_hover_text("Differences are multiplied by this");
                 }

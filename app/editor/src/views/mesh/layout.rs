@@ -53,7 +53,10 @@ fn best_columns(aspect: f32, n_tiles: usize) -> usize {
 }
 
 /// The part of a picture that is seen, and how much of it.
-pub fn part_of(rect: Rect, settings: &Settings, at: usize) -> (Rect, Color32) {
+pub fn part_of(rect: Rect, settings: &Settings, at: usize, n_tiles: usize) -> (Rect, Color32) {
+    if n_tiles != 2 {
+        return (rect, Color32::WHITE);
+    }
     let x = rect.left() + settings.balance * rect.width();
     match (settings.arrangement, at) {
         (Arrangement::Wipe, 0) => (rect.with_max_x(x), Color32::WHITE),
@@ -80,7 +83,7 @@ mod tests {
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 50.0));
         let settings =
             Settings { arrangement: Arrangement::Wipe, balance: 0.25, ..Settings::default() };
-        let [left, right] = [0, 1].map(|at| part_of(rect, &settings, at).0);
+        let [left, right] = [0, 1].map(|at| part_of(rect, &settings, at, 2).0);
         assert_eq!((left.right(), right.left(), right.right()), (25.0, 25.0, 100.0));
     }
 }

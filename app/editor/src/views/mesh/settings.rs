@@ -201,6 +201,10 @@ fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
     let current = &settings.color_by;
     let named = offers.color_by.iter().find(|(by, _)| by == current);
     let text = named.map_or("Automatic", |(_, text)| text.as_str()).to_owned();
+    // A list cannot be wrapped by itself.
+    if ui.available_size_before_wrap().x < 190.0 {
+        ui.end_row();
+    }
     egui::ComboBox::new("color by", "Color")
         .selected_text(text)
         .show_ui(ui, |ui| {

@@ -94,9 +94,9 @@ impl MeshView {
 
     /// Shows meshes as another view did.
     pub fn set_look(&mut self, look: &MeshLook) {
-        let up = self.camera.up;
+        let up = self.settings.up;
         look.apply(&mut self.settings, &mut self.camera);
-        if self.camera.up != up {
+        if self.settings.up != up {
             self.fitted = None;
         }
     }
@@ -362,7 +362,7 @@ impl MeshView {
             let frame = Frame { camera: &self.camera, bounds, size, samples };
             let item = &mut self.items[tile.item];
             let screen = Screen { rect: tile.rect };
-            let (clip, tint) = part_of(tile.rect, &self.settings, at);
+            let (clip, tint) = part_of(tile.rect, &self.settings, at, tiles.len());
             let painter = ui.painter_at(clip);
             let has_box = self.settings.has_box && item.bounds().is_some();
             let around = item.bounds().unwrap_or(*bounds);
@@ -420,7 +420,10 @@ impl MeshView {
         let item = &self.items[item];
         let Some(hit) = self.hover.at(ui, &item.mesh, ray) else { return };
         let text = describe(&item.mesh, &hit, values_of(item).as_deref());
-        responses[at].show_tooltip_text(text);
+        let (id, anchor) = (responses[at].id.with("read-out"), egui::PopupAnchor::Pointer);
+        egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
+            .gap(14.0)
+            .show(|ui| ui.label(text));
     }
 
     /// The item that is seen at a place of a picture.
