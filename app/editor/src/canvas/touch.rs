@@ -219,10 +219,12 @@ impl Canvas {
             let value = scene.runner.value(&port.at.node, &port.at.port).filter(|_| is_output);
             let value =
                 value.map(|value| format!("\n\n{}", brief_text(&value))).unwrap_or_default();
-            let need = match (is_output, port.is_required) {
-                (true, _) => "click to look at it, drag to link it",
-                (_, true) => "must be linked",
-                _ => "optional",
+            let links = &scene.document.map().links;
+            let need = match links.iter().find(|link| link.to == port.at) {
+                Some(link) => format!("linked from {}", link.from),
+                None if is_output => "click to look at it, drag to link it".to_owned(),
+                None if port.is_required => "must be linked".to_owned(),
+                None => "optional".to_owned(),
             };
             let text = format!("{} ({}): {}\n{need}{value}", port.at.port, what.id, port.doc);
             response.on_hover_text(text);

@@ -15,6 +15,7 @@ use super::curves::{
 };
 use super::results::{Column, Sheet, Source, label};
 use super::widgets::named;
+use crate::views::make_room;
 
 /// How near the pointer must be to a point, in points of the screen.
 const REACH: f32 = 12.0;
@@ -145,10 +146,7 @@ fn pick(
     is_wanted: &dyn Fn(&&Column) -> bool,
     chosen: &mut Option<String>,
 ) {
-    // A list cannot be wrapped by itself.
-    if ui.available_size_before_wrap().x < ROOM_OF_LIST {
-        ui.end_row();
-    }
+    make_room(ui, ROOM_OF_LIST);
     ui.label(what);
     let name = |place: usize| sheet.columns[place].name.as_str();
     let current = current.map_or("", name);

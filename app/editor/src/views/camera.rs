@@ -155,6 +155,11 @@ impl Default for Camera {
 }
 
 impl Camera {
+    /// Pixels that a model unit at the target takes in a picture of this height.
+    pub fn pixels_per_unit(&self, height: u32) -> f64 {
+        f64::from(height) / (2.0 * TAN_HALF_FOV * self.distance)
+    }
+
     /// The axes of view space.
     pub fn axes(&self) -> ViewAxes {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();

@@ -6,6 +6,7 @@ use eframe::egui::{self, Color32, Rect, Sense, TextureHandle, Vec2, pos2, vec2};
 use mve_modules::data::{Image, Images};
 
 use super::images_zoom::Zoom;
+use super::make_room;
 use super::picture::{color_image, difference, rgb_at};
 use super::slot::{Same, Slot};
 use super::values;
@@ -142,9 +143,7 @@ impl ImagesView {
                 ui.toggle_value(&mut self.has_difference, "Difference")
                     .on_hover_text("What the first two differ by, without sign");
                 if self.has_difference {
-                    if ui.available_size_before_wrap().x < 190.0 {
-                        ui.end_row();
-                    }
+                    make_room(ui, 190.0);
                     let slider = egui::Slider::new(&mut self.gain.0, 1.0..=64.0).logarithmic(true);
                     ui.add(slider.text("gain")).on_hover_text("Differences are multiplied by this");
                 }

@@ -324,6 +324,14 @@ impl Viewer {
     }
 }
 
+/// Goes to the next row where less room than this is left: lists and sliders do not wrap by
+/// themselves.
+pub fn make_room(ui: &mut egui::Ui, width: f32) {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
+}
+
 fn has_tables(sorted: &Sorted) -> bool {
     !(sorted.fields.is_empty() && sorted.measures.is_empty() && sorted.others.is_empty())
 }

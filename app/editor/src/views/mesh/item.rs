@@ -390,6 +390,15 @@ const BORDER: [f32; 4] = [1.0, 0.55, 0.05, 1.0];
 /// How far lines are moved towards the viewer, as a part of the size of the scene.
 const LINE_SHIFT: f64 = 1e-3;
 
+/// How much of a wire is seen: where edges are shorter than a few pixels they would hide the surface.
+fn wire_share(arrays: &Arrays, frame: &Frame) -> f32 {
+    // The edge of an equilateral triangle, if as many cover a square as large as the box.
+    let n_faces = arrays.faces.len().max(1) as f64;
+    let edge = 1.5 * 2.0 * arrays.bounds.radius() / n_faces.sqrt();
+    let pixels = edge * frame.camera.pixels_per_unit(frame.size[1]);
+    ((pixels / 5.0) as f32).clamp(0.12, 1.0)
+}
+
 fn uniforms(
     prepared: &Prepared,
     has_texture: bool,
@@ -437,7 +446,7 @@ fn uniforms(
         ),
         surface: SURFACE,
         back: [BACK[0], BACK[1], BACK[2], back],
-        wire: WIRE,
+        wire: [WIRE[0], WIRE[1], WIRE[2], WIRE[3] * wire_share(arrays, frame)],
         border: BORDER,
         numbers: [place[0], place[1], f32::from(is_gray_outside), LINE_SHIFT as f32],
         modes: [reading, u32::from(settings.shading == Shading::Flat), 0, 0],

@@ -10,6 +10,7 @@ use super::arrays::Shading;
 use super::coloring::{ColorBy, ScaleSettings, Spacing};
 use super::gpu::Lines;
 use crate::views::camera::{Camera, Projection, StandardView, UpAxis};
+use crate::views::make_room;
 
 /// How faces look that are seen from behind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -201,10 +202,7 @@ fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
     let current = &settings.color_by;
     let named = offers.color_by.iter().find(|(by, _)| by == current);
     let text = named.map_or("Automatic", |(_, text)| text.as_str()).to_owned();
-    // A list cannot be wrapped by itself.
-    if ui.available_size_before_wrap().x < 190.0 {
-        ui.end_row();
-    }
+    make_room(ui, 190.0);
     egui::ComboBox::new("color by", "Color")
         .selected_text(text)
         .show_ui(ui, |ui| {
@@ -271,11 +269,13 @@ fn comparison(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
     if settings.arrangement == Arrangement::SideBySide {
         return;
     }
+    make_room(ui, 190.0);
     let slider = egui::Slider::new(&mut settings.balance, 0.0..=1.0).show_value(false);
     ui.add(slider.text("balance")).on_hover_text("From the first mesh to the second");
     if offers.titles.len() > 2 {
         for (at, label) in settings.pair.iter_mut().zip(["first", "second"]) {
             let selected = offers.titles.get(*at).cloned().unwrap_or_default();
+            make_room(ui, 190.0);
             egui::ComboBox::new(label, label).selected_text(selected).show_ui(ui, |ui| {
                 for (i, title) in offers.titles.iter().enumerate() {
                     ui.selectable_value(at, i, title);
