@@ -83,14 +83,19 @@ impl Bounds {
     }
 
     /// The axis that seems to point up: y, as in most files, unless the model is as wide as it is
-    /// deep along x and y and of another height along z, as solids of revolution and height fields
-    /// are that stand on the xy plane.
+    /// deep along x and y and of another height along z. So are solids of revolution and height fields
+    /// that stand on the xy plane, though simplified ones only about, around the z axis.
     pub fn up(&self) -> UpAxis {
-        let size = self.high - self.low;
+        let (size, middle) = (self.high - self.low, self.center());
         let across = size.x.max(size.y);
-        let differs = |a: f64, b: f64| (a - b).abs() > 1e-3 * across;
-        let stands = size.z > 0.05 * across && differs(size.z, across);
-        if stands && !differs(size.x, size.y) { UpAxis::Z } else { UpAxis::Y }
+        let is_near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * across;
+        let is_round = |share: f64| is_near(size.x, size.y, share);
+        let is_around_z = is_near(middle.x, 0.0, 0.02) && is_near(middle.y, 0.0, 0.02);
+        let stands = size.z > 0.05 * across && !is_near(size.z, across, 0.01);
+        match stands && (is_round(1e-3) || (is_round(0.02) && is_around_z)) {
+            true => UpAxis::Z,
+            false => UpAxis::Y,
+        }
     }
 
     /// The eight corners; bit k of the place says which end axis k has.
@@ -446,12 +451,18 @@ mod tests {
 
     #[test]
     fn what_stands_on_the_xy_plane_points_up_along_z() {
-        let of = |size: [f64; 3]| Bounds { low: DVec3::ZERO, high: DVec3::from(size) }.up();
+        let at = |low: [f64; 3], high: [f64; 3]| {
+            Bounds { low: DVec3::from(low), high: DVec3::from(high) }.up()
+        };
+        let of = |size: [f64; 3]| at([0.0; 3], size);
         assert_eq!(of([0.6, 0.6, 1.0]), UpAxis::Z); // a vase
+        assert_eq!(at([-0.3, -0.299, 0.0], [0.302, 0.296, 1.0]), UpAxis::Z); // a simplified one
         assert_eq!(of([1.0, 1.0, 0.18]), UpAxis::Z); // a height field
         assert_eq!(of([1.0, 1.0, 1.0]), UpAxis::Y); // a cube
         assert_eq!(of([1.0, 1.0, 0.0]), UpAxis::Y); // a picture
         assert_eq!(of([0.6, 1.0, 0.6]), UpAxis::Y); // a vase that stands on xz
-        assert_eq!(of([0.15570, 0.15433, 0.12068]), UpAxis::Y); // the Stanford bunny
+        // The Stanford bunny.
+        let low = [-0.09469, 0.03299, -0.06187];
+        assert_eq!(at(low, [0.06101, 0.18732, 0.05880]), UpAxis::Y);
     }
 }
