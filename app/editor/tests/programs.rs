@@ -151,6 +151,9 @@ fn a_program_is_made_run_and_read() {
     wait(&mut harness, "the table", |harness| {
         harness.query_all_by_label_contains("status done").count() == 4
     });
+    let said = harness.state_mut().panel.take_said();
+    let [(false, text)] = said.as_slice() else { panic!("{said:?}") };
+    assert!(text.starts_with("program sweep: 4 steps run in "), "{text}");
     let row = harness.get_by_label_contains("make.segments 16, cut.cost Quadric,");
     let said = row.accesskit_node().label().unwrap();
     assert!(said.contains("status done") && said.contains("info.volume 1"), "{said}");

@@ -301,7 +301,7 @@ impl Editor {
     fn recovered_box(&mut self, ui: &mut Ui) {
         let mut decision: Option<(usize, bool)> = None;
         let mut is_later = false;
-        Modal::new("recovered".into()).show(ui.ctx(), |ui| {
+        let shown = Modal::new("recovered".into()).show(ui.ctx(), |ui| {
             ui.set_width(520.0);
             ui.heading("These maps were not saved when mve ended");
             for (place, recovered) in self.boxes.recovered.iter().enumerate() {
@@ -324,7 +324,7 @@ impl Editor {
                 ui.button("Later").on_hover_text("They are offered at the next start again");
             is_later = later.clicked();
         });
-        if is_later {
+        if is_later || shown.should_close() {
             self.boxes.recovered.clear();
         }
         let Some((place, is_wanted)) = decision else { return };

@@ -9,7 +9,7 @@ use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
 use crate::programs::{self, ProgramPanel};
-use crate::runner::{Part, Runner, Shared, Status, Subject};
+use crate::runner::{Line, Loudness, Part, Runner, Shared, Status, Subject};
 use crate::views::{Pinned, PortState, Viewer};
 
 /// One open map.
@@ -117,6 +117,10 @@ impl Session {
             self.pin_something();
         }
         self.programs.take_in();
+        for (is_trouble, text) in self.programs.take_said() {
+            let loudness = if is_trouble { Loudness::Error } else { Loudness::Note };
+            self.runner.log.add(Line::of(None, loudness, text));
+        }
         let revision = self.document.revision();
         if self.checked != Some(revision) {
             self.checked = Some(revision);

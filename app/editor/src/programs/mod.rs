@@ -124,6 +124,8 @@ pub struct ProgramPanel {
     is_sheet_stale: bool,
     /// What came of the last run, or other news in a line.
     note: Option<Note>,
+    /// The same, for the log.
+    said: Vec<(bool, String)>,
     /// What is to be asked for when the panel is shown next.
     waiting: Vec<Action>,
     bar: bar::BarState,
@@ -159,6 +161,7 @@ impl ProgramPanel {
             sheet_made: Instant::now(),
             is_sheet_stale: false,
             note: None,
+            said: Vec::new(),
             waiting: Vec::new(),
             bar: bar::BarState::default(),
             setup: setup::SetupState::default(),
@@ -245,15 +248,25 @@ impl ProgramPanel {
                 if missing > 0 {
                     text.push_str(&format!(", {missing} to do"));
                 }
-                let is_trouble = failed > 0;
-                self.note = Some(Note { text, is_trouble });
+                self.tell(text, failed > 0);
             }
         }
         self.make_sheet();
     }
 
     fn complain(&mut self, text: String) {
-        self.note = Some(Note { text, is_trouble: true });
+        self.tell(text, true);
+    }
+
+    fn tell(&mut self, text: String, is_trouble: bool) {
+        let program = self.sheet.program.as_ref().map_or("", |program| program.name.as_str());
+        self.said.push((is_trouble, format!("program {program}: {text}")));
+        self.note = Some(Note { text, is_trouble });
+    }
+
+    /// What was said since the last call, for the log, and whether it is trouble.
+    pub fn take_said(&mut self) -> Vec<(bool, String)> {
+        std::mem::take(&mut self.said)
     }
 
     /// Makes the table of results anew from what is known.
