@@ -56,7 +56,8 @@ impl ProgramPanel {
     fn show_nothing(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         let frame = egui::Frame::new().inner_margin(16);
         let dropped = drop_zone(ui, frame, |ui| {
-            ui.set_min_size(egui::vec2(ui.available_width(), 120.0));
+            // All of the panel, which else would be too low for the program to come.
+            ui.set_min_size(ui.available_size().max(egui::vec2(0.0, 120.0)));
             ui.label("This map has no program.");
             ui.weak(
                 "A program runs the map with every combination of some parameters and puts the \
