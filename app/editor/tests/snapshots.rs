@@ -124,22 +124,25 @@ fn a_wire_lies_over_the_surface() {
     harness.snapshot_options("wire", &tolerance(600));
 }
 
+/// A window on the example, checked; its savers would write to the folder.
+fn example(folder: &std::path::Path) -> Option<Hand> {
+    let mut hand = Hand::with_example(folder, rasteriser()?, Vec2::new(1000.0, 640.0));
+    assert_eq!(hand.problems(), Vec::<String>::new());
+    Some(hand)
+}
+
 #[test]
 fn the_canvas_shows_the_example() {
-    let Some(render) = rasteriser() else { return };
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let mut hand = Hand::with_example(folder.path(), render, Vec2::new(1000.0, 640.0));
-    assert_eq!(hand.problems(), Vec::<String>::new());
+    let Some(mut hand) = example(folder.path()) else { return };
     hand.click_at("node simplify", 0.5, 0.05);
     hand.snapshot("canvas", &tolerance(60));
 }
 
 #[test]
 fn a_dialog_lists_the_keys() {
-    let Some(render) = rasteriser() else { return };
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let mut hand = Hand::with_example(folder.path(), render, Vec2::new(1000.0, 640.0));
-    assert_eq!(hand.problems(), Vec::<String>::new());
+    let Some(mut hand) = example(folder.path()) else { return };
     hand.press(egui::Key::F1);
     hand.step();
     hand.snapshot("keys", &tolerance(60));

@@ -25,8 +25,7 @@ impl Editor {
         // Whatever the window's size, some of the canvas stays in sight.
         let most = (ui.available_height() * 0.65).max(90.0);
         let panel = Panel::bottom(self.for_this_size(ui, name)).resizable(true);
-        let panel = panel.default_size(height);
-        let panel = panel.min_size(90.0).max_size(most);
+        let panel = panel.default_size(height).min_size(90.0).max_size(most);
         panel.show_collapsible(ui, &mut is_open, |ui| {
             let Self { sessions, active, lower, console, shared, .. } = self;
             let session = &mut sessions[*active];
