@@ -225,6 +225,8 @@ impl Hand {
 
     /// Types into a field and leaves it.
     pub fn type_into(&mut self, name: &str, text: &str) {
+        // What the check of the map finds stands above the field, and moves it.
+        self.problems();
         self.harness.get_by_role_and_label(Role::TextInput, name).click();
         self.step();
         self.harness.get_by_role_and_label(Role::TextInput, name).type_text(text);
@@ -248,6 +250,7 @@ impl Hand {
 
     /// Types into a field of a number, in place of what it shows, and leaves it.
     pub fn type_number(&mut self, name: &str, text: &str) {
+        self.problems();
         self.harness.get_by_role_and_label(Role::SpinButton, name).click();
         self.step();
         self.press_with(Modifiers::COMMAND, Key::A);
