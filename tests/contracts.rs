@@ -4,16 +4,16 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use glam::DVec3;
+use mve_core::Control;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{Data, Kind, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
     Domain, Field, Image, Images, Layer, LayerValues, Measure, Measures, NO_VALUE, PixelKind,
     TriMesh, VertexId,
 };
-use mve_modules::geometry::control::Control;
+use mve_modules::formats::png::write_png;
+use mve_modules::formats::save_atomic;
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
-use mve_modules::io::png::write_png;
-use mve_modules::io::save_atomic;
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 use mve_modules::registry;
 use serde_json::{Value as Json, json};

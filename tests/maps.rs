@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use mve_core::Control;
 use mve_core::testing::{plan_options, program_options, run_options};
 use mve_core::{
     CancelToken, FileHashes, Map, Plan, PlanOptions, Program, ProgramOptions, RunOptions, Scalar,
     Store, assign, run, run_program,
 };
-use mve_modules::geometry::control::Control;
 use mve_modules::registry;
 use mve_tests::{maps, root};
 
@@ -60,7 +60,7 @@ fn load(path: &Path, folder: &Path) -> Map {
     if map.nodes.get("load").is_some_and(|node| node.module == "ObjLoader") {
         let model = folder.join("model.obj");
         let mesh = mve_modules::geometry::generate::surface(&Default::default());
-        mve_modules::io::obj::save(&mesh, &model, Control::none()).unwrap();
+        mve_modules::formats::obj::save(&mesh, &model, Control::none()).unwrap();
         assign(&mut map, &registry(), "load.path", model.to_str().unwrap().into()).unwrap();
     }
     map

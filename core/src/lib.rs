@@ -11,6 +11,7 @@
 
 mod cache;
 mod cancel;
+mod control;
 mod data;
 mod describe;
 mod disk_cache;
@@ -36,6 +37,7 @@ pub mod testing;
 
 pub use cache::{Cache, CacheUse, LogLine};
 pub use cancel::CancelToken;
+pub use control::{Cancelled, Control, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
@@ -43,7 +45,7 @@ pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
-pub use module::{Io, Module, ModuleError, Reporter};
+pub use module::{Io, Module, ModuleError};
 pub use panics::contain_panics;
 pub use param::{
     ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,

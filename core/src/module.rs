@@ -1,13 +1,13 @@
 //! Modules: declared units of work, and what they see of the run.
 
 use std::any::type_name;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use thiserror::Error;
 
 use crate::cancel::CancelToken;
+use crate::control::{Cancelled, Control, Reporter};
 use crate::data::{Data, Value};
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
@@ -58,9 +58,9 @@ pub enum ModuleError {
         /// What was found and what was expected.
         message: String,
     },
-    /// The numbers did not allow a result.
+    /// There is no result, for a reason that is not one of the others; the message says all.
     #[error("{0}")]
-    Numeric(String),
+    Failed(String),
     /// A file could not be read or written.
     #[error("{}: {message}", path.display())]
     Io {
@@ -83,22 +83,21 @@ impl ModuleError {
         Self::Input { port: port.name.to_owned(), message: message.into() }
     }
 
+    /// An error about this parameter.
+    pub fn param<T>(param: &Param<T>, message: impl Into<String>) -> Self {
+        Self::Param { name: param.spec.name.to_owned(), message: message.into() }
+    }
+
     /// An error about a file, with its path.
     pub fn io(path: &Path, message: impl Into<String>) -> Self {
         Self::Io { path: path.to_owned(), message: message.into() }
     }
 }
 
-/// What hears of a module's progress while it runs, from any of its threads.
-pub trait Reporter: Sync {
-    /// The share of the work that is done, 0 to 1.
-    fn progress(&self, share: f64);
-    /// A line for the log.
-    fn log(&self, line: &str);
-    /// Trouble that does not stop the module.
-    fn warn(&self, line: &str);
-    /// A part of the work is done and took so many seconds.
-    fn phase(&self, _name: &'static str, _seconds: f64) {}
+impl From<Cancelled> for ModuleError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// What a running module sees: its inputs, its parameters, and whom to tell.
@@ -179,8 +178,7 @@ impl<'a> Io<'a> {
     /// Tells how far the work is, from 0 to 1, and gives up with [`ModuleError::Cancelled`] once
     /// the run is stopped. To be called at least ten times a second.
     pub fn progress(&self, share: f64) -> Result<(), ModuleError> {
-        self.reporter.progress(share);
-        self.check()
+        Ok(self.control().at(share)?)
     }
 
     /// Gives up with [`ModuleError::Cancelled`] once the run is stopped.
@@ -188,10 +186,9 @@ impl<'a> Io<'a> {
         if self.cancel.is_cancelled() { Err(ModuleError::Cancelled) } else { Ok(()) }
     }
 
-    /// [`Io::progress`] for algorithms that take a callback: breaks once the run is stopped.
-    pub fn flow(&self, share: f64) -> ControlFlow<()> {
-        self.reporter.progress(share);
-        if self.cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    /// Progress and cancellation of the whole run, for algorithms. It borrows nothing of the `Io`.
+    pub fn control(&self) -> Control<'a> {
+        Control::of_run(self.reporter, self.cancel)
     }
 
     /// Writes a line to the log of the run.

@@ -8,9 +8,10 @@ use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::cancel::CancelToken;
+use crate::control::Reporter;
 use crate::data::{Data, Value};
 use crate::files::FileHashes;
-use crate::module::{Io, Module, ModuleError, Reporter};
+use crate::module::{Io, Module, ModuleError};
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param};
 use crate::plan::{OutputScope, PlanOptions};
@@ -220,7 +221,7 @@ pub static ADD: Module = Module {
         }
         assert!(amount != -13.0, "thirteen brings bad luck");
         if amount == 99.0 {
-            return Err(ModuleError::Numeric("99 is too much".to_owned()));
+            return Err(ModuleError::Failed("99 is too much".to_owned()));
         }
         io.log(format!("adding {amount}"));
         let a = io.maybe(A).map_or(0.0, |a| *a);

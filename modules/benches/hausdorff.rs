@@ -11,11 +11,11 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
+use mve_core::Control;
 use mve_modules::data::{TriMesh, VertexId};
-use mve_modules::geometry::bvh::Bvh;
-use mve_modules::geometry::control::Control;
+use mve_modules::geometry::distance::bvh::Bvh;
+use mve_modules::geometry::distance::hausdorff::{HausdorffOptions, hausdorff};
 use mve_modules::geometry::generate::subdivided_box::{BoxOptions, subdivided_box};
-use mve_modules::geometry::hausdorff::{HausdorffOptions, hausdorff};
 use mve_modules::mesh::fixtures::torus;
 
 /// The mesh with the vertices of each cell, `n` a diagonal, drawn together.

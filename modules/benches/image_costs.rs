@@ -9,15 +9,13 @@ use std::cell::Cell;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mve_modules::cost::{Cost, Squares};
+use mve_core::{Cancelled, Control};
+use mve_modules::cost::Squares;
 use mve_modules::data::TriMesh;
-use mve_modules::geometry::control::{Cancelled, Control};
-use mve_modules::geometry::image_driven::{
-    Areas, Difference, ImageDriven, ImageOptions, Structure,
+use mve_modules::geometry::simplify::collapse::{
+    Collapse, Collapsing, Cost, Proposal, Reach, Renewal, SimplifyOptions, Stop, simplify,
 };
-use mve_modules::geometry::simplify::{
-    Collapse, Collapsing, Proposal, Reach, Renewal, SimplifyOptions, Stop, simplify,
-};
+use mve_modules::image_driven::{Areas, Difference, ImageDriven, ImageOptions, Structure};
 use mve_modules::mesh::fixtures::torus;
 use mve_modules::placement::Optimal;
 
@@ -129,7 +127,7 @@ fn model(name: &str) -> Option<TriMesh> {
         return None;
     };
     let mut no_mtl = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    mve_modules::io::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
+    mve_modules::formats::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
 }
 
 fn main() {

@@ -8,12 +8,12 @@ mod models;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use mve_core::Control;
 use mve_modules::cost::{Msdm2, Quadric};
 use mve_modules::data::TriMesh;
-use mve_modules::geometry::control::Control;
-use mve_modules::geometry::msdm2::collapse::Counting;
-use mve_modules::geometry::msdm2::{Msdm2Options, msdm2};
-use mve_modules::geometry::simplify::{SimplifyOptions, Stop, simplify};
+use mve_modules::geometry::perception::msdm2::collapse::Counting;
+use mve_modules::geometry::perception::msdm2::{Msdm2Options, msdm2};
+use mve_modules::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
 use mve_modules::placement::{Midpoint, Optimal};
 
 fn halved(mesh: &TriMesh) -> TriMesh {

@@ -10,9 +10,9 @@ use std::io;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use mve_core::Control;
 use mve_modules::data::TriMesh;
-use mve_modules::geometry::control::Control;
-use mve_modules::io::obj;
+use mve_modules::formats::obj;
 
 fn read(bytes: &[u8]) -> TriMesh {
     let mut no_mtl = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));

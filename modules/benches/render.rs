@@ -10,13 +10,13 @@ mod models;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use mve_core::Control;
 use mve_modules::data::{PixelKind, TriMesh};
-use mve_modules::geometry::control::Control;
-use mve_modules::geometry::render::{
+use mve_modules::picture::render::{
     CameraSet, Frame, Lens, NormalSource, Paint, PictureOptions, Shading, Sides, Surface, Visible,
     picture,
 };
-use mve_modules::geometry::ssim::ssim;
+use mve_modules::picture::ssim::ssim;
 
 fn surface(mesh: &TriMesh, shading: Shading) -> Option<Surface<'_>> {
     Surface::new(mesh, shading, NormalSource::Faces, Paint::White, Control::none()).ok()

@@ -8,10 +8,10 @@ mod models;
 use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use mve_core::Control;
 use mve_modules::cost::Quadric;
 use mve_modules::data::TriMesh;
-use mve_modules::geometry::control::Control;
-use mve_modules::geometry::simplify::{SimplifyOptions, Stop, simplify};
+use mve_modules::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
 use mve_modules::placement::Optimal;
 
 fn ours(mesh: &TriMesh) -> TriMesh {

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 use eframe::egui;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use mve_core::Control;
 use mve_core::Value;
 use mve_editor::views::{Arrangement, Pinned, PortState, Viewer, ViewerAction};
 use mve_modules::data::{Domain, Field, Images, TriMesh};
-use mve_modules::geometry::control::Control;
-use mve_modules::io::{obj, png::read_png};
+use mve_modules::formats::{obj, png::read_png};
 
 fn main() -> ExitCode {
     match run() {

@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 
 use super::{EventKind, PROGRESS_PAUSE, Runner};
 use crate::cache::LogLine;
-use crate::module::Reporter;
+use crate::control::Reporter;
 use crate::plan::PlanNode;
 
 /// Hears of one run of a module.

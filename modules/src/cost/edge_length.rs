@@ -6,7 +6,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::{Collapsing, Proposal};
+use crate::geometry::simplify::collapse::{Collapsing, Proposal};
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "EdgeLength",

@@ -4,13 +4,13 @@
 //! 2000. The price of the collapse that makes mesh k + 1 of mesh k is the sum over cameras and
 //! pixels of (y₀ − yₖ₊₁)² − (y₀ − yₖ)², in squared 8-bit luminances: a whole number, negative where
 //! the collapse brings the pictures nearer to those of the original. See
-//! [`image_driven`](crate::geometry::image_driven) for how pictures are drawn.
+//! [`image_driven`](crate::image_driven) for how pictures are drawn.
 
 use mve_core::Entry;
 
 use super::MakeCost;
 use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
-use crate::geometry::image_driven::{Difference, ImageDriven, Patch, Picture};
+use crate::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "ImageMse",
@@ -65,8 +65,8 @@ impl Difference for Squares {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::render::Rect;
     use crate::mesh::fixtures::mesh_of;
+    use crate::picture::render::Rect;
     use crate::prelude::*;
 
     #[test]

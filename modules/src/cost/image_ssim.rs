@@ -5,13 +5,13 @@
 //! IEEE Transactions on Image Processing 13(4), 2004), 0 to 2, with the SSIM of a picture the mean
 //! over the pixels whose window lies in it. The growth orders collapses as 1 − SSIM after the
 //! collapse does, and stays comparable while other collapses change the pictures elsewhere. See
-//! [`image_driven`](crate::geometry::image_driven) for how pictures are drawn.
+//! [`image_driven`](crate::image_driven) for how pictures are drawn.
 
 use mve_core::Entry;
 
 use super::MakeCost;
 use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
-use crate::geometry::image_driven::{ImageDriven, Structure};
+use crate::image_driven::{ImageDriven, Structure};
 use crate::prelude::*;
 
 const MARGIN: Param<i64> = Param::integer(

@@ -2,7 +2,7 @@
 //! be negative.
 //!
 //! G. Lavoué, "A multiscale metric for 3D mesh visual quality assessment", CGF 30(5), 2011, as a
-//! cost. See [`crate::geometry::msdm2::collapse`] for what is measured and what is approximated.
+//! cost. See [`crate::geometry::perception::msdm2::collapse`] for what is measured and what is approximated.
 //! Prices change up to four edges from a collapse, but are renewed only at the merged vertex and its
 //! neighbors: farther off they change by little, and asking again there would take several times
 //! as long.
@@ -10,11 +10,11 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::control::{Cancelled, Control};
-use crate::geometry::msdm2::Msdm2Error;
-use crate::geometry::msdm2::collapse::{CollapsePrices, Counting};
-use crate::geometry::simplify::{Collapse, Collapsing, Proposal, Reach};
+use crate::geometry::perception::msdm2::Msdm2Error;
+use crate::geometry::perception::msdm2::collapse::{CollapsePrices, Counting};
+use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal, Reach};
 use crate::prelude::*;
+use mve_core::{Cancelled, Control};
 
 impl Enumeration for Counting {
     const NAMES: &'static [(&'static str, &'static str)] = &[

@@ -1,9 +1,9 @@
 //! The parameters that image-driven costs share: which pictures are taken.
 
-use crate::geometry::image_driven::{Areas, ImageOptions};
-use crate::geometry::simplify::Renewal;
+use crate::geometry::simplify::collapse::Renewal;
+use crate::image_driven::{Areas, ImageOptions};
+use crate::picture::view::{ViewDefaults, ViewParams};
 use crate::prelude::*;
-use crate::view::{ViewDefaults, ViewParams};
 
 const IMAGE_DEFAULT: ImageOptions = ImageOptions::DEFAULT;
 
@@ -59,16 +59,13 @@ pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions
              image-driven cost keeps at most {MOST_PIXELS}: lower it or take fewer cameras",
             cameras.len()
         );
-        return Err(ModuleError::Param { name: VIEW.resolution.spec().name.into(), message });
+        return Err(ModuleError::param(&VIEW.resolution, message));
     }
     let is_seen = mesh.bounds().is_some_and(|bounds| !cameras.around(bounds).is_empty());
     if !is_seen && !mesh.faces.is_empty() {
-        return Err(ModuleError::Input {
-            port: "mesh".into(),
-            message: "no camera can be placed around the mesh: its box has no extent, or one too \
-                      large or too small; an image-driven cost needs pictures"
-                .to_owned(),
-        });
+        let message = "no camera can be placed around the mesh: its box has no extent, or one too \
+                       large or too small; an image-driven cost needs pictures";
+        return Err(ModuleError::Failed(message.to_owned()));
     }
     Ok(ImageOptions {
         cameras,

@@ -10,7 +10,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::{Collapsing, Ends, Proposal, QuadricOptions};
+use crate::geometry::simplify::collapse::{Collapsing, Ends, Proposal, QuadricOptions};
 use crate::prelude::*;
 
 const BOUNDARY_WEIGHT: Param<f64> = Param::number(

@@ -3,9 +3,8 @@
 //! Colors are display values, as in an sRGB file.
 
 use crate::data::LayerValues;
-use crate::geometry::color_map::{ColorMapOptions, Outside, color_bar, colors, range_of};
-use crate::geometry::color_scale::Scale;
-use crate::geometry::control::Control;
+use crate::picture::color_map::{ColorMapOptions, Outside, color_bar, colors, range_of};
+use crate::picture::color_scale::Scale;
 use crate::prelude::*;
 
 impl Enumeration for Scale {
@@ -95,13 +94,11 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         is_reversed: io.param(REVERSE)?,
     };
     let range = range_of(&field.values, &options)
-        .map_err(|error| ModuleError::Param { name: "low".into(), message: error.to_string() })?;
+        .map_err(|error| ModuleError::param(&LOW, error.to_string()))?;
     if !field.values.is_empty() && !field.values.iter().any(|value| value.is_finite()) {
         io.warn("the field has no finite value");
     }
-    let report = |share| io.flow(share);
-    let colors = colors(&field.values, range, &options, Control::new(&report))
-        .map_err(|_| ModuleError::Cancelled)?;
+    let colors = colors(&field.values, range, &options, io.control())?;
     mesh.set_layer(Layer {
         name: Layer::COLOR.to_owned(),
         domain: field.domain,

@@ -1,3 +1,3 @@
-//! Modules that change meshes.
+//! Modules that take a mesh and give a mesh.
 
-mve_core::modules! { "filters": color_map, contact_sheet, normal_computer, simplificator, subdivide }
+mve_core::modules! { "filters": color_map, normal_computer, simplificator, subdivide }

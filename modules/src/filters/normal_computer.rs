@@ -1,7 +1,6 @@
 //! Computes normals from the faces.
 
-use crate::geometry::control::Control;
-use crate::geometry::normals::{NormalWeight, corner_normal_layer, vertex_normal_layer};
+use crate::geometry::surface::normals::{NormalWeight, corner_normal_layer, vertex_normal_layer};
 use crate::prelude::*;
 
 impl Enumeration for NormalWeight {
@@ -42,13 +41,12 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut mesh = io.take(MESH_IN)?;
     let weight = io.param(WEIGHT)?;
-    let report = |share| io.flow(share);
-    let control = Control::new(&report);
+    let control = io.control();
     let layer = match io.param(CREASE_ANGLE)? {
         Some(angle) => corner_normal_layer(&mesh, weight, angle.to_radians(), control),
         None => vertex_normal_layer(&mesh, weight, control),
     };
-    let layer = layer.map_err(|_| ModuleError::Cancelled)?;
+    let layer = layer?;
     mesh.set_layer(layer);
     io.put(MESH_OUT, mesh);
     Ok(())

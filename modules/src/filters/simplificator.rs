@@ -2,8 +2,7 @@
 
 use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
-use crate::geometry::control::Control;
-use crate::geometry::simplify::{
+use crate::geometry::simplify::collapse::{
     Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, simplify,
 };
 use crate::placement::{MakePlacement, PLACEMENTS};
@@ -98,10 +97,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         seams: io.param(SEAMS)?,
         flip_angle_rad: io.param(FLIP_ANGLE)?.map(f64::to_radians),
     };
-    let report = |share| io.flow(share);
-    let simplified =
-        simplify(&mesh, cost.as_mut(), placement.as_mut(), options, Control::new(&report))
-            .map_err(|_| ModuleError::Cancelled)?;
+    let simplified = simplify(&mesh, cost.as_mut(), placement.as_mut(), options, io.control())?;
     io.phase("first_prices", simplified.seconds.first_prices);
     io.phase("collapses", simplified.seconds.collapses);
     let found = simplified.statistics;

@@ -2,8 +2,7 @@
 //!
 //! Midpoint keeps the surface as it is, Loop rounds it off; layers are interpolated in both.
 
-use crate::geometry::control::Control;
-use crate::geometry::subdivide::{Scheme, SubdivideError, subdivide};
+use crate::geometry::surface::subdivide::{Scheme, SubdivideError, subdivide};
 use crate::prelude::*;
 
 impl Enumeration for Scheme {
@@ -40,9 +39,8 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.take(MESH_IN)?;
     let (scheme, levels) = (io.param(SCHEME)?, io.param(LEVELS)? as u32);
-    let report = |share| io.flow(share);
-    let mesh = subdivide(mesh, scheme, levels, Control::new(&report)).map_err(|e| match e {
-        SubdivideError::Cancelled(_) => ModuleError::Cancelled,
+    let mesh = subdivide(mesh, scheme, levels, io.control()).map_err(|e| match e {
+        SubdivideError::Cancelled(cancelled) => cancelled.into(),
         too_many => ModuleError::input(&MESH_IN, too_many.to_string()),
     })?;
     io.put(MESH_OUT, mesh);

@@ -1,7 +1,6 @@
 //! Loads a Wavefront OBJ file with its materials.
 
-use crate::geometry::control::Control;
-use crate::io::obj::{self, ObjError};
+use crate::formats::obj::{self, ObjError};
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> =
@@ -23,14 +22,12 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
-    let report = |share| io.flow(share);
-    let (mesh, warnings) =
-        obj::load(&path, Control::new(&report)).map_err(|error| match error {
-            ObjError::Cancelled => ModuleError::Cancelled,
-            // These messages name their file, which need not be this one.
-            ObjError::File(error) => ModuleError::Numeric(error.to_string()),
-            other => ModuleError::io(&path, other.to_string()),
-        })?;
+    let (mesh, warnings) = obj::load(&path, io.control()).map_err(|error| match error {
+        ObjError::Cancelled => ModuleError::Cancelled,
+        // It names its file, which need not be this one.
+        ObjError::File(error) => error.into(),
+        other => ModuleError::io(&path, other.to_string()),
+    })?;
     for warning in warnings {
         io.warn(format!("{}: {warning}", path.display()));
     }

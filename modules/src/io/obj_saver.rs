@@ -1,7 +1,6 @@
 //! Saves a mesh as a Wavefront OBJ file with its materials.
 
-use crate::geometry::control::Control;
-use crate::io::obj;
+use crate::formats::obj;
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -23,20 +22,15 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    let report = |share| io.flow(share);
-    obj::save(&mesh, &path, Control::new(&report)).map_err(|error| match io.check() {
-        Err(cancelled) => cancelled,
-        // The message names the file, which may be the one of the materials.
-        Ok(()) => ModuleError::Numeric(error.to_string()),
-    })
+    Ok(obj::save(&mesh, &path, io.control())?)
 }
 
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::geometry::control::Control;
     use crate::mesh::fixtures::tetrahedron;
+    use mve_core::Control;
 
     #[test]
     fn what_is_saved_loads_as_it_was() {
@@ -44,7 +38,7 @@ mod tests {
         let path = folder.path().join("a.obj");
         let name = path.to_str().unwrap();
         Trial::of(&super::MODULE).input("mesh", tetrahedron()).set("path", name).run().unwrap();
-        let (mesh, _) = crate::io::obj::load(&path, Control::none()).unwrap();
+        let (mesh, _) = crate::formats::obj::load(&path, Control::none()).unwrap();
         assert_eq!(mesh, tetrahedron());
     }
 }

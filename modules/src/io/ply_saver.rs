@@ -1,8 +1,7 @@
 //! Saves a mesh as a PLY file, with colors and a field, to look at it in other programs.
 
-use crate::geometry::control::Control;
-use crate::io::ply::{Encoding, PlyOptions, Precision, write_ply};
-use crate::io::save_atomic;
+use crate::formats::ply::{Encoding, PlyOptions, Precision, write_ply};
+use crate::formats::save_atomic;
 use crate::prelude::*;
 
 impl Enumeration for Encoding {
@@ -60,14 +59,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             rounding / mesh.diagonal()
         ));
     }
-    let report = |share| io.flow(share);
     let write = |out: &mut dyn std::io::Write| {
-        write_ply(&mesh, field.as_deref(), options, out, Control::new(&report))
+        write_ply(&mesh, field.as_deref(), options, out, io.control())
     };
-    save_atomic(&path, write).map_err(|error| match io.check() {
-        Err(cancelled) => cancelled,
-        Ok(()) => ModuleError::Numeric(error.to_string()),
-    })
+    Ok(save_atomic(&path, write)?)
 }
 
 #[cfg(test)]

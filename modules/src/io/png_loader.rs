@@ -1,8 +1,8 @@
 //! Loads a picture from a PNG file.
 
-use crate::io::FileError;
-use crate::io::plain_file::read_plain;
-use crate::io::png::read_png;
+use crate::formats::FileError;
+use crate::formats::plain_file::read_plain;
+use crate::formats::png::read_png;
 use crate::prelude::*;
 
 /// Bytes of the largest file that is read.
@@ -26,8 +26,8 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
-    let bytes = read_plain(&path, MAX_FILE_BYTES)
-        .map_err(|source| ModuleError::Numeric(FileError::read(&path, source).to_string()))?;
+    let bytes =
+        read_plain(&path, MAX_FILE_BYTES).map_err(|source| FileError::read(&path, source))?;
     io.check()?;
     // The name of the file is no part of what decides the result, so it must not enter it.
     let image = read_png(&bytes, "image").map_err(|message| ModuleError::io(&path, message))?;
@@ -40,9 +40,9 @@ mod tests {
     use mve_core::testing::Trial;
 
     use crate::data::{Image, PixelKind};
-    use crate::geometry::control::Control;
-    use crate::io::png::write_png;
+    use crate::formats::png::write_png;
     use crate::prelude::*;
+    use mve_core::Control;
 
     #[test]
     fn loads_a_picture_and_names_what_is_none() {

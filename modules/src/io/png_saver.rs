@@ -2,10 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::geometry::contact_sheet::{SheetOptions, contact_sheet};
-use crate::geometry::control::Control;
-use crate::io::png::write_png;
-use crate::io::save_atomic;
+use crate::formats::png::write_png;
+use crate::formats::save_atomic;
+use crate::picture::contact_sheet::{SheetOptions, contact_sheet};
 use crate::prelude::*;
 
 const IMAGES_IN: In<Images> = In::new("images", "One or more pictures.");
@@ -43,28 +42,20 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (images, path) = (io.get(IMAGES_IN)?, io.param(PATH)?);
     let columns = io.param(COLUMNS)?.map(|columns| columns as usize);
     let options = SheetOptions { columns, has_captions: io.param(CAPTIONS)? };
-    let image =
-        match (io.param(IMAGE)?, images.0.as_slice()) {
-            (Some(place), images) => {
-                let message = || format!("there is no image {place}; there are {}", images.len());
-                Cow::Borrowed(images.get(place as usize).ok_or_else(|| ModuleError::Param {
-                    name: "image".into(),
-                    message: message(),
-                })?)
-            }
-            (None, [one]) => Cow::Borrowed(one),
-            (None, _) => {
-                let sheet = contact_sheet(&images, options);
-                Cow::Owned(sheet.map_err(|e| ModuleError::input(&IMAGES_IN, e.to_string()))?)
-            }
-        };
+    let image = match (io.param(IMAGE)?, images.0.as_slice()) {
+        (Some(place), images) => {
+            let message = || format!("there is no image {place}; there are {}", images.len());
+            let image = images.get(place as usize);
+            Cow::Borrowed(image.ok_or_else(|| ModuleError::param(&IMAGE, message()))?)
+        }
+        (None, [one]) => Cow::Borrowed(one),
+        (None, _) => {
+            let sheet = contact_sheet(&images, options);
+            Cow::Owned(sheet.map_err(|e| ModuleError::input(&IMAGES_IN, e.to_string()))?)
+        }
+    };
     io.check()?;
-    let report = |share| io.flow(share);
-    let saved = save_atomic(&path, |out| write_png(&image, out, Control::new(&report)));
-    saved.map_err(|error| match io.check() {
-        Err(cancelled) => cancelled,
-        Ok(()) => ModuleError::Numeric(error.to_string()),
-    })
+    Ok(save_atomic(&path, |out| write_png(&image, out, io.control()))?)
 }
 
 #[cfg(test)]
@@ -72,7 +63,7 @@ mod tests {
     use mve_core::testing::Trial;
 
     use crate::data::{Image, PixelKind};
-    use crate::io::png::read_png;
+    use crate::formats::png::read_png;
     use crate::prelude::*;
 
     #[test]

@@ -5,7 +5,6 @@
 use glam::DVec3;
 
 use crate::data::{LayerValues, NO_VALUE};
-use crate::geometry::control::Control;
 use crate::geometry::curvature::{Curvature, FitOptions, discrete, quadric_fit};
 use crate::prelude::*;
 
@@ -77,13 +76,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut mesh = io.take(MESH_IN)?;
     let options = FitOptions { ring: io.param(RING)? as u32, degree: io.param(DEGREE)? as usize };
     let method = io.param(METHOD)?;
-    let report = |share| io.flow(share);
-    let control = Control::new(&report);
+    let control = io.control();
     let found = match method {
         Method::Discrete => discrete(&mesh, control),
         Method::QuadricFit => quadric_fit(&mesh, options, control),
     };
-    let found = found.map_err(|_| ModuleError::Cancelled)?;
+    let found = found?;
     let n_undefined = found.iter().filter(|curvature| curvature.mean.is_nan()).count();
     if n_undefined > 0 {
         io.warn(format!("{n_undefined} of {} vertices have no curvature", found.len()));

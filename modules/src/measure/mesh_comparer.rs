@@ -1,7 +1,6 @@
 //! Measures how a simplified mesh differs from its original.
 
-use crate::geometry::control::Control;
-use crate::metric::{METRICS, MakeMetric, MetricError};
+use crate::metric::{METRICS, MakeMetric};
 use crate::prelude::*;
 
 const ORIGINAL_IN: In<TriMesh> = In::new("original", "The mesh to measure against.");
@@ -52,12 +51,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (original, simplified) = (io.get(ORIGINAL_IN)?, io.get(SIMPLIFIED_IN)?);
     let chosen = io.choice(METRIC)?;
     let metric = (chosen.entry.build)(&chosen.params)?;
-    let report = |share| io.flow(share);
-    let comparison = metric.compare(&original, &simplified, Control::new(&report));
-    let mut found = comparison.map_err(|error| match error {
-        MetricError::Cancelled(_) => ModuleError::Cancelled,
-        MetricError::Input(message) => ModuleError::Numeric(message),
-    })?;
+    let mut found = metric.compare(&original, &simplified, io.control())?;
     found.warnings.iter().for_each(|warning| io.warn(warning));
     let none = || Field {
         name: String::new(),

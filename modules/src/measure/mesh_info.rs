@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geometry::control::Control;
-use crate::geometry::mesh_info::mesh_info;
+use crate::geometry::surface::mesh_info::mesh_info;
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -75,8 +74,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.get(MESH_IN)?;
-    let report = |share| io.flow(share);
-    let info = mesh_info(&mesh, Control::new(&report)).map_err(|_| ModuleError::Cancelled)?;
+    let info = mesh_info(&mesh, io.control())?;
     let size = info.bounds.map_or(DVec3::ZERO, |(low, high)| high - low);
     let numbers = [
         (FACES, info.n_faces as f64),

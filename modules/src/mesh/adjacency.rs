@@ -6,7 +6,7 @@
 
 use super::union_find::UnionFind;
 use crate::data::{FaceId, TriMesh, VertexId};
-use crate::geometry::control::{Cancelled, Control};
+use mve_core::{Cancelled, Control};
 
 /// Index of an edge in [`Adjacency::edges`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

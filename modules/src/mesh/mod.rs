@@ -1,7 +1,8 @@
-//! Plain data about meshes: fixtures, adjacency, quadrics.
+//! What algorithms on meshes stand on: adjacency, orders, quadrics.
 
 pub mod adjacency;
 pub mod fixtures;
+pub mod morton;
 pub mod quadric;
 #[cfg(test)]
 pub mod test_models;

@@ -1,16 +1,16 @@
 //! Distances between the two surfaces: Hausdorff, mean and RMS, both ways.
 //!
-//! See [`crate::geometry::hausdorff`] for how they are measured and what is guaranteed.
+//! See [`crate::geometry::distance::hausdorff`] for how they are measured and what is guaranteed.
 
 use mve_core::Entry;
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
-use crate::geometry::control::Control;
-use crate::geometry::hausdorff::{
+use crate::geometry::distance::hausdorff::{
     Directed, Hausdorff, HausdorffError, HausdorffOptions, Side, hausdorff,
 };
 use crate::prelude::*;
+use mve_core::Control;
 
 /// Unit of lengths.
 const LENGTH: &str = "model units";

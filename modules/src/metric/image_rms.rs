@@ -13,9 +13,9 @@ use mve_core::Entry;
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure};
-use crate::geometry::control::Control;
+use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 use crate::prelude::*;
-use crate::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
+use mve_core::Control;
 
 /// Unit of luminance.
 const LUMINANCE: &str = "of 255";

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::*;
-use crate::geometry::render::{CameraSet, Shading, Sides};
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+use crate::picture::render::{CameraSet, Shading, Sides};
 
 /// A view that takes little time.
 pub(in crate::metric) fn small() -> View {

@@ -1,6 +1,6 @@
 //! How similar pictures of the two meshes are: SSIM.
 //!
-//! See [`crate::geometry::ssim`] for the index, and `image_rms` for how pictures are taken and why.
+//! See [`crate::picture::ssim`] for the index, and `image_rms` for how pictures are taken and why.
 
 use mve_core::Entry;
 use rayon::prelude::*;
@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::image_rms::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure};
-use crate::geometry::control::Control;
-use crate::geometry::render::to_byte;
-use crate::geometry::ssim::{Ssim, ssim};
+use crate::picture::render::to_byte;
+use crate::picture::ssim::{Ssim, ssim};
+use crate::picture::view::View;
 use crate::prelude::*;
-use crate::view::View;
+use mve_core::Control;
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageSsim",

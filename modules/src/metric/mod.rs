@@ -15,7 +15,7 @@ pub use msdm2::Msdm2Metric;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 
 use crate::data::{Field, Images, Measure, TriMesh};
-use crate::geometry::control::{Cancelled, Control};
+use mve_core::{Cancelled, Control};
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =
@@ -74,4 +74,13 @@ pub enum MetricError {
     /// The caller ended it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<MetricError> for ModuleError {
+    fn from(error: MetricError) -> Self {
+        match error {
+            MetricError::Input(message) => Self::Failed(message),
+            MetricError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
 }

@@ -1,14 +1,14 @@
 //! Perceptual distance of two meshes of one connectivity: MSDM, the ancestor of MSDM2.
 //!
-//! See [`crate::geometry::msdm`] for the source, the choices and the departures.
+//! See [`crate::geometry::perception::msdm`] for the source, the choices and the departures.
 
 use mve_core::Entry;
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
-use crate::geometry::control::Control;
-use crate::geometry::msdm::{MsdmOptions, msdm};
+use crate::geometry::perception::msdm::{MsdmOptions, msdm};
 use crate::prelude::*;
+use mve_core::Control;
 
 const DEFAULT: MsdmOptions = MsdmOptions::DEFAULT;
 

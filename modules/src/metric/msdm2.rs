@@ -1,14 +1,16 @@
 //! Perceptual distance of the two meshes, whatever their connectivity: MSDM2.
 //!
-//! See [`crate::geometry::msdm2`] for the source, the rules and the departures.
+//! See [`crate::geometry::perception::msdm2`] for the source, the rules and the departures.
 
 use mve_core::Entry;
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
-use crate::geometry::control::Control;
-use crate::geometry::msdm2::{MAX_LEVELS, Msdm2, Msdm2Error, Msdm2Options, Variant, msdm2};
+use crate::geometry::perception::msdm2::{
+    MAX_LEVELS, Msdm2, Msdm2Error, Msdm2Options, Variant, msdm2,
+};
 use crate::prelude::*;
+use mve_core::Control;
 
 const DEFAULT: Msdm2Options = Msdm2Options::DEFAULT;
 

@@ -3,7 +3,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::geometry::simplify::{Candidates, Collapsing, Ends};
+use crate::geometry::simplify::collapse::{Candidates, Collapsing, Ends};
 
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Midpoint",

@@ -9,7 +9,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::geometry::simplify::{Candidates, Collapsing, Ends, QuadricOptions};
+use crate::geometry::simplify::collapse::{Candidates, Collapsing, Ends, QuadricOptions};
 use crate::prelude::*;
 
 const STIFFNESS: Param<f64> = Param::number(

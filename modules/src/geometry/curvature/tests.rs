@@ -4,9 +4,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::*;
-use crate::geometry::control::Control;
-use crate::geometry::subdivide::{Scheme, subdivide};
+use crate::geometry::surface::subdivide::{Scheme, subdivide};
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+use mve_core::Control;
 
 const FITS: [FitOptions; 3] = [
     FitOptions { ring: 1, degree: 2 },
@@ -143,7 +143,7 @@ fn reference(name: &str) -> Option<(TriMesh, Vec<Expected>)> {
     };
     let mut mtl = |_: &str| Ok(Vec::new());
     let obj = read(format!("curv_{name}.obj.gz"))?;
-    let (mesh, _) = crate::io::obj::parse(obj.as_bytes(), &mut mtl, Control::none()).unwrap();
+    let (mesh, _) = crate::formats::obj::parse(obj.as_bytes(), &mut mtl, Control::none()).unwrap();
     let rows = read(format!("curv_{name}_values.csv.gz"))?;
     let row = |line: &str| {
         let numbers: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();

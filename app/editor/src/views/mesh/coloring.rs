@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
-use mve_modules::geometry::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
-use mve_modules::geometry::color_scale::{ColorTable, Scale};
+use mve_modules::picture::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
+use mve_modules::picture::color_scale::{ColorTable, Scale};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! Tests of `coloring.rs`: what is chosen, and that colors are those of the module `ColorMap`.
 
+use mve_core::Control;
 use mve_core::Enumeration;
-use mve_modules::geometry::color_map::{bytes_of, colors};
-use mve_modules::geometry::control::Control;
 use mve_modules::mesh::fixtures::tetrahedron;
+use mve_modules::picture::color_map::{bytes_of, colors};
 
 use super::super::arrays::arrays;
 use super::*;

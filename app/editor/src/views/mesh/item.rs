@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::{egui, wgpu};
 use glam::DMat4;
 use mve_modules::data::TriMesh;
-use mve_modules::geometry::color_map::Outside;
+use mve_modules::picture::color_map::Outside;
 
 use super::arrays::{Arrays, Shading, Sharing, arrays};
 use super::coarse::{Coarse, coarse};

@@ -1,8 +1,8 @@
 //! What is kept of a view of meshes from one start to the next.
 
 use mve_core::Enumeration;
-use mve_modules::geometry::color_map::Outside;
-use mve_modules::geometry::color_scale::Scale;
+use mve_modules::picture::color_map::Outside;
+use mve_modules::picture::color_scale::Scale;
 use serde::{Deserialize, Serialize};
 
 use super::arrays::Shading;

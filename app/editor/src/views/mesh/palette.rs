@@ -41,7 +41,7 @@ pub fn diffuse_of(mesh: &TriMesh, name: &str) -> Option<[u8; 3]> {
     let (_, text) = material.statements.iter().find(|(keyword, _)| keyword == "Kd")?;
     let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().ok());
     let [r, g, b] = [numbers.next()??, numbers.next()??, numbers.next()??];
-    Some(mve_modules::geometry::color_map::bytes_of(glam::DVec3::new(r, g, b)))
+    Some(mve_modules::picture::color_map::bytes_of(glam::DVec3::new(r, g, b)))
 }
 
 #[cfg(test)]

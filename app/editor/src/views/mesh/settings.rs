@@ -2,8 +2,8 @@
 
 use eframe::egui;
 use mve_core::Enumeration;
-use mve_modules::geometry::color_map::Outside;
-use mve_modules::geometry::color_scale::Scale;
+use mve_modules::picture::color_map::Outside;
+use mve_modules::picture::color_scale::Scale;
 use serde::{Deserialize, Serialize};
 
 use super::arrays::Shading;

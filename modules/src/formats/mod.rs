@@ -1,0 +1,11 @@
+//! File formats, without ports: what reads them from bytes and writes them.
+
+mod file_error;
+pub mod obj;
+pub mod plain_file;
+pub mod ply;
+pub mod png;
+mod save;
+
+pub use file_error::{FileAction, FileError};
+pub use save::save_atomic;

@@ -1,0 +1,262 @@
+//! From a mesh to the bytes of a PLY file.
+//!
+//! The same mesh gives the same bytes. Nothing in the file tells when or by what it was written.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+
+use crate::data::{Domain, Field, Layer, LayerValues, TriMesh};
+use crate::picture::color_map::bytes_of;
+use mve_core::Control;
+
+/// Bytes that are gathered before they go to the writer.
+const CHUNK: usize = 1 << 16;
+
+/// How numbers stand in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// In binary, the lowest byte first.
+    Binary,
+    /// As text.
+    Ascii,
+}
+
+/// How exact positions, normals and the field are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits, 7 digits: what viewers expect.
+    Float,
+    /// 64 bits, nothing is lost.
+    Double,
+}
+
+/// How a mesh is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlyOptions {
+    /// How numbers stand in the file.
+    pub encoding: Encoding,
+    /// How exact they are.
+    pub precision: Precision,
+}
+
+/// Writes `mesh` as PLY.
+///
+/// Written are positions, faces, the layer normal over vertices (`nx ny nz`; 0 where there is
+/// none), the layer color over vertices or faces (`red green blue`, bytes; white where there is
+/// none), and a field over vertices or faces as `quality`. Layers over corners and all others have
+/// no place that viewers agree on and are left out.
+///
+/// # Errors
+/// `InvalidInput` when the mesh is not well formed, has a coordinate that is not finite or does not
+/// fit the precision, or the field does not fit the mesh; whatever the writer reports; `Other`
+/// when `control` ends it.
+pub fn write_ply(
+    mesh: &TriMesh,
+    field: Option<&Field>,
+    options: PlyOptions,
+    out: &mut dyn Write,
+    control: Control,
+) -> io::Result<()> {
+    mesh.check().map_err(|fault| invalid(fault.to_string()))?;
+    if i32::try_from(mesh.positions.len()).is_err() || i32::try_from(mesh.faces.len()).is_err() {
+        return Err(invalid("PLY viewers count to 2,147,483,647; the mesh is larger".to_owned()));
+    }
+    if let Some(field) = field {
+        field.check_fits(mesh).map_err(invalid)?;
+        if field.domain == Domain::Corner {
+            return Err(invalid("PLY has no place for a field over corners".to_owned()));
+        }
+    }
+    let over = |domain| field.filter(|field| field.domain == domain).map(|f| f.values.as_slice());
+    let vertices = Extras {
+        normals: vectors(mesh, Layer::NORMAL, Domain::Vertex),
+        colors: vectors(mesh, Layer::COLOR, Domain::Vertex),
+        quality: over(Domain::Vertex),
+    };
+    let faces = Extras {
+        normals: None,
+        colors: vectors(mesh, Layer::COLOR, Domain::Face),
+        quality: over(Domain::Face),
+    };
+    let mut rows = Rows { out, buffer: Vec::with_capacity(CHUNK + 512), options };
+    rows.buffer.extend_from_slice(header(mesh, &vertices, &faces, options).as_bytes());
+    for (v, position) in mesh.positions.iter().enumerate() {
+        for coordinate in position.to_array() {
+            check_coordinate(v, coordinate, options.precision)?;
+            rows.real(coordinate);
+        }
+        vertices.write(v, &mut rows);
+        rows.end(control, v, mesh.positions.len() + mesh.faces.len())?;
+    }
+    for (f, face) in mesh.faces.iter().enumerate() {
+        rows.byte(3);
+        face.iter().for_each(|vertex| rows.index(vertex.0));
+        faces.write(f, &mut rows);
+        rows.end(control, mesh.positions.len() + f, mesh.positions.len() + mesh.faces.len())?;
+    }
+    rows.flush()
+}
+
+fn invalid(message: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, message)
+}
+
+fn check_coordinate(vertex: usize, value: f64, precision: Precision) -> io::Result<()> {
+    if !value.is_finite() {
+        return Err(invalid(format!(
+            "vertex {vertex} has the coordinate {value}; viewers need finite numbers"
+        )));
+    }
+    match precision {
+        Precision::Float if !(value as f32).is_finite() => Err(invalid(format!(
+            "vertex {vertex} has the coordinate {value:e}, too large for a float; choose Double"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn vectors<'m>(mesh: &'m TriMesh, name: &str, domain: Domain) -> Option<Vectors<'m>> {
+    match mesh.layer(name) {
+        Some(Layer { values: LayerValues::Vec3(values), domain: of, index, .. })
+            if *of == domain =>
+        {
+            Some(Vectors { values, index })
+        }
+        _ => None,
+    }
+}
+
+/// The values of a layer over vertices or faces.
+struct Vectors<'m> {
+    values: &'m [DVec3],
+    index: &'m [u32],
+}
+
+impl Vectors<'_> {
+    /// The mesh is checked: an index is that of a value, or `NO_VALUE`, which is beyond all.
+    fn get(&self, element: usize) -> Option<DVec3> {
+        self.values.get(self.index[element] as usize).copied()
+    }
+}
+
+/// What stands behind the positions, or behind the corners of faces.
+struct Extras<'m> {
+    normals: Option<Vectors<'m>>,
+    colors: Option<Vectors<'m>>,
+    quality: Option<&'m [f64]>,
+}
+
+impl Extras<'_> {
+    fn declare(&self, real: &str, header: &mut String) {
+        let mut property =
+            |kind: &str, name: &str| header.push_str(&format!("property {kind} {name}\n"));
+        if self.normals.is_some() {
+            ["nx", "ny", "nz"].into_iter().for_each(|name| property(real, name));
+        }
+        if self.colors.is_some() {
+            ["red", "green", "blue"].into_iter().for_each(|name| property("uchar", name));
+        }
+        if self.quality.is_some() {
+            property(real, "quality");
+        }
+    }
+
+    fn write(&self, element: usize, rows: &mut Rows) {
+        if let Some(normals) = &self.normals {
+            let normal = normals.get(element).unwrap_or(DVec3::ZERO);
+            normal.to_array().into_iter().for_each(|number| rows.real(number));
+        }
+        if let Some(colors) = &self.colors {
+            let color = colors.get(element).unwrap_or(DVec3::ONE);
+            bytes_of(color).into_iter().for_each(|byte| rows.byte(byte));
+        }
+        if let Some(quality) = self.quality {
+            rows.real(quality[element]);
+        }
+    }
+}
+
+fn header(mesh: &TriMesh, vertices: &Extras, faces: &Extras, options: PlyOptions) -> String {
+    let format = match options.encoding {
+        Encoding::Binary => "binary_little_endian",
+        Encoding::Ascii => "ascii",
+    };
+    let real = match options.precision {
+        Precision::Float => "float",
+        Precision::Double => "double",
+    };
+    let mut text = format!("ply\nformat {format} 1.0\nelement vertex {}\n", mesh.positions.len());
+    for name in ["x", "y", "z"] {
+        text.push_str(&format!("property {real} {name}\n"));
+    }
+    vertices.declare(real, &mut text);
+    text.push_str(&format!("element face {}\n", mesh.faces.len()));
+    text.push_str("property list uchar int vertex_indices\n");
+    faces.declare(real, &mut text);
+    text.push_str("end_header\n");
+    text
+}
+
+/// Rows of numbers on their way to the writer.
+struct Rows<'w> {
+    out: &'w mut dyn Write,
+    buffer: Vec<u8>,
+    options: PlyOptions,
+}
+
+impl Rows<'_> {
+    fn real(&mut self, value: f64) {
+        use Precision::{Double, Float};
+        match (self.options.encoding, self.options.precision) {
+            (Encoding::Binary, Float) => {
+                self.buffer.extend_from_slice(&(value as f32).to_le_bytes());
+            }
+            (Encoding::Binary, Double) => self.buffer.extend_from_slice(&value.to_le_bytes()),
+            (Encoding::Ascii, Float) => self.text(zmij::Buffer::new().format(value as f32)),
+            (Encoding::Ascii, Double) => self.text(zmij::Buffer::new().format(value)),
+        }
+    }
+
+    fn byte(&mut self, value: u8) {
+        match self.options.encoding {
+            Encoding::Binary => self.buffer.push(value),
+            Encoding::Ascii => self.text(&value.to_string()),
+        }
+    }
+
+    fn index(&mut self, value: u32) {
+        match self.options.encoding {
+            Encoding::Binary => self.buffer.extend_from_slice(&value.to_le_bytes()),
+            Encoding::Ascii => self.text(&value.to_string()),
+        }
+    }
+
+    /// A word and a blank; what is not finite is `nan` or `inf`, as readers in C know it.
+    fn text(&mut self, word: &str) {
+        let word = match word {
+            "NaN" => "nan",
+            other => other.strip_suffix(".0").unwrap_or(other),
+        };
+        self.buffer.extend_from_slice(word.as_bytes());
+        self.buffer.push(b' ');
+    }
+
+    fn end(&mut self, control: Control, row: usize, n_rows: usize) -> io::Result<()> {
+        let is_text = self.options.encoding == Encoding::Ascii;
+        if let Some(last) = self.buffer.last_mut().filter(|_| is_text) {
+            *last = b'\n';
+        }
+        if self.buffer.len() >= CHUNK {
+            control.at(row as f64 / n_rows as f64).map_err(io::Error::other)?;
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.write_all(&self.buffer)?;
+        self.buffer.clear();
+        Ok(())
+    }
+}

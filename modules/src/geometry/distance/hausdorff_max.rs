@@ -1,0 +1,466 @@
+//! The largest distance of a surface from another, between two bounds.
+//!
+//! Branch and bound over parts of faces, as in Kang, Kyung, Yoon & Kim, "Fast and robust Hausdorff
+//! distance computation from triangle mesh to quad mesh in near-zero cases", CAGD 2018, with these
+//! bounds:
+//!
+//! - The distance from one triangle of the target is a convex function of the point, so over a
+//!   convex piece of a face it is largest at a corner, and so is the distance from the whole
+//!   target at most `min over triangles t of (max over corners of distance to t)`. The triangles
+//!   tried are those nearest to the corners and to the center.
+//! - Where the target is finer than the part, [`covered`] bounds better: the distance changes no
+//!   faster than the point moves.
+//! - A part over several triangles is cut along their sides until each piece is over one of them:
+//!   [`Splitter::cover`]. The first bound then holds piece by piece, wherever the cuts are. Two
+//!   triangulations of the same plane need this, as a part over an edge between two triangles
+//!   otherwise stays open until it is as small as the tolerance.
+//!
+//! A part whose bound exceeds the largest distance found so far by more than the tolerance is
+//! split in four. Parts are looked at in rounds, whose results do not depend on threads.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::bvh::{Bvh, Hit, Walker};
+use super::point_triangle::PreparedTriangle;
+use crate::data::{FaceId, TriMesh};
+use mve_core::{Cancelled, Control};
+
+/// Parts of one chunk.
+const CHUNK: usize = 1024;
+/// Pieces that one part is cut into before it is split in four instead: more close more parts, but
+/// cost more where they fail. Of 16, 32 and 64 the middle one took the least time on scans, sharp
+/// models and cylinders against their halves and tenths.
+const MOST_CUTS: usize = 32;
+/// A piece that lies beyond a side by less than this part of the height over that side is not cut
+/// by it: pieces as thin as the rounding of their corners are over neither of two triangles.
+const SLACK: f64 = 1e-10;
+
+/// The farthest point so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Found {
+    pub distance_sq: f64,
+    pub point: DVec3,
+}
+
+impl Found {
+    /// Nearer than every point.
+    pub const NONE: Self = Self { distance_sq: -1.0, point: DVec3::NAN };
+
+    /// Takes the point if it is farther; of equally far ones the first stays.
+    pub fn offer(&mut self, distance_sq: f64, point: DVec3) {
+        if distance_sq > self.distance_sq {
+            *self = Self { distance_sq, point };
+        }
+    }
+}
+
+/// What to search.
+pub(super) struct MaxSearch<'a> {
+    pub mesh: &'a TriMesh,
+    /// Faces of `mesh` with usable corners.
+    pub faces: &'a [FaceId],
+    pub to: &'a Bvh,
+    /// Of each vertex of `mesh`.
+    pub vertex_hits: &'a [Option<Hit>],
+    /// In model units.
+    pub tolerance: f64,
+    /// After so many parts other than faces and quarters of faces the search ends.
+    pub max_parts: usize,
+}
+
+/// A part of a face that may hold the maximum.
+#[derive(Clone, Copy)]
+struct Part {
+    corners: [DVec3; 3],
+    hits: [Hit; 3],
+    /// Of the center; any in parts that are let go.
+    center: Hit,
+    /// No point of the part is farther, squared.
+    bound_sq: f64,
+}
+
+/// Raises `most` to the largest distance within the tolerance, and returns an upper bound.
+pub(super) fn search(
+    task: &MaxSearch,
+    most: &mut Found,
+    control: Control,
+) -> Result<f64, Cancelled> {
+    let mut round = merged(
+        task.faces
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                control.at(0.0)?;
+                Ok(first_parts(task, chunk, *most))
+            })
+            .collect::<Result<_, Cancelled>>()?,
+        most,
+        control,
+    )?;
+    let mut n_seen = 0;
+    let max_parts = task.max_parts.saturating_add(4 * task.faces.len());
+    // The largest bound among the parts that were let go.
+    let mut closed_sq = most.distance_sq.max(0.0);
+    loop {
+        let done = (n_seen as f64 / max_parts.max(1) as f64).min(1.0);
+        let here = control.part(done, done);
+        let limit_sq = limit_sq(task, most);
+        closed_sq = closed_sq.max(round.closed_sq);
+        let mut parts = round.open;
+        parts.retain(|part| {
+            let is_open = part.bound_sq > limit_sq;
+            if !is_open {
+                closed_sq = closed_sq.max(part.bound_sq);
+            }
+            is_open
+        });
+        n_seen += 4 * parts.len();
+        if parts.is_empty() || n_seen > max_parts {
+            let open_sq = parts.iter().map(|part| part.bound_sq).fold(0.0, f64::max);
+            return Ok(closed_sq.max(open_sq).max(most.distance_sq).sqrt());
+        }
+        let rounds = parts
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                here.at(0.0)?;
+                Ok(split_all(task, chunk, *most))
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        drop(parts);
+        round = merged(rounds, most, here)?;
+    }
+}
+
+/// What became of the parts of a chunk or of a round.
+struct Round {
+    /// Parts that may hold the maximum.
+    open: Vec<Part>,
+    found: Found,
+    /// The largest bound of the parts that were let go.
+    closed_sq: f64,
+}
+
+/// Puts the chunks of a round together.
+fn merged(chunks: Vec<Round>, most: &mut Found, control: Control) -> Result<Round, Cancelled> {
+    let n_open = chunks.iter().map(|chunk| chunk.open.len()).sum();
+    let mut round = Round { open: Vec::with_capacity(n_open), found: *most, closed_sq: 0.0 };
+    for chunk in chunks {
+        control.at(0.0)?;
+        round.open.extend(chunk.open);
+        round.closed_sq = round.closed_sq.max(chunk.closed_sq);
+        most.offer(chunk.found.distance_sq, chunk.found.point);
+    }
+    Ok(round)
+}
+
+/// Parts up to this squared bound need no closer look.
+fn limit_sq(task: &MaxSearch, most: &Found) -> f64 {
+    let limit = most.distance_sq.max(0.0).sqrt() * (1.0 + 1e-12) + task.tolerance;
+    limit * limit
+}
+
+/// Bounds faces as they are.
+fn first_parts(task: &MaxSearch, faces: &[FaceId], most: Found) -> Round {
+    let mut splitter = Splitter::new(task, most);
+    for face in faces {
+        let hits = task.mesh.faces[face.idx()].map(|v| task.vertex_hits[v.idx()]);
+        // The corners of usable faces are usable.
+        let [Some(a), Some(b), Some(c)] = hits else { continue };
+        splitter.add(task.mesh.corners(*face), [a, b, c], a, f64::INFINITY);
+    }
+    splitter.round
+}
+
+/// Splits parts.
+fn split_all(task: &MaxSearch, parts: &[Part], most: Found) -> Round {
+    let mut splitter = Splitter::new(task, most);
+    for part in parts {
+        if !splitter.cover(part) {
+            splitter.quarter(part);
+        }
+    }
+    splitter.round
+}
+
+/// Bounds and splits the parts of one chunk.
+struct Splitter<'a> {
+    walker: Walker<'a>,
+    limit_sq: f64,
+    round: Round,
+    /// What is left of the part in work, each with a triangle that it was cut off from.
+    pieces: Vec<(Polygon, Hit)>,
+}
+
+impl<'a> Splitter<'a> {
+    fn new(task: &MaxSearch<'a>, most: Found) -> Self {
+        Self {
+            walker: task.to.walker(),
+            limit_sq: limit_sq(task, &most),
+            round: Round { open: Vec::new(), found: most, closed_sq: 0.0 },
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Bounds a part of what was bounded by `bound_sq`; keeps it if it may hold the maximum.
+    /// `near` is a hit of a point near it.
+    fn add(&mut self, corners: [DVec3; 3], hits: [Hit; 3], near: Hit, bound_sq: f64) {
+        let mut part = self.bounded(corners, hits, near);
+        part.bound_sq = part.bound_sq.min(bound_sq);
+        if part.bound_sq > self.limit_sq {
+            self.round.open.push(part);
+        } else {
+            self.close(part.bound_sq);
+        }
+    }
+
+    /// Lets something go.
+    fn close(&mut self, bound_sq: f64) {
+        self.round.closed_sq = self.round.closed_sq.max(bound_sq);
+    }
+
+    /// Splits a part in four at the middles of its sides.
+    fn quarter(&mut self, part: &Part) {
+        let [a, b, c] = part.corners;
+        let middles = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+        self.walker.start_from(&part.center);
+        let [Some(hit_ab), Some(hit_bc), Some(hit_ca)] = middles.map(|m| self.walker.closest(m))
+        else {
+            // Middles of usable points are usable.
+            return self.close(part.bound_sq);
+        };
+        for (hit, middle) in [hit_ab, hit_bc, hit_ca].iter().zip(middles) {
+            self.round.found.offer(hit.distance_sq, middle);
+        }
+        let [ab, bc, ca] = middles;
+        let [hit_a, hit_b, hit_c] = part.hits;
+        self.add([a, ab, ca], [hit_a, hit_ab, hit_ca], part.center, part.bound_sq);
+        self.add([ab, b, bc], [hit_ab, hit_b, hit_bc], part.center, part.bound_sq);
+        self.add([ca, bc, c], [hit_ca, hit_bc, hit_c], part.center, part.bound_sq);
+        self.add([ab, bc, ca], [hit_ab, hit_bc, hit_ca], part.center, part.bound_sq);
+    }
+
+    /// Tries to let a part go by cutting it along the sides of the triangles that it is over;
+    /// says whether it did.
+    ///
+    /// The pieces cover the part but for the rounding of their corners, whatever is cut off where,
+    /// and each is let go by the largest distance of its corners from one triangle `t`. That
+    /// distance is convex, so no point of the piece is farther from `t`, nor from the target, and
+    /// the largest of these bounds is one of the part. Slivers are pieces like others: none is
+    /// dropped. After [`MOST_CUTS`], or when a piece has nothing over the triangle nearest to its
+    /// center, the pieces are forgotten and the part is left to [`Splitter::quarter`].
+    fn cover(&mut self, part: &Part) -> bool {
+        let mut bound_sq = 0.0f64;
+        let mut center = Some(part.center);
+        self.pieces.clear();
+        self.pieces.push((Polygon::of(part.corners), part.center));
+        for _ in 0..MOST_CUTS {
+            let Some((piece, beside)) = self.pieces.pop() else {
+                self.close(bound_sq.min(part.bound_sq));
+                return true;
+            };
+            // The whole part's center is known, and no triangle nearest to a corner closes it.
+            let known = center.take();
+            if known.is_none() {
+                let by_beside = piece.most_sq(self.walker.triangle(&beside));
+                if by_beside <= self.limit_sq {
+                    bound_sq = bound_sq.max(by_beside);
+                    continue;
+                }
+            }
+            let Some(hit) = known.or_else(|| self.ask(piece.center(), &beside)) else {
+                return false;
+            };
+            let Some(by_target) = self.cut_off(piece, &hit) else { return false };
+            bound_sq = bound_sq.max(by_target);
+        }
+        false
+    }
+
+    /// The triangle nearest to a point near `start`; the point may be the farthest.
+    fn ask(&mut self, point: DVec3, start: &Hit) -> Option<Hit> {
+        self.walker.start_from(start);
+        let hit = self.walker.closest(point)?;
+        self.round.found.offer(hit.distance_sq, point);
+        Some(hit)
+    }
+
+    /// Lets go what of the piece is over the triangle of `hit` and leaves the rest in `pieces`.
+    /// Returns the squared bound of what it let go, or nothing when it left all as it was.
+    ///
+    /// "Over" is wider than the triangle by a margin at first: as long as points stay nearer than
+    /// the largest distance found, it costs nothing, and takes along what is nearest to a side.
+    fn cut_off(&mut self, piece: Polygon, hit: &Hit) -> Option<f64> {
+        let target = *self.walker.triangle(hit);
+        let n_pieces = self.pieces.len();
+        let margin = 0.5 * (self.round.found.distance_sq - hit.distance_sq).max(0.0).sqrt();
+        for margin in [margin, 0.0] {
+            let mut inside = piece;
+            for (side, slope) in target.slopes().into_iter().enumerate() {
+                let (within, beyond) = inside.cut(&target, side, margin * slope)?;
+                if within.n == 0 {
+                    return None;
+                }
+                if beyond.n > 0 {
+                    self.pieces.push((beyond, *hit));
+                }
+                inside = within;
+            }
+            let bound_sq = inside.most_sq(&target);
+            if bound_sq <= self.limit_sq {
+                return Some(bound_sq);
+            }
+            self.pieces.truncate(n_pieces);
+        }
+        None
+    }
+
+    /// Bounds the distance over a triangle whose corners have these hits.
+    fn bounded(&mut self, corners: [DVec3; 3], hits: [Hit; 3], near: Hit) -> Part {
+        let mut part = Part { corners, hits, center: near, bound_sq: f64::INFINITY };
+        let most_sq = |walker: &Walker, hit: &Hit| {
+            corners.iter().map(|&p| walker.distance_sq_to(p, hit)).fold(0.0, f64::max)
+        };
+        for hit in hits.iter().chain([&near]) {
+            part.bound_sq = part.bound_sq.min(most_sq(&self.walker, hit));
+            if part.bound_sq <= self.limit_sq {
+                return part;
+            }
+        }
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        if let Some(hit) = self.ask(center, &near) {
+            part.center = hit;
+            let by_center = covered(corners, hits.map(|h| h.distance_sq), center, hit.distance_sq);
+            part.bound_sq =
+                part.bound_sq.min(most_sq(&self.walker, &hit)).min(by_center * by_center);
+        }
+        part
+    }
+}
+
+/// A convex polygon.
+#[derive(Clone, Copy)]
+struct Polygon {
+    points: [DVec3; Self::MAX],
+    n: usize,
+}
+
+impl Polygon {
+    /// A cut adds a corner at most; a polygon with more is not made.
+    const MAX: usize = 14;
+    const EMPTY: Self = Self { points: [DVec3::NAN; Self::MAX], n: 0 };
+
+    fn of(corners: [DVec3; 3]) -> Self {
+        let mut polygon = Self { n: 3, ..Self::EMPTY };
+        polygon.points[..3].copy_from_slice(&corners);
+        polygon
+    }
+
+    fn points(&self) -> &[DVec3] {
+        &self.points[..self.n]
+    }
+
+    /// Adds a corner, if there is room and it is finite.
+    fn push(&mut self, point: DVec3) -> Option<()> {
+        *self.points.get_mut(self.n).filter(|_| point.is_finite())? = point;
+        self.n += 1;
+        Some(())
+    }
+
+    fn center(&self) -> DVec3 {
+        self.points().iter().sum::<DVec3>() / self.n as f64
+    }
+
+    /// The largest squared distance of a point of the polygon from the triangle.
+    fn most_sq(&self, target: &PreparedTriangle) -> f64 {
+        self.points().iter().map(|&p| target.distance_sq(p)).fold(0.0, f64::max)
+    }
+
+    /// The piece where a barycentric coordinate is at least `-margin`, and the other; nothing
+    /// when one of them would have too many corners.
+    fn cut(&self, target: &PreparedTriangle, side: usize, margin: f64) -> Option<(Self, Self)> {
+        let (mut within, mut beyond) = (Self::EMPTY, Self::EMPTY);
+        let mut at = [0.0; Self::MAX];
+        for (at, &point) in at.iter_mut().zip(self.points()) {
+            *at = target.coordinates(point)[side] + margin;
+        }
+        if at[..self.n].iter().all(|&at| at > -SLACK) {
+            return Some((*self, beyond));
+        }
+        for (k, &point) in self.points().iter().enumerate() {
+            let next = (k + 1) % self.n;
+            let is_within = at[k] >= 0.0;
+            if is_within {
+                within.push(point)?;
+            } else {
+                beyond.push(point)?;
+            }
+            if is_within != (at[next] >= 0.0) {
+                let share = at[k] / (at[k] - at[next]);
+                let between = point + (self.points[next] - point) * share;
+                within.push(between)?;
+                beyond.push(between)?;
+            }
+        }
+        Some((within, beyond))
+    }
+}
+
+/// A bound from the distances at the corners and the center alone: moving by some length changes
+/// the distance by at most that length, and no point of the third between two corners and the
+/// center is farther from all three than their [`cover_radius`].
+fn covered(corners: [DVec3; 3], corners_sq: [f64; 3], center: DVec3, center_sq: f64) -> f64 {
+    (0..3)
+        .map(|k| {
+            let next = (k + 1) % 3;
+            let known = corners_sq[k].max(corners_sq[next]).max(center_sq).sqrt();
+            known + cover_radius(corners[k], corners[next], center)
+        })
+        .fold(0.0, f64::max)
+        * (1.0 + 1e-12)
+}
+
+/// The largest distance that a point of the triangle can have from the nearest of its corners.
+///
+/// Where the angle at `c` is obtuse, as it mostly is at a center, the points equally far from `c`
+/// and from `p` meet the side `pq` at `|pc|² |pq| / (2 pc · pq)` from `p`, and those for `q` alike:
+/// these are the farthest. Otherwise half the longest side over the sine of 60° is enough: it is no
+/// less than the circumradius where no angle is obtuse, as the largest is then between 60° and 90°,
+/// and where another angle is obtuse the radius is at most half the longest side.
+fn cover_radius(p: DVec3, q: DVec3, c: DVec3) -> f64 {
+    let (pq, pc, qc) = (q - p, c - p, c - q);
+    if pc.dot(qc) < 0.0 {
+        let along =
+            |from: DVec3, side: DVec3| 0.5 * from.length_squared() * pq.length() / from.dot(side);
+        let radius = along(pc, pq).max(along(qc, -pq));
+        if radius.is_finite() {
+            return radius;
+        }
+    }
+    let longest_sq = pq.length_squared().max(pc.length_squared()).max(qc.length_squared());
+    longest_sq.sqrt() / 3f64.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn any_point() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_of_a_triangle_is_covered(p in any_point(), q in any_point(), c in any_point()) {
+            let radius = cover_radius(p, q, c);
+            for i in 0..=30 {
+                for j in 0..=30 - i {
+                    let (s, t) = (f64::from(i) / 30.0, f64::from(j) / 30.0);
+                    let x = p + (q - p) * s + (c - p) * t;
+                    let nearest = x.distance(p).min(x.distance(q)).min(x.distance(c));
+                    prop_assert!(nearest <= radius * (1.0 + 1e-12), "{} {}", nearest, radius);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Distances between surfaces: a tree of triangles, samples, mean and largest distance.
+
+pub mod bvh;
+mod bvh_build;
+pub mod hausdorff;
+mod hausdorff_max;
+pub mod point_triangle;
+pub mod sample;

@@ -1,0 +1,4 @@
+//! How different two meshes look to people: MSDM and MSDM2.
+
+pub mod msdm;
+pub mod msdm2;

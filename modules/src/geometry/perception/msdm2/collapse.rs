@@ -1,0 +1,358 @@
+//! What a collapse does to MSDM2: the prices of the cost of that name.
+//!
+//! The reference is the input of the simplification, the degraded mesh is the one in the making.
+//! The price is the change of Σ n local³ over the merged vertex, its neighbors and theirs, where n
+//! is how many vertices of the input have merged into a vertex: so the sum runs, as it were, over
+//! the vertices of the input, each seen from the vertex that stands for it, as the other direction
+//! of MSDM2 does. Counting every vertex once is the one-sided MSDM2 itself; there a vertex that is
+//! gone takes its error with it.
+//!
+//! What is approximated: spheres and windows end at the neighbors of their center, so a price is
+//! that of the metric where edges are longer than 2 % of the mesh; vertices of more than
+//! 64 faces (`MOST_FACES`) count as unchanged, and a collapse into one comes last.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::carry::carry_to;
+use super::curvature::{Bend, curvatures, normal, turn_rad};
+use super::surface::{Surface, common_scale};
+use super::window::{Sample, Sums};
+use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
+use crate::data::{TriMesh, VertexId};
+use crate::geometry::distance::hausdorff::Side;
+use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal};
+use mve_core::Control;
+
+/// Faces at a vertex beyond which it is left out; bounds the time of one price.
+const MOST_FACES: usize = 64;
+/// Proposals of one piece of work.
+const CHUNK: usize = 4;
+/// Price of the squared length of an edge over that of the mesh: orders collapses that change
+/// nothing, and nothing else.
+const TIE: f64 = 1e-9;
+
+/// How often each vertex of the mesh in the making counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Counting {
+    /// Each as often as vertices have merged into it.
+    #[default]
+    Merged,
+    /// Each once, as in the value over the simplified mesh.
+    Once,
+}
+
+/// The state of the prices. Ids of vertices are those of the input.
+#[derive(Debug)]
+pub struct CollapsePrices {
+    reference: Surface,
+    curvature: Vec<[f64; MAX_LEVELS]>,
+    levels: Levels,
+    scale: f64,
+    counting: Counting,
+    vertices: Vec<Known>,
+}
+
+/// What is known of a vertex of the mesh in the making.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    sample: Sample,
+    local: f64,
+    /// How often it counts.
+    n: f64,
+}
+
+/// The merged vertex, its neighbors and theirs after a collapse.
+#[derive(Debug, Default)]
+struct Star {
+    members: Vec<Member>,
+    spokes: Vec<Spoke>,
+}
+
+/// A vertex of the star; the first is the merged one.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    vertex: VertexId,
+    /// Its spokes in [`Star::spokes`]; none where it is left out.
+    spokes: (usize, usize),
+    sample: Sample,
+    local: f64,
+}
+
+/// An edge at a member, with the normals of up to two of its faces.
+#[derive(Clone, Copy, Debug)]
+struct Spoke {
+    other: VertexId,
+    along: DVec3,
+    length: f64,
+    normals: [DVec3; 2],
+    n_faces: u32,
+    /// Whether the first face runs along it from the member.
+    is_first_left: bool,
+}
+
+/// The collapse that is looked at.
+#[derive(Clone, Copy)]
+struct Merge {
+    kept: VertexId,
+    /// `None` once it has been made.
+    gone: Option<VertexId>,
+    /// Where it goes, in scaled units.
+    position: DVec3,
+}
+
+impl CollapsePrices {
+    /// Prices against this mesh, which is about to be simplified.
+    ///
+    /// # Errors
+    /// Where the mesh has no surface to compare with.
+    pub fn new(
+        mesh: &TriMesh,
+        n_levels: usize,
+        counting: Counting,
+        control: Control,
+    ) -> Result<Self, Msdm2Error> {
+        let scale = common_scale([mesh, mesh]);
+        let (side, variant) = (Side::Original, Variant::Published);
+        let reference = Surface::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
+        let levels = Levels::new(reference.longest_side, n_levels);
+        let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;
+        let known = |(&point, &own): (&DVec3, &[f64; MAX_LEVELS])| {
+            let sample = Sample { point, carried_point: point, own, carried: own };
+            Known { sample, local: 0.0, n: 1.0 }
+        };
+        let vertices = reference.mesh.positions.iter().zip(&curvature).map(known).collect();
+        Ok(Self { reference, curvature, levels, scale, counting, vertices })
+    }
+
+    /// The price of each proposal; see the head of the file.
+    pub fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        let pieces = prices.par_chunks_mut(CHUNK).zip(batch.par_chunks(CHUNK));
+        pieces.for_each_init(Star::default, |star, (prices, batch)| {
+            for (price, proposal) in prices.iter_mut().zip(batch) {
+                *price = self.price_of(state, proposal, star);
+            }
+        });
+    }
+
+    fn price_of(&self, state: &Collapsing, proposal: &Proposal, star: &mut Star) -> f64 {
+        let [kept, gone] = [proposal.ends.kept, proposal.ends.gone];
+        let length_sq = self.position(state, kept).distance_squared(self.position(state, gone));
+        let tie = TIE * length_sq / (self.levels.size * self.levels.size);
+        let position = proposal.position * self.scale;
+        let merge = Merge { kept, gone: Some(gone), position };
+        if !self.look(state, merge, star) {
+            return f64::INFINITY;
+        }
+        let cube = |local: f64| local * local * local;
+        let [kept, gone] = [kept, gone].map(|v| self.known(state, v));
+        let merged = &star.members[0];
+        let mut change = match self.counting {
+            Counting::Once => cube(merged.local),
+            Counting::Merged => (kept.n + gone.n) * cube(merged.local),
+        };
+        change -= kept.n * cube(kept.local) + gone.n * cube(gone.local);
+        for member in &star.members[1..] {
+            let before = self.known(state, member.vertex);
+            change += before.n * (cube(member.local) - cube(before.local));
+        }
+        change + tie
+    }
+
+    /// Takes note of a collapse that was made.
+    pub fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        let mut star = Star::default();
+        let position = collapse.position * self.scale;
+        let merge = Merge { kept: collapse.kept, gone: None, position };
+        let [kept, gone] = [collapse.kept, collapse.gone].map(|v| state.input_vertex(v).idx());
+        if self.counting == Counting::Merged {
+            self.vertices[kept].n += self.vertices[gone].n;
+        }
+        if !self.look(state, merge, &mut star) {
+            self.vertices[kept].sample.point = position;
+            return;
+        }
+        for member in &star.members {
+            let known = &mut self.vertices[state.input_vertex(member.vertex).idx()];
+            known.sample = member.sample;
+            known.local = member.local;
+        }
+    }
+
+    fn position(&self, state: &Collapsing, vertex: VertexId) -> DVec3 {
+        state.position(vertex) * self.scale
+    }
+
+    fn known(&self, state: &Collapsing, vertex: VertexId) -> &Known {
+        &self.vertices[state.input_vertex(vertex).idx()]
+    }
+
+    /// Finds the star after a merge, with new curvatures and local values; `false` where it is
+    /// too large.
+    fn look(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
+        if !self.find_members(state, merge, star) {
+            return false;
+        }
+        for at in 0..star.members.len() {
+            let spokes = self.find_spokes(state, merge, star.members[at].vertex, &mut star.spokes);
+            if at == 0 && spokes.0 == spokes.1 {
+                return false;
+            }
+            star.members[at].spokes = spokes;
+            if spokes.0 < spokes.1 {
+                star.members[at].sample.own = self.curvature_of(&star.spokes[spokes.0..spokes.1]);
+            }
+        }
+        // Farther vertices bend as before, but see the change in their windows.
+        for at in 0..star.spokes.len() {
+            let vertex = star.spokes[at].other;
+            if !star.members.iter().any(|member| member.vertex == vertex) {
+                let Known { sample, local, .. } = *self.known(state, vertex);
+                let spokes = self.find_spokes(state, merge, vertex, &mut star.spokes);
+                star.members.push(Member { vertex, spokes, sample, local });
+            }
+        }
+        for at in 0..star.members.len() {
+            if star.members[at].spokes.0 < star.members[at].spokes.1 {
+                star.members[at].local = self.local_of(state, star, at);
+            }
+        }
+        true
+    }
+
+    /// Lists the merged vertex and its neighbors; `false` where they are too many.
+    fn find_members(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
+        let carried = self.carry(merge.position);
+        let Merge { kept, gone, position } = merge;
+        let known = self.known(state, kept);
+        star.members.clear();
+        star.spokes.clear();
+        let sample = Sample::new(position, known.sample.own, &carried);
+        star.members.push(Member { vertex: kept, spokes: (0, 0), sample, local: 0.0 });
+        let mut n_faces = 0;
+        for face in [Some(kept), gone].into_iter().flatten().flat_map(|v| state.faces_around(v)) {
+            n_faces += 1;
+            for vertex in state.face(face).into_iter().flatten() {
+                let is_known = star.members.iter().any(|member| member.vertex == vertex);
+                if !is_known && Some(vertex) != gone {
+                    let Known { sample, local, .. } = *self.known(state, vertex);
+                    star.members.push(Member { vertex, spokes: (0, 0), sample, local });
+                }
+            }
+            if n_faces > 2 * MOST_FACES {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn carry(&self, point: DVec3) -> Carried {
+        let mut walker = self.reference.bvh.walker();
+        carry_to(point, &self.reference, &self.curvature, Variant::Published, &mut walker)
+    }
+
+    /// Lists the edges at a vertex after a merge: none where it has too many faces.
+    fn find_spokes(
+        &self,
+        state: &Collapsing,
+        merge: Merge,
+        vertex: VertexId,
+        spokes: &mut Vec<Spoke>,
+    ) -> (usize, usize) {
+        let first = spokes.len();
+        let Merge { kept, gone, position } = merge;
+        let also = gone.filter(|_| vertex == kept);
+        let limit = if vertex == kept { 2 * MOST_FACES } else { MOST_FACES };
+        let place = |v: VertexId| if v == kept { position } else { self.position(state, v) };
+        let faces = [Some(vertex), also].into_iter().flatten().flat_map(|v| state.faces_around(v));
+        for (n, face) in faces.enumerate() {
+            if n >= limit {
+                spokes.truncate(first);
+                break;
+            }
+            let Some(corners) = state.face(face) else { continue };
+            let corners = corners.map(|v| if Some(v) == gone { kept } else { v });
+            let [a, b, c] = corners;
+            if a == b || b == c || c == a {
+                continue;
+            }
+            let [after, before] = match corners.iter().position(|&v| v == vertex) {
+                Some(0) => [b, c],
+                Some(1) => [c, a],
+                _ => [a, b],
+            };
+            let normal = normal(corners.map(place));
+            for (other, is_left) in [(after, true), (before, false)] {
+                match spokes[first..].iter_mut().find(|spoke| spoke.other == other) {
+                    Some(spoke) => {
+                        spoke.n_faces += 1;
+                        spoke.normals[1] = normal;
+                    }
+                    None => {
+                        let along = place(other) - place(vertex);
+                        spokes.push(Spoke {
+                            other,
+                            along,
+                            length: along.length(),
+                            normals: [normal; 2],
+                            n_faces: 1,
+                            is_first_left: is_left,
+                        });
+                    }
+                }
+            }
+        }
+        (first, spokes.len())
+    }
+
+    /// The curvature at the center of these spokes.
+    fn curvature_of(&self, spokes: &[Spoke]) -> [f64; MAX_LEVELS] {
+        let mut sums = [Bend::default(); MAX_LEVELS];
+        let shortest = spokes.iter().fold(f64::INFINITY, |least, spoke| least.min(spoke.length));
+        for spoke in spokes.iter().filter(|spoke| spoke.n_faces == 2 && spoke.length > 0.0) {
+            let [first, second] = spoke.normals;
+            let (left, right) = if spoke.is_first_left { (first, second) } else { (second, first) };
+            let bend = Bend::new(turn_rad(right, left, spoke.along), spoke.along);
+            for (sum, level) in sums.iter_mut().zip(self.levels.iter()) {
+                sum.add(&bend, (level.curvature_radius / spoke.length).min(1.0));
+            }
+        }
+        let mut found = [0.0; MAX_LEVELS];
+        let mut first: Option<(f64, f64)> = None;
+        for ((found, sum), level) in found.iter_mut().zip(&sums).zip(self.levels.iter()) {
+            let radius = level.curvature_radius;
+            *found = match first {
+                // As long as the sphere cuts every spoke the tensor grows as the radius does.
+                Some((value, at)) if radius <= shortest => value * at / radius,
+                _ => self.levels.size * sum.two_largest() / (2.0 * PI * radius * radius),
+            };
+            first = Some((*found, radius));
+        }
+        found
+    }
+
+    /// The local value of a member.
+    fn local_of(&self, state: &Collapsing, star: &Star, at: usize) -> f64 {
+        let center = &star.members[at];
+        let mut sum = 0.0;
+        for (place, level) in self.levels.iter().enumerate() {
+            let radius = level.window_radius;
+            let mut sums = Sums::new(&center.sample, place, half_as_wide(radius));
+            for spoke in &star.spokes[center.spokes.0..center.spokes.1] {
+                let within = star.members.iter().find(|member| member.vertex == spoke.other);
+                let end = match within {
+                    Some(member) => &member.sample,
+                    None => &self.known(state, spoke.other).sample,
+                };
+                let part = (radius / spoke.length).min(1.0);
+                let reached = part * spoke.length;
+                let ends = [&center.sample, end];
+                sums.add_between(&center.sample, ends, place, part, reached * reached);
+            }
+            sum += sums.moments().local_msdm2();
+        }
+        sum / self.levels.list.len() as f64
+    }
+}

@@ -1,0 +1,431 @@
+//! What happens to attribute layers when vertices merge.
+//!
+//! A layer over vertices gets one value a vertex, a layer over corners one a *wedge*: the corners
+//! of a vertex with equal values (H. Hoppe, "Efficient implementation of progressive meshes",
+//! Computers & Graphics 22, 1998). When an edge collapses, each face that dies says which wedge of
+//! one end meets which of the other; the two become one, interpolated by where the new vertex lies
+//! along the edge. A wedge that no dying face touches keeps its value.
+//!
+//! Layers of two numbers over corners are texture coordinates, whose seams must not tear: under
+//! [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and two
+//! such vertices do not merge. So charts keep their borders, which simplify only along themselves.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::Seams;
+use super::pulse::Pulse;
+use super::state::{BEAT, Collapsing, next_in_face, previous_in_face};
+use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
+use mve_core::Cancelled;
+
+/// How values of a layer mix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Number,
+    Vec2,
+    Vec3,
+    Normal,
+    Label,
+}
+
+/// A layer in the making. Every kind of value is held as three numbers.
+#[derive(Debug)]
+struct Working {
+    layer: usize,
+    kind: Kind,
+    domain: Domain,
+    /// Slot of each vertex, corner or face of the engine.
+    slots: Vec<u32>,
+    values: Vec<DVec3>,
+}
+
+/// All layers of a mesh in the making.
+#[derive(Debug, Default)]
+pub(super) struct Attributes {
+    layers: Vec<Working>,
+    /// Whether each vertex has several wedges in a layer whose seams are kept; empty when there
+    /// is no such layer.
+    on_seam: Vec<bool>,
+    pairs: Vec<(u32, u32)>,
+}
+
+/// What seams leave to a collapse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SeamRule {
+    Anywhere,
+    OnlyAtKept,
+    OnlyAtGone,
+    Nowhere,
+}
+
+impl Attributes {
+    pub fn new(
+        mesh: &TriMesh,
+        state: &Collapsing,
+        seams: Seams,
+        pulse: &mut Pulse,
+    ) -> Result<Self, Cancelled> {
+        let new = |layer| Working::new(mesh, layer, state, pulse);
+        let layers = (0..mesh.layers.len()).map(new).collect::<Result<Vec<_>, _>>()?;
+        let mut on_seam = Vec::new();
+        for layer in layers.iter().filter(|layer| seams == Seams::Kept && layer.has_seams()) {
+            on_seam.resize(state.n_vertices(), false);
+            for (vertex, is_on_seam) in on_seam.iter_mut().enumerate() {
+                if vertex.is_multiple_of(BEAT) {
+                    pulse.beat(0)?;
+                }
+                let mut slots = state.corners_around(vertex as u32).map(|c| layer.slot(c));
+                if let Some(first) = slots.next() {
+                    *is_on_seam |= slots.any(|slot| slot != first);
+                }
+            }
+        }
+        Ok(Self { layers, on_seam, pairs: Vec::new() })
+    }
+
+    /// Whether there are seams that are kept.
+    #[inline]
+    pub fn have_seams(&self) -> bool {
+        !self.on_seam.is_empty()
+    }
+
+    /// Whether each edge lies on a seam that is kept; empty when there is no such seam.
+    pub fn seam_edges(
+        &self,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<Vec<bool>, Cancelled> {
+        let mut is_seam = Vec::new();
+        for layer in
+            self.layers.iter().filter(|layer| !self.on_seam.is_empty() && layer.has_seams())
+        {
+            is_seam.resize(state.edges.len(), false);
+            let mut seen = pulse.fill(state.edges.len(), None)?;
+            for corner in 0..3 * state.faces.len() as u32 {
+                if (corner as usize).is_multiple_of(3 * BEAT) {
+                    pulse.beat(0)?;
+                }
+                if state.face_at(corner).is_dead() {
+                    continue;
+                }
+                let edge = state.edge_at(corner) as usize;
+                let other = next_in_face(corner);
+                let mut slots = [layer.slot(corner), layer.slot(other)];
+                if state.vertex_at(corner) > state.vertex_at(other) {
+                    slots.swap(0, 1);
+                }
+                is_seam[edge] |= *seen[edge].get_or_insert(slots) != slots;
+            }
+        }
+        Ok(is_seam)
+    }
+
+    /// Where the ends of an edge may merge.
+    pub fn seam_rule(&self, state: &Collapsing, edge: u32) -> SeamRule {
+        let [kept, gone] = state.edges[edge as usize];
+        let is_on_seam = |v: u32| self.on_seam.get(v as usize).copied().unwrap_or(false);
+        if !is_on_seam(kept) && !is_on_seam(gone) {
+            return SeamRule::Anywhere;
+        }
+        let (mut pins_kept, mut pins_gone) = (false, false);
+        let mut pairs = Vec::new();
+        for layer in self.layers.iter().filter(|layer| layer.has_seams()) {
+            layer.find_pairs(state, edge, &mut pairs);
+            let is_paired = |slot, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == slot);
+            pins_kept |= state.corners_around(kept).any(|c| !is_paired(layer.slot(c), |p| p.0));
+            pins_gone |= state.corners_around(gone).any(|c| !is_paired(layer.slot(c), |p| p.1));
+            // A seam that ends here ends in the wedge that meets both of its sides.
+            for (i, p) in pairs.iter().enumerate() {
+                pins_kept |= pairs[..i].iter().any(|q| q.0 == p.0 && q.1 != p.1);
+                pins_gone |= pairs[..i].iter().any(|q| q.1 == p.1 && q.0 != p.0);
+            }
+        }
+        match (pins_kept, pins_gone) {
+            (false, false) => SeamRule::Anywhere,
+            (true, false) => SeamRule::OnlyAtKept,
+            (false, true) => SeamRule::OnlyAtGone,
+            (true, true) => SeamRule::Nowhere,
+        }
+    }
+
+    /// Mixes the values at the ends of an edge that is about to merge at `position`.
+    pub fn merge(&mut self, state: &Collapsing, edge: u32, position: DVec3) {
+        if self.layers.is_empty() {
+            return;
+        }
+        let [kept, gone] = state.edges[edge as usize];
+        let [from, to] = [kept, gone].map(|v| state.vertices[v as usize].position);
+        let at = parameter(from, to, position);
+        if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
+            *kept |= *gone;
+        }
+        for layer in &mut self.layers {
+            match layer.domain {
+                Domain::Vertex => layer.merge_vertices(kept, gone, at),
+                Domain::Corner => layer.merge_wedges(state, edge, at, &mut self.pairs),
+                Domain::Face => {}
+            }
+        }
+    }
+
+    /// The layers of the result. `vertices` and `faces` name the engine's id of each vertex and
+    /// face of the result.
+    pub fn into_layers(
+        self,
+        mesh: &TriMesh,
+        vertices: &[u32],
+        faces: &[u32],
+        pulse: &mut Pulse,
+    ) -> Result<Vec<Layer>, Cancelled> {
+        let finish = |working: Working| {
+            let input = &mesh.layers[working.layer];
+            let corners = || faces.iter().flat_map(|&f| [3 * f, 3 * f + 1, 3 * f + 2]);
+            match working.domain {
+                Domain::Vertex => working.finish(input, vertices, pulse),
+                Domain::Corner => working.finish(input, &corners().collect::<Vec<_>>(), pulse),
+                Domain::Face => working.finish(input, faces, pulse),
+            }
+        };
+        self.layers.into_iter().map(finish).collect()
+    }
+}
+
+impl Working {
+    fn new(
+        mesh: &TriMesh,
+        number: usize,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<Self, Cancelled> {
+        let layer = &mesh.layers[number];
+        let mut working = Self {
+            layer: number,
+            kind: match layer.values {
+                LayerValues::Number(_) => Kind::Number,
+                LayerValues::Vec2(_) => Kind::Vec2,
+                LayerValues::Vec3(_) if layer.name == Layer::NORMAL => Kind::Normal,
+                LayerValues::Vec3(_) => Kind::Vec3,
+                LayerValues::Label(_) => Kind::Label,
+            },
+            domain: layer.domain,
+            slots: Vec::new(),
+            values: Vec::new(),
+        };
+        match layer.domain {
+            Domain::Vertex => {
+                let values = &mut working.values;
+                working.slots =
+                    pulse.collect(&state.order.vertices, |&v| values.add(layer, v as usize))?;
+            }
+            Domain::Face => {
+                let values = &mut working.values;
+                working.slots =
+                    pulse.collect(&state.order.faces, |&f| values.add(layer, f as usize))?;
+            }
+            Domain::Corner => working.make_wedges(layer, state, pulse)?,
+        }
+        Ok(working)
+    }
+
+    /// Gives each group of corners of a vertex with equal values a slot of its own. Files that
+    /// write each value once for each corner have seams only where values differ.
+    fn make_wedges(
+        &mut self,
+        layer: &Layer,
+        state: &Collapsing,
+        pulse: &mut Pulse,
+    ) -> Result<(), Cancelled> {
+        self.slots = pulse.fill(3 * state.faces.len(), NO_VALUE)?;
+        let mut corners = Vec::new();
+        for vertex in 0..state.n_vertices() as u32 {
+            if (vertex as usize).is_multiple_of(BEAT) {
+                pulse.beat(0)?;
+            }
+            corners.clear();
+            corners.extend(state.corners_around(vertex).map(|corner| {
+                let input = 3 * state.order.faces[corner as usize / 3] + corner % 3;
+                let value = value_of(layer, input as usize);
+                (value.map(|value| value.to_array().map(f64::to_bits)), corner, input)
+            }));
+            corners.sort_unstable();
+            let mut last = (None, NO_VALUE);
+            for &(value, corner, input) in &corners {
+                if value != last.0 {
+                    last = (value, self.values.add(layer, input as usize));
+                }
+                self.slots[corner as usize] = last.1;
+            }
+        }
+        Ok(())
+    }
+
+    fn has_seams(&self) -> bool {
+        self.domain == Domain::Corner && self.kind == Kind::Vec2
+    }
+
+    fn slot(&self, element: u32) -> u32 {
+        self.slots[element as usize]
+    }
+
+    /// The wedges of the two ends that meet in a face at the edge, each pair once.
+    fn find_pairs(&self, state: &Collapsing, edge: u32, pairs: &mut Vec<(u32, u32)>) {
+        let [kept, gone] = state.edges[edge as usize];
+        pairs.clear();
+        for corner in state.corners_around(kept) {
+            let other = [next_in_face(corner), previous_in_face(corner)]
+                .into_iter()
+                .find(|&c| state.vertex_at(c) == gone);
+            let Some(other) = other else { continue };
+            let pair = (self.slot(corner), self.slot(other));
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+    }
+
+    fn merge_vertices(&mut self, kept: u32, gone: u32, at: f64) {
+        let (mine, other) = (self.slot(kept), self.slot(gone));
+        if mine == NO_VALUE || other == NO_VALUE {
+            // The value of the nearer end, or none if it has none.
+            self.slots[kept as usize] = if at > 0.5 { other } else { mine };
+        } else {
+            self.values[mine as usize] = self.mix(mine, other, at);
+        }
+    }
+
+    fn merge_wedges(
+        &mut self,
+        state: &Collapsing,
+        edge: u32,
+        at: f64,
+        pairs: &mut Vec<(u32, u32)>,
+    ) {
+        let [kept, gone] = state.edges[edge as usize];
+        self.find_pairs(state, edge, pairs);
+        pairs.retain(|&(mine, other)| mine != NO_VALUE && other != NO_VALUE);
+        while let Some((mine, other)) = pairs.pop() {
+            // Where one wedge meets several, they all take its value: a seam ends there.
+            let is_fan_of_mine = pairs.iter().any(|p| p.0 == mine);
+            let is_fan_of_other = pairs.iter().any(|p| p.1 == other);
+            let at = match (is_fan_of_mine, is_fan_of_other) {
+                (true, false) => 0.0,
+                (false, true) => 1.0,
+                _ => at,
+            };
+            self.values[mine as usize] = self.mix(mine, other, at);
+            let renamed = |slot: u32, pairs: &[(u32, u32)]| {
+                slot == other || pairs.iter().any(|p| p.1 == other && p.0 == slot)
+            };
+            for corner in state.corners_around(kept).chain(state.corners_around(gone)) {
+                if renamed(self.slot(corner), pairs) {
+                    self.slots[corner as usize] = mine;
+                }
+            }
+            for pair in pairs.iter_mut() {
+                if pair.1 == other {
+                    *pair = (mine, mine);
+                } else if pair.0 == mine {
+                    // The rest of the fan takes the value that is there now.
+                    for corner in state.corners_around(gone) {
+                        if self.slots[corner as usize] == pair.1 {
+                            self.slots[corner as usize] = mine;
+                        }
+                    }
+                    *pair = (mine, mine);
+                }
+            }
+            pairs.retain(|p| p.0 != p.1);
+        }
+    }
+
+    /// The value between two slots: the first at 0, the second at 1, bit for bit.
+    fn mix(&self, from: u32, to: u32, at: f64) -> DVec3 {
+        let (from, to) = (self.values[from as usize], self.values[to as usize]);
+        if at == 0.0 || from == to {
+            return from;
+        }
+        if at == 1.0 {
+            return to;
+        }
+        let nearer = if at > 0.5 { to } else { from };
+        match self.kind {
+            Kind::Label => nearer,
+            Kind::Normal => from.lerp(to, at).try_normalize().unwrap_or(nearer),
+            _ => from.lerp(to, at),
+        }
+    }
+
+    /// The layer of the result; values that are equal bit for bit are stored once.
+    fn finish(
+        self,
+        input: &Layer,
+        elements: &[u32],
+        pulse: &mut Pulse,
+    ) -> Result<Layer, Cancelled> {
+        let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut values: Vec<DVec3> = Vec::new();
+        let index = pulse.collect(elements, |&element| {
+            let slot = self.slot(element);
+            if slot == NO_VALUE {
+                return NO_VALUE;
+            }
+            let value = self.values[slot as usize];
+            *numbers.entry(value.to_array().map(f64::to_bits)).or_insert_with(|| {
+                values.push(value);
+                values.len() as u32 - 1
+            })
+        })?;
+        let values = match &input.values {
+            LayerValues::Number(_) => LayerValues::Number(values.iter().map(|v| v.x).collect()),
+            LayerValues::Vec2(_) => {
+                LayerValues::Vec2(values.iter().map(|v| v.truncate()).collect())
+            }
+            LayerValues::Vec3(_) => LayerValues::Vec3(values),
+            LayerValues::Label(names) => {
+                LayerValues::Label(values.iter().map(|v| names[v.x as usize].clone()).collect())
+            }
+        };
+        Ok(Layer { name: input.name.clone(), domain: input.domain, values, index })
+    }
+}
+
+/// The value of an element of a layer as three numbers.
+fn value_of(layer: &Layer, element: usize) -> Option<DVec3> {
+    let number = layer.index.get(element).copied().unwrap_or(NO_VALUE) as usize;
+    match &layer.values {
+        LayerValues::Number(v) => v.get(number).map(|&x| DVec3::new(x, 0.0, 0.0)),
+        LayerValues::Vec2(v) => v.get(number).map(|p| p.extend(0.0)),
+        LayerValues::Vec3(v) => v.get(number).copied(),
+        LayerValues::Label(v) => v.get(number).map(|_| DVec3::new(number as f64, 0.0, 0.0)),
+    }
+}
+
+/// A list of values that takes copies of those of a layer.
+trait AddValue {
+    /// Appends the value of an element of the layer and returns its slot.
+    fn add(&mut self, layer: &Layer, element: usize) -> u32;
+}
+
+impl AddValue for Vec<DVec3> {
+    fn add(&mut self, layer: &Layer, element: usize) -> u32 {
+        value_of(layer, element).map_or(NO_VALUE, |value| {
+            self.push(value);
+            self.len() as u32 - 1
+        })
+    }
+}
+
+/// Where a point lies along an edge: 0 at its start, 1 at its end, exactly so at the ends.
+fn parameter(from: DVec3, to: DVec3, point: DVec3) -> f64 {
+    if point == from {
+        return 0.0;
+    }
+    if point == to {
+        return 1.0;
+    }
+    let along = to - from;
+    let at = (point - from).dot(along) / along.length_squared();
+    if at.is_nan() { 0.5 } else { at.clamp(0.0, 1.0) }
+}

@@ -1,0 +1,55 @@
+//! What a part that prices collapses must do.
+//!
+//! A cost is asked for prices in batches, so that a costly one can use all cores, and is told of
+//! every collapse. It owns no queue, no link condition and no flip test, and must not decide
+//! anything by the order in which it is asked.
+
+use mve_core::{Cancelled, Control};
+
+use super::{Collapse, Collapsing, Proposal, QuadricOptions, Reach, Renewal};
+
+/// What a collapse costs. The engine makes the cheapest collapse first.
+///
+/// Prices are compared only with each other; a price that is not a number forbids the collapse.
+pub trait Cost: Send {
+    /// Told of the mesh before anything else. What takes long reports to `control`.
+    fn begin(&mut self, _state: &Collapsing, _control: Control) -> Result<(), Cancelled> {
+        Ok(())
+    }
+
+    /// Prices every proposal of the batch: `prices[i]` for `batch[i]`, equally long.
+    ///
+    /// A pure function of the state and of each proposal alone, so that a batch may be split over
+    /// threads without changing a bit. The state is the mesh before the collapse.
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]);
+
+    /// Told of a collapse, with the state after it.
+    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+
+    /// How far from a collapse prices go stale.
+    fn reach(&self) -> Reach {
+        Reach::MERGED
+    }
+
+    /// When prices that went stale are asked for again.
+    fn renewal(&self) -> Renewal {
+        Renewal::AtOnce
+    }
+
+    /// Whether a batch of prices is shared among threads.
+    fn uses_threads(&self) -> bool {
+        false
+    }
+
+    /// Whether the price of a position never falls by a collapse nearby. Where the placement says
+    /// the same, an edge is priced again only when it comes up, which changes no result and
+    /// saves most of the work.
+    fn only_grows(&self) -> bool {
+        false
+    }
+
+    /// The quadrics that the state must keep for this cost, if it reads any.
+    fn quadrics(&self) -> Option<QuadricOptions> {
+        None
+    }
+}

@@ -1,0 +1,34 @@
+//! What a part that places the vertex of a collapse must do.
+//!
+//! A placement proposes up to three positions; the cost prices each and the cheapest that passes
+//! the engine's tests wins, the first proposed among equals.
+
+use super::{Candidates, Collapse, Collapsing, Ends, QuadricOptions, Reach};
+
+/// Proposes positions for the vertex that an edge becomes.
+pub trait Placement: Send {
+    /// Proposes where the vertex of each edge of the batch may go: `out[i]`, empty before, takes
+    /// the candidates of `batch[i]`, equally long. A pure function of the state and of each edge
+    /// alone, as prices are.
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]);
+
+    /// Told of a collapse, with the state after it.
+    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+
+    /// How far from a collapse proposals go stale.
+    fn reach(&self) -> Reach {
+        Reach::MERGED
+    }
+
+    /// Whether the least price among the candidates never falls by a collapse nearby, given a cost
+    /// of which that holds for every position; see [`Cost::only_grows`](super::Cost::only_grows).
+    fn only_grows(&self) -> bool {
+        false
+    }
+
+    /// The quadrics that the state must keep for this placement, if it reads any. Where the cost
+    /// asks for quadrics too, the cost's options hold for both.
+    fn quadrics(&self) -> Option<QuadricOptions> {
+        None
+    }
+}

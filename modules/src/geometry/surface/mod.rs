@@ -1,0 +1,5 @@
+//! What a surface is like and how it is made finer: counts, normals, subdivision.
+
+pub mod mesh_info;
+pub mod normals;
+pub mod subdivide;

@@ -1,0 +1,230 @@
+//! Prices of active areas against those of whole pictures, and pictures of odd meshes.
+
+use glam::DVec3;
+
+use super::*;
+use crate::cost::Squares;
+use crate::geometry::generate::{VaseOptions, vase};
+use crate::geometry::simplify::collapse::Placement;
+use crate::geometry::simplify::collapse::{Candidates, Ends, SimplifyOptions, Stop, simplify};
+use crate::picture::render::{NO_FACE, Side, Visible, luminance, normal};
+use crate::placement::{Endpoint, Optimal};
+
+/// Prices by active areas, and checks some of them against whole pictures.
+struct Checked<D: Difference> {
+    active: ImageDriven<D>,
+    whole: ImageDriven<D>,
+    n_checked: Mutex<usize>,
+}
+
+impl<D: Difference> Checked<D> {
+    fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
+        let new =
+            |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
+        Self { active: new(Areas::Active), whole: new(Areas::Whole), n_checked: Mutex::new(0) }
+    }
+}
+
+impl<D: Difference> Cost for Checked<D> {
+    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+        self.active.begin(state, control)?;
+        self.whole.begin(state, control)
+    }
+
+    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+        self.active.price(state, batch, prices);
+        // One of the batch is checked, another one each time.
+        let mut n_checked = lock(&self.n_checked);
+        let at = (*n_checked * 7) % batch.len();
+        let mut expected = [0.0];
+        self.whole.price(state, &batch[at..=at], &mut expected);
+        assert_eq!(prices[at], expected[0], "price {} of {:?}", *n_checked, batch[at].ends);
+        *n_checked += 1;
+    }
+
+    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+        self.active.collapsed(state, collapse);
+        self.whole.collapsed(state, collapse);
+    }
+
+    fn reach(&self) -> Reach {
+        self.active.reach()
+    }
+
+    fn renewal(&self) -> Renewal {
+        self.active.renewal()
+    }
+}
+
+const SMALL: ImageOptions = ImageOptions {
+    cameras: CameraSet::Fibonacci(3),
+    resolution: 64,
+    sides: Sides::Both,
+    background: 90,
+    areas: Areas::Active,
+    renewal: Renewal::Lazy,
+};
+
+fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+    let stop = Stop { ratio: Some(0.5), ..Stop::default() };
+    let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+    simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
+}
+
+/// The picture of a mesh by the plain rasteriser.
+fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
+    let seen = Visible::new(mesh, lens, sides);
+    let value = |&face: &u32| {
+        if face == NO_FACE {
+            return background;
+        }
+        let corners = mesh.corners(crate::data::FaceId(face));
+        let normal = normal(corners);
+        // Which side is seen follows from the sides' rule: only the lit one is not black here.
+        let front = luminance(normal, lens.camera.forward, Side::Front);
+        front.max(luminance(normal, lens.camera.forward, Side::Back))
+    };
+    seen.faces.iter().map(value).collect()
+}
+
+/// The picture of a camera after all collapses.
+fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
+    let mut scratch = Scratch::default();
+    let watched = &mut *lock(&cost.cameras[camera]);
+    let (state, changes) = (None, &[][..]);
+    Asked { cost, watched, scratch: &mut scratch, state, changes }.with_simd(pulp::Scalar);
+    watched.view.picture.clone()
+}
+
+fn small_vase() -> TriMesh {
+    vase(&VaseOptions { segments: 12, profile_segments: 18, ..VaseOptions::DEFAULT })
+}
+
+#[test]
+fn active_areas_price_as_whole_pictures_do() {
+    let mesh = small_vase();
+    for sides in [Sides::Front, Sides::Both] {
+        let options = ImageOptions { sides, ..SMALL };
+        let mut cost = Checked::new(&mesh, Squares, options);
+        halve(&mesh, &mut cost, &mut Optimal::default());
+        assert!(*lock(&cost.n_checked) > 100);
+        let mut cost = Checked::new(&mesh, Structure::default(), options);
+        halve(&mesh, &mut cost, &mut Endpoint);
+        assert!(*lock(&cost.n_checked) > 100);
+    }
+}
+
+#[test]
+fn pictures_stay_those_of_the_mesh() {
+    let mesh = small_vase();
+    for sides in [Sides::Front, Sides::Both] {
+        let options = ImageOptions { sides, ..SMALL };
+        let mut cost = ImageDriven::new(&mesh, Squares, options);
+        let lenses = cost.lenses.clone();
+        let result = halve(&mesh, &mut cost, &mut Optimal::default());
+        for (camera, lens) in lenses.iter().enumerate() {
+            let picture = &picture(&cost, camera);
+            assert!(picture.original == draw(&mesh, lens, sides, 90), "original, {camera}");
+            assert!(picture.now == draw(&result, lens, sides, 90), "result, {camera}");
+        }
+    }
+}
+
+#[test]
+fn a_smaller_margin_gives_other_prices() {
+    let mesh = small_vase();
+    let state_price = |margin| {
+        let mut cost = ImageDriven::new(&mesh, Structure { margin }, SMALL);
+        halve(&mesh, &mut cost, &mut Endpoint)
+    };
+    assert_eq!(state_price(5), state_price(64));
+    assert_ne!(state_price(5), state_price(0));
+}
+
+#[test]
+fn a_mesh_in_no_picture_has_prices_of_zero() {
+    let mut point = small_vase();
+    point.positions.fill(DVec3::ONE);
+    let mut cost = ImageDriven::new(&point, Squares, SMALL);
+    assert!(cost.lenses.is_empty());
+    let stop = Stop { ratio: Some(0.5), cost: Some(0.0), ..Stop::default() };
+    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let found = simplify(&point, &mut cost, &mut Endpoint, options, Control::none()).unwrap();
+    assert_eq!(found.statistics.largest_cost, Some(0.0));
+}
+
+/// Proposes places all over space: near, behind the cameras, far away.
+struct Anywhere;
+
+impl Placement for Anywhere {
+    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
+        for (ends, out) in batch.iter().zip(out) {
+            let from = state.position(ends.kept);
+            let toward = from.cross(state.position(ends.gone)).normalize_or(DVec3::Y);
+            let far = [0.01, 0.3, 3.0, 40.0, 1e7, 1e300][ends.gone.idx() % 6];
+            out.push(from + far * toward);
+        }
+    }
+}
+
+#[test]
+fn surfaces_behind_the_cameras_price_as_in_whole_pictures() {
+    let mesh = small_vase();
+    let stop = Stop { ratio: Some(0.7), ..Stop::default() };
+    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    for sides in [Sides::Front, Sides::Both] {
+        let mut cost = Checked::new(&mesh, Squares, ImageOptions { sides, ..SMALL });
+        simplify(&mesh, &mut cost, &mut Anywhere, options, Control::none()).unwrap();
+        assert!(*lock(&cost.n_checked) > 50);
+    }
+}
+
+#[test]
+fn odd_meshes_are_simplified() {
+    let broken = |change: &dyn Fn(&mut TriMesh)| {
+        let mut mesh = small_vase();
+        change(&mut mesh);
+        mesh
+    };
+    let meshes = [
+        broken(&|mesh| mesh.positions[7] = DVec3::NAN),
+        broken(&|mesh| mesh.positions[7] = DVec3::splat(1e300)),
+        broken(&|mesh| mesh.positions[7] = DVec3::INFINITY),
+        broken(&|mesh| mesh.positions.iter_mut().for_each(|p| *p *= 1e-300)),
+        broken(&|mesh| mesh.positions.iter_mut().for_each(|p| p.y = 0.0)),
+        broken(&|mesh| mesh.faces.truncate(1)),
+        broken(&|mesh| mesh.faces.clear()),
+        broken(&|mesh| mesh.faces.iter_mut().step_by(3).for_each(|face| face.swap(0, 1))),
+        broken(&|mesh| mesh.faces.extend_from_within(..)),
+    ];
+    for mesh in &meshes {
+        let result = halve(mesh, &mut ImageDriven::new(mesh, Squares, SMALL), &mut Endpoint);
+        assert!(result.faces.len() <= mesh.faces.len());
+        let mut cost = ImageDriven::new(mesh, Structure::default(), SMALL);
+        halve(mesh, &mut cost, &mut Optimal::default());
+    }
+}
+
+/// Faces that look toward the axis of a vase: its inner wall.
+fn n_inner(mesh: &TriMesh) -> usize {
+    let looks_in = |face: &usize| {
+        let [a, b, c] = mesh.corners(crate::data::FaceId(*face as u32));
+        let outward = (a + b + c) * DVec3::new(1.0, 1.0, 0.0);
+        normal([a, b, c]).dot(outward) < 0.0
+    };
+    (0..mesh.faces.len()).filter(looks_in).count()
+}
+
+#[test]
+fn what_is_hidden_is_simplified_first() {
+    let mesh = vase(&VaseOptions { segments: 24, profile_segments: 40, ..VaseOptions::DEFAULT });
+    let options = ImageOptions { sides: Sides::Front, resolution: 96, ..SMALL };
+    let mut cost = ImageDriven::new(&mesh, Squares, options);
+    let result = halve(&mesh, &mut cost, &mut Endpoint);
+    let share = |mesh: &TriMesh| n_inner(mesh) as f64 / mesh.faces.len() as f64;
+    let (before, after) = (share(&mesh), share(&result));
+    assert!(before > 0.3, "{before}");
+    assert!(after < 0.7 * before, "{before} before, {after} after");
+    // Vertices stay on the walls: they are vertices of the original.
+    assert!(result.positions.iter().all(|position| mesh.positions.contains(position)));
+}

@@ -1,0 +1,298 @@
+//! One camera: its picture, all faces behind it, and how a collapse changes it.
+
+use wide::{f32x8, i32x8};
+
+use super::canvas::{BYTES, Block, Canvas, all};
+use super::change::{Change, Patched};
+use super::layers::{END, Fragment, Layers};
+use super::picture::{Patch, Picture};
+use crate::data::{FaceId, VertexId};
+use crate::geometry::simplify::collapse::Collapsing;
+use crate::picture::render::{
+    Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, luminance, may_be_seen,
+};
+use mve_core::{Cancelled, Control};
+
+/// A camera of an image-driven cost.
+#[derive(Debug)]
+pub(super) struct View {
+    lens: Lens,
+    sides: Sides,
+    background: u8,
+    /// Where each vertex is in the picture.
+    corners: Vec<Corner>,
+    /// Pixels from one row of the layers to the next: rows are filled up with background, so that
+    /// every block of lanes that begins in a row can be read.
+    stride: usize,
+    layers: Layers,
+    pub picture: Picture,
+}
+
+impl View {
+    /// Draws the whole mesh.
+    pub fn new(
+        lens: Lens,
+        sides: Sides,
+        background: u8,
+        state: &Collapsing,
+        control: Control,
+    ) -> Result<Self, Cancelled> {
+        let n_vertices = 0..state.n_vertices() as u32;
+        let corners = n_vertices.map(|v| lens.corner(state.position(VertexId(v)))).collect();
+        let stride = lens.size + LANES;
+        let layers = Layers::new(stride * lens.size, background);
+        let picture = Picture { size: lens.size, original: Vec::new(), now: Vec::new() };
+        let mut view = Self { lens, sides, background, corners, stride, layers, picture };
+        for face in state.face_ids() {
+            control.item(face.idx(), state.n_faces())?;
+            Patched::of(state, face).iter().for_each(|face| view.insert(face));
+        }
+        let rows = view.layers.values.chunks_exact(stride);
+        view.picture.now = rows.flat_map(|row| &row[..lens.size]).copied().collect();
+        view.picture.original.clone_from(&view.picture.now);
+        Ok(view)
+    }
+
+    /// Puts a face into the layers.
+    fn insert(&mut self, face: &Patched) {
+        let Self { lens, sides, corners, stride, layers, .. } = self;
+        let placed = face.vertices.map(|v| corners[v as usize]);
+        let whole = Rect::whole(lens.size);
+        face_triangles(lens, *sides, placed, face.points, |triangle| {
+            let value = luminance(face.normal, lens.camera.forward, triangle.side);
+            triangle.rows(&whole, |row| {
+                let first = row.y as usize * *stride + row.x[0] as usize;
+                for k in 0..(row.x[1] - row.x[0]) as usize {
+                    layers.insert(first + k, Fragment::new(face.face, row.inv_depth(k), value));
+                }
+            });
+        });
+    }
+
+    /// Takes a face out of the layers.
+    fn remove(&mut self, face: &Patched) {
+        let Self { lens, sides, corners, stride, layers, .. } = self;
+        let placed = face.vertices.map(|v| corners[v as usize]);
+        let whole = Rect::whole(lens.size);
+        face_triangles(lens, *sides, placed, face.points, |triangle| {
+            triangle.rows(&whole, |row| {
+                let first = row.y as usize * *stride;
+                (row.x[0]..row.x[1]).for_each(|x| layers.remove(first + x as usize, face.face));
+            });
+        });
+    }
+
+    /// Makes a change in the layers; the picture is brought up to date by the patch of
+    /// [`View::redraw`], before.
+    pub fn make(&mut self, change: &Change) {
+        change.old.iter().for_each(|old| self.remove(old));
+        self.corners[change.kept as usize] = self.lens.corner(change.position);
+        change.new.iter().for_each(|new| self.insert(new));
+    }
+
+    /// Where a vertex would be after a change.
+    #[inline]
+    fn corner_after(&self, change: &Change, moved: Corner, vertex: u32) -> Corner {
+        if vertex == change.kept { moved } else { self.corners[vertex as usize] }
+    }
+
+    /// The pixels that a change may touch.
+    fn area(&self, change: &Change, moved: Corner) -> Rect {
+        let whole = Rect::whole(self.lens.size);
+        let mut area = Rect::NONE;
+        area.include(moved);
+        let mut are_placed = moved.is_placed();
+        for &vertex in &change.ring {
+            let corner = self.corners[vertex as usize];
+            area.include(corner);
+            are_placed &= corner.is_placed();
+        }
+        if are_placed { area.within(&whole) } else { whole }
+    }
+
+    /// Whether a change may be seen: some face of it, before or after, may be.
+    #[inline(always)]
+    fn may_be_seen(&self, change: &Change, moved: Corner) -> bool {
+        // Written out: a map over an array is not always inlined.
+        let after = |v: u32| self.corner_after(change, moved, v);
+        let before = |v: u32| self.corners[v as usize];
+        let is_seen = |placed: [Corner; 3]| may_be_seen(placed, self.sides);
+        change
+            .new
+            .iter()
+            .any(|&Patched { vertices: [a, b, c], .. }| is_seen([after(a), after(b), after(c)]))
+            || change.old.iter().any(|&Patched { vertices: [a, b, c], .. }| {
+                is_seen([before(a), before(b), before(c)])
+            })
+    }
+
+    /// Finds what the picture would be after a change, where it would differ; `false` where it
+    /// would not.
+    #[inline(always)]
+    pub fn redraw(&self, change: &Change, canvas: &mut Canvas, patch: &mut Patch) -> bool {
+        let moved = self.lens.corner(change.position);
+        if !self.may_be_seen(change, moved) {
+            return false;
+        }
+        let area = self.area(change, moved);
+        if area.is_empty() {
+            return false;
+        }
+        canvas.clear(&area);
+        for new in &change.new {
+            let [a, b, c] = new.vertices;
+            let corner = |v: u32| self.corner_after(change, moved, v);
+            let placed = [corner(a), corner(b), corner(c)];
+            if !is_placed(placed) {
+                self.draw_clipped(new, canvas);
+            } else if let Some(triangle) = Triangle::new(placed, self.sides) {
+                let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
+                canvas.draw(new.face, &triangle, value);
+            }
+        }
+        self.resolve(change, canvas, area, patch)
+    }
+
+    /// Draws a face of which a corner has no place.
+    fn draw_clipped(&self, new: &Patched, canvas: &mut Canvas) {
+        face_triangles(&self.lens, self.sides, [Corner::default(); 3], new.points, |triangle| {
+            let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
+            canvas.draw(new.face, triangle, value);
+        });
+    }
+
+    /// Compares what was drawn with what stays.
+    #[inline(always)]
+    fn resolve(&self, change: &Change, canvas: &Canvas, area: Rect, patch: &mut Patch) -> bool {
+        let n_across = canvas.n_across;
+        patch.area = area;
+        patch.changed = Rect::NONE;
+        patch.stride = n_across * LANES;
+        patch.values.resize(patch.stride * area.height(), 0);
+        // Pixels of the last block in a row that lie in the area.
+        let n_last = area.width() - (n_across - 1) * LANES;
+        let (blocks, _) = patch.values.as_chunks_mut::<LANES>();
+        let rows = blocks.chunks_exact_mut(n_across).zip(canvas.blocks.chunks_exact(n_across));
+        for ((row, drawn), y) in rows.zip(area.y[0]..) {
+            let start = y as usize * self.stride + area.x[0] as usize;
+            let mut first_and_end = [i32::MAX, 0];
+            for (at, (to, drawn)) in row.iter_mut().zip(drawn).enumerate() {
+                let (new, now) = self.resolve_block(change, drawn, start + at * LANES);
+                *to = new.to_le_bytes();
+                let is_last = at + 1 == n_across;
+                let mask = if is_last { u64::MAX >> (8 * (LANES - n_last)) } else { u64::MAX };
+                let differ = (new ^ now) & mask;
+                if differ != 0 {
+                    let x = (at * LANES) as i32;
+                    let first = x + differ.trailing_zeros() as i32 / 8;
+                    let end = x + 8 - differ.leading_zeros() as i32 / 8;
+                    first_and_end = [first_and_end[0].min(first), end];
+                }
+            }
+            if first_and_end[1] > 0 {
+                let [first, end] = first_and_end.map(|x| area.x[0] + x);
+                let changed = &mut patch.changed;
+                changed.x = [changed.x[0].min(first), changed.x[1].max(end)];
+                changed.y = [changed.y[0].min(y), y + 1];
+            }
+        }
+        !patch.changed.is_empty()
+    }
+
+    /// The new and the present values of eight pixels from `pixel` on, a byte each.
+    #[inline(always)]
+    fn resolve_block(&self, change: &Change, drawn: &Block, pixel: usize) -> (u64, u64) {
+        let layers = &self.layers;
+        let now = u64::from_le_bytes(lanes(&layers.values, pixel));
+        let goes = change.removes_lanes(lanes(&layers.faces, pixel));
+        let is_drawn = drawn.inv_depths.simd_gt(f32x8::splat(0.0)).to_bitmask();
+        if goes | is_drawn == 0 {
+            return (now, now);
+        }
+        let inv_depths = f32x8::new(lanes(&layers.inv_depths, pixel));
+        let nexts = lanes(&layers.nexts, pixel);
+        let nexts = i32x8::new(std::array::from_fn(|lane| nexts[lane] as i32));
+        let is_nearer = drawn.inv_depths.simd_gt(inv_depths).to_bitmask();
+        let bytes = |bits: u32| BYTES[bits as usize & 0xFF];
+        let (over, changes) = (bytes(is_drawn), bytes(goes | is_nearer));
+        let over = (drawn.values & over) | (all(self.background) & !over);
+        let new = (over & changes) | (now & !changes);
+        // What lies behind a face that goes, and which of two equally near faces is seen, is not
+        // known yet.
+        let is_last = nexts.simd_eq(i32x8::splat(END as i32)).to_bitmask();
+        let is_even = drawn.inv_depths.simd_eq(inv_depths).to_bitmask() & is_drawn & !goes;
+        let open = ((goes & !is_last) | is_even) & 0xFF;
+        let new = if open == 0 { new } else { self.resolve_open(change, drawn, pixel, open, new) };
+        (new, now)
+    }
+
+    /// Puts in the values of the pixels `open`, of which more must be known than the first
+    /// fragments.
+    fn resolve_open(
+        &self,
+        change: &Change,
+        drawn: &Block,
+        pixel: usize,
+        mut open: u32,
+        new: u64,
+    ) -> u64 {
+        let mut new = new.to_le_bytes();
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize;
+            open &= open - 1;
+            let left = self.layers.first_left(pixel + lane, |face| !change.removes(face));
+            let (face, inv_depth) =
+                (drawn.faces.as_array()[lane] as u32, drawn.inv_depths.as_array()[lane]);
+            let over = Fragment::new(face, inv_depth, (drawn.values >> (8 * lane)) as u8);
+            let is_seen = inv_depth > 0.0 && over.hides(&left);
+            new[lane] = if is_seen { over.value } else { left.value };
+        }
+        u64::from_le_bytes(new)
+    }
+
+    /// Draws the whole picture as it would be after a change, from nothing; all of it counts as
+    /// changed. What [`View::redraw`] must agree with.
+    pub fn redraw_whole(
+        &self,
+        state: &Collapsing,
+        change: &Change,
+        canvas: &mut Canvas,
+        patch: &mut Patch,
+    ) {
+        let whole = Rect::whole(self.lens.size);
+        let moved = self.lens.corner(change.position);
+        canvas.clear(&whole);
+        let mut draw = |face: &Patched| {
+            let placed = face.vertices.map(|v| self.corner_after(change, moved, v));
+            face_triangles(&self.lens, self.sides, placed, face.points, |triangle| {
+                let value = luminance(face.normal, self.lens.camera.forward, triangle.side);
+                canvas.draw(face.face, triangle, value);
+            });
+        };
+        for face in state.face_ids() {
+            let FaceId(number) = face;
+            if !change.removes(number) {
+                Patched::of(state, face).iter().for_each(&mut draw);
+            } else if let Ok(at) = change.new.binary_search_by_key(&number, |new| new.face) {
+                draw(&change.new[at]);
+            }
+        }
+        patch.area = whole;
+        patch.changed = whole;
+        patch.stride = canvas.n_across * LANES;
+        patch.values.clear();
+        for block in &canvas.blocks {
+            let is_drawn = block.inv_depths.simd_gt(f32x8::splat(0.0)).to_bitmask();
+            let over = BYTES[is_drawn as usize & 0xFF];
+            let values = (block.values & over) | (all(self.background) & !over);
+            patch.values.extend(values.to_le_bytes());
+        }
+    }
+}
+
+/// The lanes from a place on.
+#[inline(always)]
+fn lanes<T: Copy>(list: &[T], from: usize) -> [T; LANES] {
+    let part = &list[from..from + LANES];
+    std::array::from_fn(|lane| part[lane])
+}

@@ -1,0 +1,3 @@
+//! Modules that make pictures.
+
+mve_core::modules! { "images": contact_sheet, render }

@@ -1,0 +1,222 @@
+//! Takes pictures of a mesh: see `geometry/render` for what a pixel is.
+
+use crate::data::PixelKind;
+use crate::picture::render::{Frame, NormalSource, Paint, Surface, pictures};
+use crate::picture::view::{View, ViewDefaults, ViewParams, n_unseen};
+use crate::prelude::*;
+
+const MESH_IN: In<TriMesh> = In::new(
+    "mesh",
+    "The mesh to look at. Its colors are in the layer \"color\", or come from the texture.",
+);
+const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
+    "frame",
+    "The mesh that the cameras are placed around, to see several meshes from the same places; \
+     without it, the mesh itself.",
+);
+const TEXTURE_IN: MaybeIn<Images> = MaybeIn::new(
+    "texture",
+    "A picture on the surface, by the layer \"texcoord\"; the first of several. It takes the place \
+     of the layer \"color\".",
+);
+const VIEW: ViewParams = ViewParams::new(ViewDefaults {
+    cameras: "Rhombicuboctahedron",
+    resolution: 512,
+    shading: "Gouraud",
+    sides: "Both",
+    background: 0,
+});
+const CAMERA: Param<Option<i64>> = Param::maybe_integer(
+    "camera",
+    "Takes only the picture of the camera of this number, from 0. Off: of all cameras.",
+    None,
+)
+.between((0, 9_999))
+.mostly((0, 23));
+const NORMALS: Param<NormalSource> =
+    Param::one_of("normals", "Where the normals for Gouraud shading come from.", "Faces");
+const GRAY: Param<bool> = Param::flag(
+    "gray",
+    "Luminance only, even where the surface has colors. White surfaces are gray in any case.",
+    false,
+);
+const IMAGES_OUT: Out<Images> =
+    Out::new("images", "A picture from each camera: \"camera 0\", and so on.");
+
+impl Enumeration for NormalSource {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Faces", "Computed at the vertices, from the faces around, by area."),
+        ("Layer", "The layer \"normal\"; computed where there is none."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Faces, Self::Layer];
+}
+
+pub static MODULE: Module = Module {
+    id: "Render",
+    summary: "Takes pictures of a mesh from all around.",
+    inputs: &[MESH_IN.spec(), FRAME_IN.spec(), TEXTURE_IN.spec()],
+    outputs: &[IMAGES_OUT.spec()],
+    params: &[
+        VIEW.cameras.spec(),
+        CAMERA.spec(),
+        VIEW.resolution.spec(),
+        VIEW.shading.spec(),
+        NORMALS.spec(),
+        VIEW.sides.spec(),
+        VIEW.background.spec(),
+        GRAY.spec(),
+    ],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let mesh = io.get(MESH_IN)?;
+    let view = VIEW.read(io.settings())?;
+    let numbers = numbers(io, &view)?;
+    let texture = io.maybe(TEXTURE_IN);
+    let paint = paint(io, &mesh, texture.as_deref());
+    let control = io.control();
+    let normals = io.param(NORMALS)?;
+    let surface = Surface::new(&mesh, view.shading, normals, paint, control.part(0.0, 0.1))?;
+    let is_gray = io.param(GRAY)? || !surface.is_colored();
+    let options = view.pictures(if is_gray { PixelKind::Gray } else { PixelKind::Rgb });
+    let frame_mesh = io.maybe(FRAME_IN);
+    let frame = Frame::around(view.cameras, frame_mesh.as_deref().unwrap_or(&mesh));
+    let images = match frame {
+        Some(frame) => pictures(&frame, &numbers, &surface, &options, control.part(0.1, 1.0))?,
+        None => {
+            io.warn("the mesh has no finite extent, so no camera can look at it: empty pictures");
+            options.empty(&numbers)
+        }
+    };
+    let n_unseen = n_unseen(&mesh);
+    if n_unseen > 0 {
+        io.warn(format!(
+            "{n_unseen} faces have coordinates that are not finite and are in no picture"
+        ));
+    }
+    io.put(IMAGES_OUT, images);
+    Ok(())
+}
+
+/// The cameras to take pictures with.
+fn numbers(io: &Io, view: &View) -> Result<Vec<usize>, ModuleError> {
+    let n = view.cameras.len();
+    match io.param(CAMERA)? {
+        None => Ok((0..n).collect()),
+        Some(camera) if (camera as usize) < n => Ok(vec![camera as usize]),
+        Some(camera) => {
+            let message =
+                format!("there is no camera {camera}: the set has cameras 0 to {}", n - 1);
+            Err(ModuleError::param(&CAMERA, message))
+        }
+    }
+}
+
+/// What colors the surface.
+fn paint<'a>(io: &Io, mesh: &TriMesh, texture: Option<&'a Images>) -> Paint<'a> {
+    let Some(texture) = texture else { return Paint::Layer };
+    if texture.0.len() > 1 {
+        io.warn(format!("the first of {} textures is used", texture.0.len()));
+    }
+    match texture.0.first() {
+        None => Paint::Layer,
+        Some(_) if mesh.layer(Layer::TEXCOORD).is_none() => {
+            io.warn("the mesh has no layer \"texcoord\", so the texture is not used");
+            Paint::Layer
+        }
+        Some(image) => Paint::Texture(image),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use mve_core::testing::Trial;
+
+    use crate::data::{Image, PixelKind};
+    use crate::mesh::fixtures::{cube, mesh_of};
+    use crate::prelude::*;
+
+    fn trial(mesh: TriMesh) -> Trial {
+        Trial::of(&super::MODULE).input("mesh", mesh).set("resolution", 32)
+    }
+
+    fn images(trial: Trial) -> Vec<Image> {
+        trial.run().unwrap().swap_remove("images").unwrap().take::<Images>().unwrap().0
+    }
+
+    #[test]
+    fn one_camera_is_that_of_the_set() {
+        let all = images(trial(cube(DVec3::ZERO)));
+        assert_eq!(all.len(), 24);
+        assert_eq!(all[5].name, "camera 5");
+        assert_eq!(images(trial(cube(DVec3::ZERO)).set("camera", 5)), all[5..6]);
+        let error = trial(cube(DVec3::ZERO)).set("camera", 24).run().unwrap_err();
+        let message = "parameter \"camera\": there is no camera 24: the set has cameras 0 to 23";
+        assert_eq!(error.to_string(), message);
+        let many = serde_json::json!({ "Fibonacci": { "n": 7 } });
+        assert_eq!(images(trial(cube(DVec3::ZERO)).set("cameras", many)).len(), 7);
+    }
+
+    #[test]
+    fn the_frame_places_the_cameras() {
+        let frame = || cube(DVec3::ZERO);
+        let seen = images(trial(frame()).input("frame", frame()));
+        assert_eq!(seen, images(trial(frame())));
+        // A tenth of the cube covers about a hundredth of the pixels of the whole.
+        let mut small = frame();
+        small.positions.iter_mut().for_each(|p| *p = *p * 0.1 + DVec3::splat(0.45));
+        let n_lit = |images: &[Image]| images[0].bytes.iter().filter(|b| **b > 0).count();
+        assert!(30 * n_lit(&images(trial(small).input("frame", frame()))) < n_lit(&seen));
+        let away = images(trial(cube(DVec3::splat(100.0))).input("frame", frame()));
+        let in_line = |image: &&Image| image.bytes.iter().any(|byte| *byte > 0);
+        assert!(away.iter().filter(in_line).count() <= 8, "most look elsewhere");
+    }
+
+    #[test]
+    fn a_mesh_without_extent_is_background_and_a_warning() {
+        let mut broken = cube(DVec3::ZERO);
+        broken.positions[0].x = f64::INFINITY;
+        for bad in [TriMesh::default(), mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]), broken] {
+            let lines = trial(bad.clone()).set("background", 9).log().unwrap();
+            assert!(lines[0].starts_with("warning: the mesh has no finite extent"), "{lines:?}");
+            let found = images(trial(bad).set("background", 9));
+            assert_eq!(found.len(), 24);
+            assert!(found.iter().all(|image| image.bytes == [9; 32 * 32]));
+        }
+    }
+
+    #[test]
+    fn textures_and_colors_make_color_pictures() {
+        let texture = || Images(vec![Image::filled("t", [2, 2], PixelKind::Rgb, 255)]);
+        let lines = trial(cube(DVec3::ZERO)).input("texture", texture()).log().unwrap();
+        assert_eq!(
+            lines,
+            ["warning: the mesh has no layer \"texcoord\", so the texture is not used"]
+        );
+        let mut mesh = cube(DVec3::ZERO);
+        let values = crate::data::LayerValues::Vec3(vec![DVec3::new(1.0, 0.5, 0.0)]);
+        let name = Layer::COLOR.to_owned();
+        mesh.set_layer(Layer { name, domain: Domain::Face, values, index: vec![0; 12] });
+        let white = images(trial(cube(DVec3::ZERO)).set("shading", "Flat"));
+        let mesh = || mesh.clone();
+        let color = images(trial(mesh()).set("shading", "Flat"));
+        let gray = images(trial(mesh()).set("shading", "Flat").set("gray", true));
+        assert_eq!((color[0].kind, gray[0].kind), (PixelKind::Rgb, PixelKind::Gray));
+        for (k, &light) in white[0].bytes.iter().enumerate() {
+            let [red, green, blue] = [0, 1, 2].map(|c| color[0].bytes[3 * k + c]);
+            assert_eq!((red, blue), (light, 0));
+            assert!((f64::from(green) - 0.5 * f64::from(light)).abs() <= 1.0);
+            // 0.299 + 0.587 / 2.
+            assert!((f64::from(gray[0].bytes[k]) - 0.5925 * f64::from(light)).abs() <= 1.0);
+        }
+        // Without light there is the color and the background, and nothing between. (Half of 255 is
+        // rounded either way.)
+        let unlit = images(trial(mesh()).set("shading", "Unlit"));
+        let pixels = || unlit[0].bytes.chunks_exact(3);
+        let is_color = |pixel: &[u8]| [[255, 127, 0], [255, 128, 0]].iter().any(|c| pixel == c);
+        assert!(pixels().all(|pixel| pixel == [0; 3] || is_color(pixel)));
+        assert!(pixels().filter(|pixel| is_color(pixel)).count() > 100);
+    }
+}

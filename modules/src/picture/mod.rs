@@ -1,0 +1,9 @@
+//! Pictures of meshes: the rasteriser, colors, captions, sheets, and how alike two pictures are.
+
+pub mod color_map;
+pub mod color_scale;
+pub mod contact_sheet;
+pub mod render;
+pub mod ssim;
+pub mod text;
+pub mod view;

@@ -1,0 +1,148 @@
+//! Pictures of a mesh from many cameras, on all cores.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::project::STEPS;
+use super::{Camera, CameraSet, Corner, Lens, Sides, Surface, Visible, corners};
+use crate::data::{Image, Images, PixelKind, TriMesh, VertexId};
+use mve_core::{Cancelled, Control};
+
+/// Pixels from one look for a stop to the next, those of the boxes around faces: a few milliseconds.
+const BEAT: usize = 1 << 21;
+
+/// What a face takes beside its pixels, in pixels.
+const FACE: usize = 64;
+
+/// What pictures are like, whatever they show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureOptions {
+    /// Pixels in a row, and rows; at most [`super::MAX_SIZE`].
+    pub size: usize,
+    /// Which sides of the faces are drawn.
+    pub sides: Sides,
+    /// The byte where no face is, in all channels.
+    pub background: u8,
+    /// Gray, or red, green and blue.
+    pub kind: PixelKind,
+}
+
+impl PictureOptions {
+    /// Pictures of nothing, from the cameras of these numbers.
+    pub fn empty(&self, numbers: &[usize]) -> Images {
+        let size = [self.size; 2];
+        let image = |number| Image::filled(&name(number), size, self.kind, self.background);
+        Images(numbers.iter().map(image).collect())
+    }
+}
+
+/// The name of a camera's picture.
+fn name(number: &usize) -> String {
+    format!("camera {number}")
+}
+
+/// Cameras around a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// The cameras, in the order of their set.
+    pub cameras: Vec<Camera>,
+    /// From each camera to the center: the diagonal of the mesh's box, in model units.
+    pub distance: f64,
+}
+
+impl Frame {
+    /// Cameras around the box of a mesh; `None` where it has no size or is not finite.
+    pub fn around(set: CameraSet, mesh: &TriMesh) -> Option<Self> {
+        let bounds = mesh.bounds()?;
+        let cameras = set.around(bounds);
+        let distance = (bounds.1 - bounds.0).length();
+        (!cameras.is_empty()).then_some(Self { cameras, distance })
+    }
+
+    /// Takes a picture with every camera: `camera 0` and so on. The same on any number of threads.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn pictures(
+        &self,
+        surface: &Surface,
+        options: &PictureOptions,
+        control: Control,
+    ) -> Result<Images, Cancelled> {
+        let numbers: Vec<usize> = (0..self.cameras.len()).collect();
+        pictures(self, &numbers, surface, options, control)
+    }
+}
+
+/// Takes pictures with the cameras of these numbers.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn pictures(
+    frame: &Frame,
+    numbers: &[usize],
+    surface: &Surface,
+    options: &PictureOptions,
+    control: Control,
+) -> Result<Images, Cancelled> {
+    let n_done = AtomicUsize::new(0);
+    let check = || control.at(n_done.load(Ordering::Relaxed) as f64 / numbers.len().max(1) as f64);
+    let chosen: Vec<(usize, &Camera)> =
+        numbers.iter().filter_map(|&number| Some((number, frame.cameras.get(number)?))).collect();
+    let images: Result<Vec<Image>, Cancelled> = chosen
+        .into_par_iter()
+        .map(|(number, camera)| {
+            let lens = Lens::new(*camera, options.size, frame.distance);
+            let image = picture(surface, &lens, &name(&number), options, check)?;
+            n_done.fetch_add(1, Ordering::Relaxed);
+            check()?;
+            Ok(image)
+        })
+        .collect();
+    images.map(Images)
+}
+
+/// Takes one picture. O(pixels + faces + covered pixels); see `benches/render.rs`.
+///
+/// # Errors
+/// [`Cancelled`] when `check`, called at least every few milliseconds, says so.
+pub fn picture(
+    surface: &Surface,
+    lens: &Lens,
+    name: &str,
+    options: &PictureOptions,
+    check: impl Fn() -> Result<(), Cancelled>,
+) -> Result<Image, Cancelled> {
+    let mesh = surface.mesh();
+    check()?;
+    let placed = corners(mesh, lens);
+    let mut seen = Visible::nothing(lens.size);
+    let mut first = 0;
+    while first < mesh.faces.len() {
+        check()?;
+        let mut left = BEAT;
+        let is_in = |face: &&[VertexId; 3]| {
+            let goes_on = left > 0;
+            left = left.saturating_sub(effort(face.map(|v| placed[v.idx()]), lens.size));
+            goes_on
+        };
+        let end = first + mesh.faces[first..].iter().take_while(is_in).count();
+        seen.add(mesh, first..end, &placed, lens, options.sides);
+        first = end;
+    }
+    let view = (lens, placed.as_slice(), options.sides);
+    surface.light(&seen, view, (name, options.kind, options.background), check)
+}
+
+/// About how long a face takes, in pixels: no less than the box around it.
+fn effort([a, b, c]: [Corner; 3], size: usize) -> usize {
+    if !(a.is_placed() && b.is_placed() && c.is_placed()) {
+        return FACE + size * size;
+    }
+    let side = |a: i32, b: i32, c: i32| {
+        let steps = a.max(b).max(c) - a.min(b).min(c);
+        size.min(steps as usize / STEPS as usize + 1)
+    };
+    FACE + side(a.x, b.x, c.x) * side(a.y, b.y, c.y)
+}

@@ -1,0 +1,267 @@
+//! How pictures of a mesh are taken: parameters that the renderer, the image metrics and the image
+//! costs declare and read in one way.
+//!
+//! `const VIEW: ViewParams = ViewParams::new(ViewDefaults { … });` declares them, with the defaults
+//! of who declares; `&VIEW.specs()` goes into the list of parameters, and `VIEW.read(settings)`
+//! gives the [`View`].
+
+use mve_core::{
+    ChoiceParam, Choices, Entry, Enumeration, Listed, ModuleError, Param, ParamSpec, Settings,
+};
+
+use crate::data::{Images, PixelKind, TriMesh};
+use crate::picture::render::{
+    CameraSet, Frame, NormalSource, Paint, PictureOptions, Shading, Sides, Surface,
+};
+use mve_core::{Cancelled, Control};
+
+/// Makes a set of cameras from its parameters.
+pub type MakeCameras = fn(&Settings) -> Result<CameraSet, ModuleError>;
+
+/// All sets of cameras. The hash of an entry's source is part of that of all shared sources.
+pub static CAMERA_SETS: Choices<MakeCameras> = Choices {
+    entries: &[
+        Listed { item: &DODECAHEDRON, source: 0 },
+        Listed { item: &FIBONACCI, source: 0 },
+        Listed { item: &RHOMBICUBOCTAHEDRON, source: 0 },
+    ],
+};
+
+static DODECAHEDRON: Entry<MakeCameras> = Entry {
+    id: "Dodecahedron",
+    summary: "The 20 vertices of a dodecahedron.",
+    params: &[],
+    build: |_| Ok(CameraSet::Dodecahedron),
+};
+
+static RHOMBICUBOCTAHEDRON: Entry<MakeCameras> = Entry {
+    id: "Rhombicuboctahedron",
+    summary: "The 24 vertices of a rhombicuboctahedron; none is one of the dodecahedron's.",
+    params: &[],
+    build: |_| Ok(CameraSet::Rhombicuboctahedron),
+};
+
+const N_CAMERAS: Param<i64> =
+    Param::integer("n", "How many cameras.", 32).between((1, 10_000)).mostly((4, 128));
+
+static FIBONACCI: Entry<MakeCameras> = Entry {
+    id: "Fibonacci",
+    summary: "Any number of cameras, about evenly spread, on a spiral from pole to pole.",
+    params: &[N_CAMERAS.spec()],
+    build: |settings| Ok(CameraSet::Fibonacci(settings.get(&N_CAMERAS)? as usize)),
+};
+
+impl Enumeration for Shading {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Flat", "One luminance a face: what the faces are, and nothing else."),
+        ("Gouraud", "Luminance at the vertices, interpolated between them: how smooth it looks."),
+        ("Unlit", "No light: colors as they are, to be read by a color bar; else an outline."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Flat, Self::Gouraud, Self::Unlit];
+}
+
+impl Enumeration for Sides {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Both", "Back faces are drawn too, lit as if they were turned: for open surfaces."),
+        ("Front", "Only faces that are counter-clockwise for the camera."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Both, Self::Front];
+}
+
+/// How pictures are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct View {
+    /// From where.
+    pub cameras: CameraSet,
+    /// With how many pixels a side.
+    pub size: usize,
+    /// How the surface is lit.
+    pub shading: Shading,
+    /// Which sides of it are drawn.
+    pub sides: Sides,
+    /// The byte where no face is.
+    pub background: u8,
+}
+
+/// What a view is where a map says nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewDefaults {
+    /// Id of a set of cameras.
+    pub cameras: &'static str,
+    /// Pixels a side.
+    pub resolution: i64,
+    /// Name of a shading.
+    pub shading: &'static str,
+    /// Name of the sides.
+    pub sides: &'static str,
+    /// The byte where no face is.
+    pub background: i64,
+}
+
+/// The parameters of a view.
+pub struct ViewParams {
+    /// From where pictures are taken.
+    pub cameras: ChoiceParam<MakeCameras>,
+    /// Pixels a side.
+    pub resolution: Param<i64>,
+    /// How the surface is lit.
+    pub shading: Param<Shading>,
+    /// Which sides of it are drawn.
+    pub sides: Param<Sides>,
+    /// The byte where no face is.
+    pub background: Param<i64>,
+}
+
+impl ViewParams {
+    /// The declaration, with these defaults.
+    pub const fn new(defaults: ViewDefaults) -> Self {
+        Self {
+            cameras: ChoiceParam::new(
+                "cameras",
+                "Where pictures are taken from: directions from the center of the box around the \
+                 mesh, one diagonal of the box away.",
+                &CAMERA_SETS,
+                defaults.cameras,
+            ),
+            resolution: Param::integer(
+                "resolution",
+                "Pixels in a row of a picture, and rows.",
+                defaults.resolution,
+            )
+            .between((16, 4096))
+            .mostly((64, 1024))
+            .unit("pixels"),
+            shading: Param::one_of("shading", "How the surface is lit.", defaults.shading),
+            sides: Param::one_of("sides", "Which sides of faces are drawn.", defaults.sides),
+            background: Param::integer(
+                "background",
+                "Gray value where no face is. Surfaces darken toward their outline, so black shows \
+                 little of the outline, and white most.",
+                defaults.background,
+            )
+            .between((0, 255)),
+        }
+    }
+
+    /// For the list of parameters of a module or entry.
+    pub const fn specs(&self) -> [ParamSpec; 5] {
+        [
+            self.cameras.spec(),
+            self.resolution.spec(),
+            self.shading.spec(),
+            self.sides.spec(),
+            self.background.spec(),
+        ]
+    }
+
+    /// Reads from where pictures are taken.
+    pub fn read_cameras(&self, settings: &Settings) -> Result<CameraSet, ModuleError> {
+        let chosen = settings.choice(&self.cameras)?;
+        (chosen.entry.build)(&chosen.params)
+    }
+
+    /// Reads the parameters.
+    ///
+    /// # Errors
+    /// If the settings are of other parameters, or for more pixels than [`View::MAX_PIXELS`].
+    pub fn read(&self, settings: &Settings) -> Result<View, ModuleError> {
+        let view = View {
+            cameras: self.read_cameras(settings)?,
+            size: settings.get(&self.resolution)? as usize,
+            shading: settings.get(&self.shading)?,
+            sides: settings.get(&self.sides)?,
+            background: settings.get(&self.background)? as u8,
+        };
+        let n_pixels = view.cameras.len() * view.size * view.size;
+        if n_pixels > View::MAX_PIXELS {
+            let message = format!(
+                "{} cameras of {} × {} pixels are {n_pixels} pixels; at most {} can be taken at once",
+                view.cameras.len(),
+                view.size,
+                view.size,
+                View::MAX_PIXELS
+            );
+            return Err(ModuleError::param(&self.resolution, message));
+        }
+        Ok(view)
+    }
+}
+
+/// Pictures of a mesh and of its simplification, from the same cameras.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// Of the original.
+    pub original: Images,
+    /// Of the simplified mesh.
+    pub simplified: Images,
+}
+
+impl View {
+    /// The most pixels of all cameras together: half a gigabyte in gray.
+    pub const MAX_PIXELS: usize = 1 << 29;
+
+    /// What the pictures are like.
+    pub fn pictures(&self, kind: PixelKind) -> PictureOptions {
+        let Self { size, sides, background, .. } = *self;
+        PictureOptions { size, sides, background, kind }
+    }
+
+    /// Gray pictures of both meshes as white surfaces, from cameras around the original; normals of
+    /// both are computed from their faces. `None` where the original's box has no size or is not
+    /// finite.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn pair(
+        &self,
+        original: &TriMesh,
+        simplified: &TriMesh,
+        control: Control,
+    ) -> Result<Option<Pair>, Cancelled> {
+        let Some(frame) = Frame::around(self.cameras, original) else { return Ok(None) };
+        let take = |mesh: &TriMesh, control: Control| {
+            let (normals, paint) = (NormalSource::Faces, Paint::White);
+            let prepared = control.part(0.0, 0.1);
+            let surface = Surface::new(mesh, self.shading, normals, paint, prepared)?;
+            frame.pictures(&surface, &self.pictures(PixelKind::Gray), control.part(0.1, 1.0))
+        };
+        Ok(Some(Pair {
+            original: take(original, control.part(0.0, 0.5))?,
+            simplified: take(simplified, control.part(0.5, 1.0))?,
+        }))
+    }
+}
+
+/// How many faces have a corner that is not finite, and so are in no picture.
+pub fn n_unseen(mesh: &TriMesh) -> usize {
+    let is_finite = |face: &[_; 3]| {
+        face.iter().all(|v: &crate::data::VertexId| mesh.positions[v.idx()].is_finite())
+    };
+    mesh.faces.iter().filter(|face| !is_finite(face)).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEW: ViewParams = ViewParams::new(ViewDefaults {
+        cameras: "Dodecahedron",
+        resolution: 64,
+        shading: "Flat",
+        sides: "Both",
+        background: 0,
+    });
+
+    #[test]
+    fn defaults_are_read() {
+        let view = VIEW.read(&Settings::defaults(&VIEW.specs()).unwrap()).unwrap();
+        let expected = View {
+            cameras: CameraSet::Dodecahedron,
+            size: 64,
+            shading: Shading::Flat,
+            sides: Sides::Both,
+            background: 0,
+        };
+        assert_eq!(view, expected);
+    }
+}
