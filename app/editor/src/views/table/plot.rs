@@ -1,10 +1,10 @@
 //! A plot of a column: over its rows, over another column, or how often its values are.
 
 use eframe::egui;
-use egui_plot::{Bar, BarChart, Legend, Line, Plot, PlotPoints, Points};
+use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 
-use super::mesh::histogram;
-use super::table::{Table, title_of};
+use super::data::{Table, title_of};
+use crate::views::spread::Spread;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,9 +24,6 @@ pub struct TablePlot {
     over: Option<usize>,
     kind: Kind,
 }
-
-/// Parts of a histogram.
-const N_BARS: usize = 40;
 
 impl TablePlot {
     /// Whether it takes space.
@@ -138,47 +135,11 @@ fn points(table: &Table, order: &[usize], column: usize, over: Option<usize>) ->
     points
 }
 
-/// How often values are in each of some equal parts of their range.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spread {
-    low: f64,
-    /// Of a part.
-    width: f64,
-    counts: Vec<usize>,
-}
-
-impl Spread {
-    /// Counts the finite values, O(n).
-    pub fn of(values: &[f64]) -> Self {
-        let finite = || values.iter().copied().filter(|value| value.is_finite());
-        let low = finite().fold(f64::INFINITY, f64::min);
-        let high = finite().fold(f64::NEG_INFINITY, f64::max);
-        // Values that are all the same make one bar of some width.
-        let pad = if low < high { 0.0 } else { 0.5 * low.abs().max(1.0) };
-        let [low, high] = [low - pad, high + pad];
-        let width = (high - low) / N_BARS as f64;
-        let counts = match width.is_finite() {
-            true => histogram(values, [low, high], N_BARS),
-            false => Vec::new(),
-        };
-        Self { low, width, counts }
-    }
-
-    /// The counts as bars.
-    pub fn chart(&self, name: &str) -> BarChart {
-        let bar = |(k, &count): (usize, &usize)| {
-            let middle = self.low + (k as f64 + 0.5) * self.width;
-            Bar::new(middle, count as f64).width(self.width)
-        };
-        BarChart::new(name, self.counts.iter().enumerate().map(bar).collect())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use mve_core::Scalar;
 
-    use super::super::table::Column;
+    use super::super::data::Column;
     use super::*;
 
     #[test]
@@ -190,12 +151,5 @@ mod tests {
         let table = Table { columns, rows };
         assert_eq!(points(&table, &[0, 1, 2, 3], 1, Some(0)), [[1.0, 2.0], [3.0, 1.0]]);
         assert_eq!(points(&table, &[2, 1, 0], 1, None), [[0.0, 5.0], [1.0, 2.0], [2.0, 1.0]]);
-    }
-    #[test]
-    fn a_spread_holds_every_finite_value_once() {
-        for values in [vec![1.0, 2.0, 3.0], vec![5.0; 4], vec![0.0, f64::NAN], vec![]] {
-            let n_finite = values.iter().filter(|value: &&f64| value.is_finite()).count();
-            assert_eq!(Spread::of(&values).counts.iter().sum::<usize>(), n_finite);
-        }
     }
 }

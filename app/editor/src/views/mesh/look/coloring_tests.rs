@@ -5,8 +5,8 @@ use mve_core::Enumeration;
 use mve_modules::mesh::fixtures::tetrahedron;
 use mve_modules::picture::color_map::{bytes_of, colors};
 
-use super::super::arrays::arrays;
 use super::*;
+use crate::views::mesh::arrays::arrays;
 
 fn field(domain: Domain, values: &[f64]) -> Arc<Field> {
     let (name, unit) = ("height".to_owned(), "mm".to_owned());

@@ -2,17 +2,23 @@
 //!
 //! Nothing here decides when to draw: see `view.rs`.
 
+pub mod buffers;
+pub mod target;
+pub mod texture;
+
 use std::collections::HashMap;
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
+use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
-use serde::{Deserialize, Serialize};
 
-use super::gpu_buffers::{Faces, LineBuffers};
-use super::gpu_target::{PiecePlace, Target};
-use super::texture::Pictures;
+use crate::views::mesh::look::texture::Pictures;
+use crate::views::slot::Slot;
+use buffers::{Faces, LineBuffer};
+use target::{FINE, PiecePlace, Target};
+use texture::{COLOR_FORMAT, DEPTH_FORMAT, Texture};
 
 /// The numbers that the shader reads; see there.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -23,30 +29,13 @@ pub struct Uniforms {
     pub view_from_local: [[f32; 4]; 4],
     pub surface: [f32; 4],
     pub back: [f32; 4],
-    pub wire: [f32; 4],
-    pub border: [f32; 4],
+    pub line_colors: [[f32; 4]; MOST_LINE_SETS],
     pub numbers: [f32; 4],
     pub modes: [u32; 4],
 }
 
-/// Samples a pixel where edges are to be smooth; every GPU can do four.
-pub const FINE: u32 = 4;
-
-/// A picture for the shader.
-#[derive(Clone, Debug)]
-pub struct Texture {
-    view: wgpu::TextureView,
-}
-
-/// Which lines are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Lines {
-    /// All edges.
-    pub has_wire: bool,
-    /// The edges of one face.
-    pub has_border: bool,
-}
+/// Kinds of lines that the shader has colors for.
+pub const MOST_LINE_SETS: usize = 8;
 
 /// Everything that one picture of one mesh shows.
 #[derive(Debug)]
@@ -59,8 +48,8 @@ pub struct Drawing<'a> {
     pub is_coarse: bool,
     /// What their vertices carry.
     pub attribute: &'a wgpu::Buffer,
-    /// Edges, and which of them.
-    pub lines: Option<(&'a LineBuffers, Lines)>,
+    /// Lines, each with the place of its color.
+    pub lines: Vec<(u32, &'a LineBuffer)>,
     /// The colors of values.
     pub table: &'a Texture,
     /// The textures.
@@ -70,7 +59,7 @@ pub struct Drawing<'a> {
 }
 
 /// How far a picture has come that is drawn in pieces: so many indices of one of its lists (faces,
-/// edges, edges of the border), and all of those before it.
+/// then lines of each kind), and all of those before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cursor {
     list: usize,
@@ -98,11 +87,6 @@ pub struct Gpu {
     repeating: wgpu::Sampler,
     no_pictures: Texture,
 }
-
-pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-pub(super) const SAMPLED: wgpu::TextureUsages =
-    wgpu::TextureUsages::TEXTURE_BINDING.union(wgpu::TextureUsages::COPY_DST);
 
 impl Gpu {
     /// Prepares the device of the window.
@@ -147,28 +131,29 @@ impl Gpu {
         &self.state.queue
     }
 
-    /// What the window draws with.
-    pub(super) fn state(&self) -> &RenderState {
-        &self.state
-    }
-
     /// Whether other threads may use the GPU beside that of the window. OpenGL lets one at a time,
     /// and gives up when that takes long.
     pub fn is_shared(&self) -> bool {
         self.state.adapter.get_info().backend != wgpu::Backend::Gl
     }
 
+    /// Makes what is to be on the GPU: aside where threads can share it, else here and now.
+    pub fn upload<K: PartialEq, T: Send + 'static>(
+        &self,
+        slot: &mut Slot<K, T>,
+        context: &egui::Context,
+        key: K,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) {
+        match self.is_shared() {
+            true => slot.want(context, key, work),
+            false => slot.make(key, work),
+        }
+    }
+
     /// Whether pictures are computed by the processor, where every sample counts.
     pub fn is_software(&self) -> bool {
         self.state.adapter.get_info().device_type == wgpu::DeviceType::Cpu
-    }
-
-    /// Uploads a row of display colors.
-    pub fn table(&self, colors: &[[u8; 4]]) -> Texture {
-        let size = [colors.len() as u32, 1];
-        let texture = texture_of(&self.state.device, (size, 1), (1, 1), COLOR_FORMAT, SAMPLED);
-        write(&self.state.queue, &texture, (0, 0), size, bytemuck::cast_slice(colors));
-        Texture { view: texture.create_view(&wgpu::TextureViewDescriptor::default()) }
     }
 
     /// What is read where there is no texture.
@@ -263,14 +248,15 @@ impl Gpu {
         from: Cursor,
     ) -> Option<Cursor> {
         let known = target.take().filter(|known| known.size == size);
-        let target = target.insert(known.unwrap_or_else(|| Target::new(self, size)));
+        let target = target
+            .insert(known.unwrap_or_else(|| Target::new(&self.state, size, size_of::<Uniforms>())));
         match samples {
-            FINE => target.make_room(self),
+            FINE => target.make_room(&self.state),
             // Where even the faces are rough, every second pixel is enough.
             _ if drawing.is_coarse => {
-                target.make_rough_room(self, size.map(|side| side.div_ceil(2)))
+                target.make_rough_room(&self.state, size.map(|side| side.div_ceil(2)))
             }
-            _ => target.make_rough_room(self, size),
+            _ => target.make_rough_room(&self.state, size),
         }
         let bytes = bytemuck::bytes_of(&drawing.uniforms);
         self.state.queue.write_buffer(&target.uniforms, 0, bytes);
@@ -281,7 +267,7 @@ impl Gpu {
         };
         let line = self.pipeline(PipelineKind::Line, samples);
         let budget = if self.is_software() && samples > 1 { PIECE } else { u32::MAX };
-        let (ranges, next) = piece(drawing.lengths(), from, budget);
+        let (ranges, next) = piece(&drawing.lengths(), from, budget);
         let mut encoder = self.state.device.create_command_encoder(&Default::default());
         let place = PiecePlace { is_first: from == Cursor::default(), is_last: next.is_none() };
         if let Some(mut pass) = target.begin(&mut encoder, samples, place) {
@@ -291,10 +277,10 @@ impl Gpu {
             pass.set_vertex_buffer(1, faces.normals.slice(..));
             pass.set_vertex_buffer(2, drawing.attribute.slice(..));
             for (list, range) in ranges {
-                let (pipeline, indices, instance) = match (list, &drawing.lines) {
-                    (0, _) => (&surface, &faces.indices, 0),
-                    (_, Some((edges, _))) => (&line, &edges.indices, list as u32 - 1),
-                    _ => continue,
+                let lines = list.checked_sub(1).and_then(|at| drawing.lines.get(at));
+                let (pipeline, indices, instance) = match lines {
+                    None => (&surface, &faces.indices, 0),
+                    Some((color, lines)) => (&line, &lines.indices, *color),
                 };
                 pass.set_pipeline(pipeline);
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -309,8 +295,8 @@ impl Gpu {
     fn bind_group(&self, target: &Target, drawing: &Drawing) -> wgpu::BindGroup {
         let resources = [
             target.uniforms.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&drawing.table.view),
-            wgpu::BindingResource::TextureView(&drawing.pictures.view),
+            wgpu::BindingResource::TextureView(drawing.table.view()),
+            wgpu::BindingResource::TextureView(drawing.pictures.view()),
             wgpu::BindingResource::Sampler(&self.clamping),
             wgpu::BindingResource::Sampler(&self.repeating),
         ];
@@ -325,86 +311,16 @@ impl Gpu {
 }
 
 impl Drawing<'_> {
-    /// How many indices there are of faces, edges and edges of the border.
-    fn lengths(&self) -> [u32; 3] {
-        let [wire, border] = self.lines.map_or([0, 0], |(edges, which)| {
-            let wire = if which.has_wire { edges.n_indices } else { 0 };
-            [wire, if which.has_border { edges.n_border } else { 0 }]
-        });
-        [self.faces.n_indices, wire, border]
-    }
-}
-
-pub(super) fn texture_of(
-    device: &wgpu::Device,
-    ([width, height], n_layers): ([u32; 2], u32),
-    (sample_count, mip_level_count): (u32, u32),
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("mesh view"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: n_layers },
-        mip_level_count,
-        sample_count,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
-}
-
-fn write(
-    queue: &wgpu::Queue,
-    texture: &wgpu::Texture,
-    (layer, mip_level): (u32, u32),
-    [width, height]: [u32; 2],
-    pixels: &[u8],
-) {
-    let place = wgpu::TexelCopyTextureInfo {
-        mip_level,
-        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-        ..texture.as_image_copy()
-    };
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * width),
-        rows_per_image: None,
-    };
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    queue.write_texture(place, pixels, layout, size);
-}
-
-impl Texture {
-    /// Uploads pictures of one size, with smaller versions of each.
-    pub fn of_pictures(device: &wgpu::Device, queue: &wgpu::Queue, pictures: &Pictures) -> Self {
-        let n_levels = pictures.size[0].max(pictures.size[1]).max(1).ilog2() + 1;
-        let n_layers = pictures.layers.len() as u32;
-        let levels = (1, n_levels);
-        let texture = texture_of(device, (pictures.size, n_layers), levels, COLOR_FORMAT, SAMPLED);
-        for (layer, picture) in pictures.layers.iter().enumerate() {
-            let versions =
-                std::iter::once(picture).chain(pictures.smaller.get(layer).into_iter().flatten());
-            for (level, version) in versions.enumerate() {
-                let size = version.dimensions().into();
-                write(queue, &texture, (layer as u32, level as u32), size, version);
-            }
-        }
-        let view = wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        };
-        Self { view: texture.create_view(&view) }
+    /// How many indices there are of faces, and of lines of each kind.
+    fn lengths(&self) -> Vec<u32> {
+        let lines = self.lines.iter().map(|(_, lines)| lines.n_indices);
+        std::iter::once(self.faces.n_indices).chain(lines).collect()
     }
 }
 
 /// What to draw of lists of these lengths, each with the place of the list, when so many indices
 /// may be drawn; and where to go on.
-fn piece(
-    lengths: [u32; 3],
-    from: Cursor,
-    budget: u32,
-) -> (Vec<(usize, Range<u32>)>, Option<Cursor>) {
+fn piece(lengths: &[u32], from: Cursor, budget: u32) -> (Vec<(usize, Range<u32>)>, Option<Cursor>) {
     let mut ranges = Vec::new();
     let (mut at, mut left) = (from.at, budget);
     for (list, &length) in lengths.iter().enumerate().skip(from.list) {
@@ -459,7 +375,7 @@ mod tests {
             let mut drawn = [0; 3];
             let mut from = Some(Cursor::default());
             while let Some(place) = from {
-                let (ranges, next) = piece(lengths, place, budget);
+                let (ranges, next) = piece(&lengths, place, budget);
                 for (list, range) in ranges {
                     assert_eq!(range.start, drawn[list], "{lengths:?}");
                     assert!(list > 0 || range.len() % 3 == 0);

@@ -5,6 +5,9 @@
 //! are exact enough wherever the mesh lies and however large it is. Faces that name vertices that
 //! are not there, or points that are not finite, are left out.
 
+pub mod coarse;
+pub mod edges;
+
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -12,8 +15,8 @@ use mve_modules::data::TriMesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::texture::TextureFiles;
 use crate::views::camera::Bounds;
+use crate::views::mesh::look::texture::TextureFiles;
 
 /// How normals come about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

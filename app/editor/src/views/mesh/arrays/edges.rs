@@ -1,56 +1,70 @@
 //! The edges of what is drawn, each once, for the lines over a surface and for counts.
 
+use std::sync::Arc;
+
 use mve_modules::data::TriMesh;
 use rayon::prelude::*;
 
-use super::arrays::Arrays;
+use crate::views::mesh::arrays::Arrays;
 
 /// Edges as lines between drawn vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Edges {
     /// Pairs of drawn vertices; those of the border come first.
-    pub indices: Vec<u32>,
+    pub indices: Arc<Vec<u32>>,
     /// Edges of exactly one face.
     pub n_border: usize,
     /// Edges of more than two faces.
     pub n_non_manifold: usize,
 }
 
-/// Finds the edges, O(n log n) in faces.
-pub fn edges(mesh: &TriMesh, drawn: &Arrays) -> Edges {
-    // The two vertices, the lower first, as one number; and the place of the corner it goes from.
-    let mut sides: Vec<(u64, u32)> = (0..drawn.indices.len() as u32)
+/// One face at an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Side {
+    /// The two vertices of the mesh, the lower in the upper half.
+    pub edge: u64,
+    /// The place among the drawn indices of the corner that the edge goes from in this face.
+    pub place: u32,
+}
+
+/// The sides of all edges; those of one edge follow each other. O(n log n) in faces.
+pub fn sides_of(mesh: &TriMesh, drawn: &Arrays) -> Vec<Side> {
+    let mut sides: Vec<Side> = (0..drawn.indices.len() as u32)
         .into_par_iter()
         .filter_map(|place| {
             let face = mesh.faces[drawn.faces[place as usize / 3] as usize];
             let k = place as usize % 3;
             let (a, b) = (face[k].0, face[(k + 1) % 3].0);
-            let key = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-            (a != b).then_some((key, place))
+            let edge = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
+            (a != b).then_some(Side { edge, place })
         })
         .collect();
     sides.par_sort_unstable();
-    let line = |place: u32| {
-        let (face, k) = (place / 3 * 3, place % 3);
-        [face + k, face + (k + 1) % 3].map(|corner| drawn.indices[corner as usize])
-    };
-    let mut edges = Edges::default();
-    let mut inner = Vec::new();
-    for sides in sides.chunk_by(|a, b| a.0 == b.0) {
-        let ends = line(sides[0].1);
-        match sides.len() {
-            1 => {
-                edges.indices.extend(ends);
-                edges.n_border += 1;
-            }
-            n => {
-                inner.extend(ends);
-                edges.n_non_manifold += usize::from(n > 2);
-            }
+    sides
+}
+
+/// The drawn vertices at the ends of an edge, as one of its faces has them.
+pub fn ends_of(drawn: &Arrays, side: &Side) -> [u32; 2] {
+    let (face, k) = (side.place / 3 * 3, side.place % 3);
+    [face + k, face + (k + 1) % 3].map(|corner| drawn.indices[corner as usize])
+}
+
+/// Finds the edges, O(n log n) in faces.
+pub fn edges(mesh: &TriMesh, drawn: &Arrays) -> Edges {
+    let (mut border, mut inner) = (Vec::new(), Vec::new());
+    let mut n_non_manifold = 0;
+    for sides in sides_of(mesh, drawn).chunk_by(|a, b| a.edge == b.edge) {
+        let ends = ends_of(drawn, &sides[0]);
+        if sides.len() == 1 {
+            border.extend(ends)
+        } else {
+            inner.extend(ends)
         }
+        n_non_manifold += usize::from(sides.len() > 2);
     }
-    edges.indices.append(&mut inner);
-    edges
+    let n_border = border.len() / 2;
+    border.append(&mut inner);
+    Edges { indices: Arc::new(border), n_border, n_non_manifold }
 }
 
 #[cfg(test)]
@@ -59,8 +73,8 @@ mod tests {
 
     use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 
-    use super::super::arrays::{Sharing, arrays};
     use super::*;
+    use crate::views::mesh::arrays::{Sharing, arrays};
 
     #[test]
     fn edges_are_found_once_and_borders_first() {

@@ -1,15 +1,16 @@
-//! What is kept of a view of meshes from one start to the next.
+//! What is stored of a view of meshes from one start to the next.
+
+use std::collections::BTreeMap;
 
 use mve_core::Enumeration;
 use mve_modules::picture::color_map::Outside;
 use mve_modules::picture::color_scale::Scale;
 use serde::{Deserialize, Serialize};
 
-use super::arrays::Shading;
-use super::coloring::{ScaleSettings, Spacing};
-use super::gpu::Lines;
-use super::settings::{Arrangement, BackFaces, Settings};
 use crate::views::camera::{Camera, Projection, UpAxis};
+use crate::views::mesh::arrays::Shading;
+use crate::views::mesh::look::coloring::{ScaleSettings, Spacing};
+use crate::views::mesh::look::settings::{Arrangement, BackFaces, Lines, Settings};
 
 /// How meshes are shown, apart from what belongs to the meshes themselves: what colors them, ranges
 /// by hand, and where the camera is.
@@ -21,6 +22,8 @@ pub struct MeshLook {
     back_faces: BackFaces,
     has_axes: bool,
     has_box: bool,
+    /// Names of what else is switched, without what is off.
+    switched: BTreeMap<String, bool>,
     arrangement: Arrangement,
     projection: Projection,
     up: Option<UpAxis>,
@@ -40,7 +43,7 @@ impl Default for MeshLook {
 
 impl MeshLook {
     /// The look that a view has.
-    pub(super) fn of(settings: &Settings, camera: &Camera) -> Self {
+    pub fn of(settings: &Settings, camera: &Camera) -> Self {
         let named = Scale::VALUES.iter().zip(Scale::NAMES);
         let name = named.filter(|(scale, _)| **scale == settings.scale.scale);
         Self {
@@ -49,6 +52,7 @@ impl MeshLook {
             back_faces: settings.back_faces,
             has_axes: settings.has_axes,
             has_box: settings.has_box,
+            switched: settings.switched.clone().into_iter().filter(|(_, is_on)| *is_on).collect(),
             arrangement: settings.arrangement,
             projection: camera.projection,
             up: settings.up,
@@ -61,7 +65,7 @@ impl MeshLook {
     }
 
     /// Gives a view this look. A scale of a name that is not known leaves the colors as they are.
-    pub(super) fn apply(&self, settings: &mut Settings, camera: &mut Camera) {
+    pub fn apply(&self, settings: &mut Settings, camera: &mut Camera) {
         let named = Scale::VALUES.iter().zip(Scale::NAMES);
         let mut scales = named.filter(|(_, (name, _))| *name == self.scale);
         settings.scale = ScaleSettings {
@@ -76,6 +80,7 @@ impl MeshLook {
         settings.lines = self.lines;
         settings.back_faces = self.back_faces;
         (settings.has_axes, settings.has_box) = (self.has_axes, self.has_box);
+        settings.switched = self.switched.clone();
         settings.arrangement = self.arrangement;
         (camera.projection, settings.up) = (self.projection, self.up);
     }
@@ -100,6 +105,8 @@ mod tests {
         settings.scale.low = Some(3.0);
         settings.scale.outside = Outside::Gray;
         settings.up = Some(UpAxis::Z);
+        *settings.switch("seams") = true;
+        *settings.switch("points") = false;
         let camera = Camera { projection: Projection::Orthographic, ..Camera::default() };
         let look = MeshLook::of(&settings, &camera);
         let text = serde_json::to_string(&look).unwrap();
@@ -108,6 +115,7 @@ mod tests {
         let (mut other, mut other_camera) = (Settings::default(), Camera::default());
         read.apply(&mut other, &mut other_camera);
         assert_eq!(MeshLook::of(&other, &other_camera), look);
+        assert_eq!(other.switched, [("seams".to_owned(), true)].into());
         assert_eq!((other.scale.low, other.up), (None, Some(UpAxis::Z)));
         assert_eq!(other_camera.projection, Projection::Orthographic);
     }

@@ -7,8 +7,8 @@ struct Uniforms {
     surface: vec4<f32>,
     // The color that back faces are mixed with, and how much of it.
     back: vec4<f32>,
-    wire: vec4<f32>,
-    border: vec4<f32>,
+    // One for each kind of lines.
+    line_colors: array<vec4<f32>, 8>,
     // Factor and offset from a value to its place in the table, whether what is outside is gray,
     // and how far lines are moved towards the viewer.
     numbers: vec4<f32>,
@@ -135,7 +135,7 @@ struct LinePoint {
     @location(0) color: vec4<f32>,
 }
 
-// Instance 0 is the wire, 1 the border.
+// The instance is the kind of lines.
 @vertex
 fn line_vertex(
     @location(0) position: vec3<f32>,
@@ -150,7 +150,7 @@ fn line_vertex(
     if nearer.w > 0.0 {
         out.clip.z = max(nearer.z, 0.0) / nearer.w * clip.w;
     }
-    out.color = select(u.wire, u.border, instance == 1u);
+    out.color = u.line_colors[instance];
     return out;
 }
 

@@ -2,40 +2,41 @@
 
 use eframe::wgpu;
 
-use super::arrays::Arrays;
-use super::coarse::Coarse;
-use super::coloring::Attribute;
-use super::edges::Edges;
+use crate::views::mesh::arrays::Arrays;
+use crate::views::mesh::arrays::coarse::Coarse;
+use crate::views::mesh::lines::LineIndices;
+use crate::views::mesh::look::coloring::Attribute;
 
 /// Faces on the GPU, and where their vertices are.
 #[derive(Debug)]
 pub struct Faces {
-    pub(super) positions: wgpu::Buffer,
-    pub(super) normals: wgpu::Buffer,
-    pub(super) indices: wgpu::Buffer,
-    pub(super) n_indices: u32,
+    pub positions: wgpu::Buffer,
+    pub normals: wgpu::Buffer,
+    pub indices: wgpu::Buffer,
+    pub n_indices: u32,
 }
 
 /// A mesh on the GPU, and its rough version where it has one.
 #[derive(Debug)]
 pub struct SurfaceBuffers {
-    pub(super) whole: Faces,
-    pub(super) coarse: Option<Faces>,
+    pub whole: Faces,
+    pub coarse: Option<Faces>,
 }
 
 /// What the vertices of a mesh and of its rough version carry.
 #[derive(Debug)]
 pub struct AttributeBuffers {
-    pub(super) whole: wgpu::Buffer,
-    pub(super) coarse: Option<wgpu::Buffer>,
+    pub whole: wgpu::Buffer,
+    pub coarse: Option<wgpu::Buffer>,
 }
 
-/// The edges of a mesh on the GPU.
+/// Lines of a mesh on the GPU.
 #[derive(Debug)]
-pub struct LineBuffers {
-    pub(super) indices: wgpu::Buffer,
-    pub(super) n_border: u32,
-    pub(super) n_indices: u32,
+pub struct LineBuffer {
+    /// Two vertices a line.
+    pub indices: wgpu::Buffer,
+    /// How many there are.
+    pub n_indices: u32,
 }
 
 /// A mesh has more bytes than one buffer of the GPU may hold.
@@ -124,16 +125,14 @@ impl AttributeBuffers {
     }
 }
 
-impl LineBuffers {
+impl LineBuffer {
     /// Uploads.
     ///
     /// # Errors
-    /// When there are more edges than the GPU takes.
-    pub fn new(device: &wgpu::Device, edges: &Edges) -> Result<Self, TooLarge> {
-        Ok(Self {
-            indices: buffer(device, &edges.indices, wgpu::BufferUsages::INDEX)?,
-            n_border: 2 * edges.n_border as u32,
-            n_indices: edges.indices.len() as u32,
-        })
+    /// When there are more lines than the GPU takes.
+    pub fn new(device: &wgpu::Device, lines: &LineIndices) -> Result<Self, TooLarge> {
+        let indices = &lines.pairs[..lines.n_indices];
+        let n_indices = indices.len() as u32;
+        Ok(Self { indices: buffer(device, indices, wgpu::BufferUsages::INDEX)?, n_indices })
     }
 }

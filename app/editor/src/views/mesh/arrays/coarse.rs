@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::arrays::{Arrays, Sharing};
+use crate::views::mesh::arrays::{Arrays, Sharing};
 
 /// Surfaces with fewer faces are drawn as they are.
 pub const FEW_FACES: usize = 60_000;
@@ -110,8 +110,8 @@ mod tests {
 
     use mve_modules::mesh::fixtures::{tetrahedron, torus};
 
-    use super::super::arrays::arrays;
     use super::*;
+    use crate::views::mesh::arrays::arrays;
 
     #[test]
     fn a_large_surface_has_a_rough_version_and_a_small_one_has_none() {

@@ -3,9 +3,9 @@
 use eframe::egui::{self, Key, PointerButton};
 use glam::DVec2;
 
-use super::overlay::Screen;
-use super::settings::Settings;
 use crate::views::camera::{Bounds, Camera, Projection, StandardView};
+use crate::views::mesh::look::settings::{Settings, Switch};
+use crate::views::mesh::scene::Screen;
 use crate::views::wheel::wheel_factor;
 
 /// What the user did in a picture.
@@ -64,7 +64,7 @@ pub fn by_keys(
     aspect: f64,
     camera: &mut Camera,
     bounds: &Bounds,
-    settings: &mut Settings,
+    (settings, switches): (&mut Settings, &[Switch]),
 ) -> Moved {
     let mut moved = Moved::default();
     let focused = responses.iter().find(|response| response.has_focus());
@@ -99,11 +99,8 @@ pub fn by_keys(
             Projection::Orthographic => Projection::Perspective,
         };
     }
-    if pressed(Key::W) {
-        settings.lines.has_wire ^= true;
-    }
-    if pressed(Key::B) {
-        settings.lines.has_border ^= true;
+    for switch in switches.iter().filter(|switch| switch.key.is_some_and(pressed)) {
+        *(switch.place)(settings) ^= true;
     }
     let turns = [
         (Key::ArrowLeft, DVec2::new(-KEY_STEP, 0.0)),

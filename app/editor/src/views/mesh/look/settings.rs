@@ -1,16 +1,17 @@
 //! What a mesh view shows and how: the settings, and the row of controls that changes them.
 
+use std::collections::BTreeMap;
+
 use eframe::egui;
 use mve_core::Enumeration;
 use mve_modules::picture::color_map::Outside;
 use mve_modules::picture::color_scale::Scale;
 use serde::{Deserialize, Serialize};
 
-use super::arrays::Shading;
-use super::coloring::{ColorBy, ScaleSettings, Spacing};
-use super::gpu::Lines;
 use crate::views::camera::{Camera, Projection, StandardView, UpAxis};
 use crate::views::make_room;
+use crate::views::mesh::arrays::Shading;
+use crate::views::mesh::look::coloring::{ColorBy, ScaleSettings, Spacing};
 
 /// How faces look that are seen from behind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +37,40 @@ pub enum Arrangement {
     Blend,
 }
 
+/// Which edges are drawn over the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Lines {
+    /// All edges.
+    pub has_wire: bool,
+    /// The edges of one face.
+    pub has_border: bool,
+}
+
+/// How the user switches something that lies on the pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Switch {
+    /// Its words.
+    pub label: &'static str,
+    /// What it shows.
+    pub doc: &'static str,
+    /// Where it is offered.
+    pub home: SwitchHome,
+    /// The key that does the same.
+    pub key: Option<egui::Key>,
+    /// Whether it is on.
+    pub place: fn(&mut Settings) -> &mut bool,
+}
+
+/// Where a switch is offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SwitchHome {
+    /// In the row of controls.
+    Row,
+    /// In the menu of the surface.
+    Menu,
+}
+
 /// What is shown and how.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -53,6 +88,8 @@ pub struct Settings {
     pub has_axes: bool,
     /// Whether the box around all is drawn, with its lengths.
     pub has_box: bool,
+    /// What else is switched on or off, by name.
+    pub switched: BTreeMap<String, bool>,
     /// What points up; found from the model where it is not said.
     pub up: Option<UpAxis>,
     /// How several share the panel.
@@ -73,6 +110,7 @@ impl Default for Settings {
             scale: ScaleSettings::default(),
             has_axes: true,
             has_box: false,
+            switched: BTreeMap::new(),
             up: None,
             arrangement: Arrangement::default(),
             balance: 0.5,
@@ -82,6 +120,11 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Whether what has this name is on; off at first.
+    pub fn switch(&mut self, name: &str) -> &mut bool {
+        self.switched.entry(name.to_owned()).or_default()
+    }
+
     /// The crease angle that arrays are made for; flat shading needs no arrays of its own.
     pub fn crease_angle_rad(&self) -> f32 {
         match (self.shading, Shading::default()) {
@@ -101,6 +144,8 @@ pub struct Offers {
     pub color_by: Vec<(ColorBy, String)>,
     /// Whether a scalar is shown.
     pub has_scalar: bool,
+    /// What can be switched.
+    pub switches: Vec<Switch>,
 }
 
 /// What the controls ask for beyond settings.
@@ -125,11 +170,12 @@ pub fn controls(
         ui.menu_button("View", |ui| view_menu(ui, settings, camera, &mut wishes))
             .response
             .on_hover_text("Direction, projection and what points up");
-        ui.menu_button("Surface", |ui| surface_menu(ui, settings))
+        ui.menu_button("Surface", |ui| surface_menu(ui, settings, &offers.switches))
             .response
             .on_hover_text("Shading, back faces, lines, box and axes");
-        ui.toggle_value(&mut settings.lines.has_wire, "Wire")
-            .on_hover_text("The edges of all faces (W)");
+        for switch in offers.switches.iter().filter(|switch| switch.home == SwitchHome::Row) {
+            ui.toggle_value((switch.place)(settings), switch.label).on_hover_text(switch.doc);
+        }
         color_by_box(ui, settings, offers);
         if offers.has_scalar {
             ui.menu_button("Range", |ui| scale_menu(ui, &mut settings.scale))
@@ -169,7 +215,7 @@ fn view_menu(ui: &mut egui::Ui, settings: &mut Settings, camera: &mut Camera, wi
     wishes.is_fit |= settings.up != before;
 }
 
-fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings) {
+fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings, switches: &[Switch]) {
     let is_flat = settings.shading == Shading::Flat;
     if ui.radio(!is_flat, "Smooth").on_hover_text("Faces share normals").clicked() && is_flat {
         settings.shading = Shading::default();
@@ -192,10 +238,9 @@ fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings) {
     ui.radio_value(&mut settings.back_faces, BackFaces::Same, "As in front");
     ui.radio_value(&mut settings.back_faces, BackFaces::Hidden, "Hidden");
     ui.separator();
-    ui.checkbox(&mut settings.lines.has_border, "Border edges")
-        .on_hover_text("Edges of one face only, in orange (B)");
-    ui.checkbox(&mut settings.has_box, "Box with lengths");
-    ui.checkbox(&mut settings.has_axes, "Axes");
+    for switch in switches.iter().filter(|switch| switch.home == SwitchHome::Menu) {
+        ui.checkbox((switch.place)(settings), switch.label).on_hover_text(switch.doc);
+    }
 }
 
 fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {

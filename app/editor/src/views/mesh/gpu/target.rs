@@ -4,7 +4,10 @@ use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 
-use super::gpu::{COLOR_FORMAT, DEPTH_FORMAT, FINE, Gpu, SAMPLED, Uniforms, texture_of};
+use super::texture::{COLOR_FORMAT, DEPTH_FORMAT, SAMPLED, texture_of};
+
+/// Samples a pixel where edges are to be smooth; every GPU can do four.
+pub const FINE: u32 = 4;
 
 const DRAWN: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT;
 
@@ -37,9 +40,8 @@ struct ShownTexture {
 }
 
 impl ShownTexture {
-    fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
-        let (state, usage) = (gpu.state(), DRAWN | SAMPLED);
-        let view = view(gpu, size, 1, COLOR_FORMAT, usage);
+    fn new(state: &RenderState, size: [u32; 2]) -> Self {
+        let view = view(state, size, 1, COLOR_FORMAT, DRAWN | SAMPLED);
         let filter = wgpu::FilterMode::Linear;
         let id = state.renderer.write().register_native_texture(&state.device, &view, filter);
         Self { view, id, state: state.clone() }
@@ -60,15 +62,15 @@ pub struct PiecePlace {
 }
 
 impl Target {
-    /// A picture of nothing.
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
-        let uniforms = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+    /// A picture of nothing, for a shader that reads so many bytes of numbers.
+    pub fn new(state: &RenderState, size: [u32; 2], n_bytes: usize) -> Self {
+        let uniforms = state.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("mesh uniforms"),
-            size: size_of::<Uniforms>() as u64,
+            size: n_bytes as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let shown = ShownTexture::new(gpu, size);
+        let shown = ShownTexture::new(state, size);
         Self { size, shown, fine: None, rough: None, is_rough: false, uniforms }
     }
 
@@ -79,16 +81,16 @@ impl Target {
     }
 
     /// Sees to it that there is room for a fine picture.
-    pub(super) fn make_room(&mut self, gpu: &Gpu) {
-        let new = |format| view(gpu, self.size, FINE, format, DRAWN);
+    pub(super) fn make_room(&mut self, state: &RenderState) {
+        let new = |format| view(state, self.size, FINE, format, DRAWN);
         self.fine.get_or_insert_with(|| (new(COLOR_FORMAT), new(DEPTH_FORMAT)));
     }
 
     /// Sees to it that there is room for a rough picture of some size.
-    pub(super) fn make_rough_room(&mut self, gpu: &Gpu, size: [u32; 2]) {
+    pub(super) fn make_rough_room(&mut self, state: &RenderState, size: [u32; 2]) {
         if self.rough.as_ref().is_none_or(|rough| rough.size != size) {
-            let depth = view(gpu, size, 1, DEPTH_FORMAT, DRAWN);
-            self.rough = Some(Rough { size, shown: ShownTexture::new(gpu, size), depth });
+            let depth = view(state, size, 1, DEPTH_FORMAT, DRAWN);
+            self.rough = Some(Rough { size, shown: ShownTexture::new(state, size), depth });
         }
     }
 
@@ -148,12 +150,12 @@ impl Target {
 }
 
 fn view(
-    gpu: &Gpu,
+    state: &RenderState,
     size: [u32; 2],
     samples: u32,
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
 ) -> wgpu::TextureView {
-    let texture = texture_of(&gpu.state().device, (size, 1), (samples, 1), format, usage);
+    let texture = texture_of(&state.device, (size, 1), (samples, 1), format, usage);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
