@@ -33,9 +33,9 @@ pub struct Module {
 }
 
 impl Module {
-    /// Whether it writes files, and so is run even where its outputs are known.
+    /// Whether it may write files, those of an entry of a choice too.
     pub fn writes_files(&self) -> bool {
-        self.params.iter().any(|p| matches!(p.kind, crate::Kind::OutputFile { .. }))
+        self.params.iter().any(ParamSpec::writes_files)
     }
 }
 

@@ -74,6 +74,50 @@ impl Settings {
         })
     }
 
+    /// Visits every parameter with its dotted path, those of the chosen entries of choices too.
+    pub(crate) fn each_mut(
+        &mut self,
+        specs: &[ParamSpec],
+        visit: &mut dyn FnMut(&str, &ParamSpec, &mut Setting),
+    ) {
+        self.each_below("", specs, visit);
+    }
+
+    fn each_below(
+        &mut self,
+        above: &str,
+        specs: &[ParamSpec],
+        visit: &mut dyn FnMut(&str, &ParamSpec, &mut Setting),
+    ) {
+        for (spec, (name, setting)) in specs.iter().zip(&mut self.0) {
+            let path = format!("{above}{name}");
+            visit(&path, spec, setting);
+            let nested = spec.params_of(setting);
+            if let Setting::Choice { params, .. } = setting {
+                params.each_below(&format!("{path}."), nested, visit);
+            }
+        }
+    }
+
+    /// The files of these parameters with their dotted paths and as the map says them, those of the
+    /// chosen entries of choices too.
+    pub(crate) fn files(&self, specs: &[ParamSpec]) -> Vec<(String, ParamSpec, &str)> {
+        let mut files = Vec::new();
+        for (spec, (name, setting)) in specs.iter().zip(&self.0) {
+            match setting {
+                Setting::File { written, .. } => {
+                    files.push(((*name).to_owned(), *spec, &**written))
+                }
+                Setting::Choice { params, .. } => {
+                    let nested = params.files(spec.params_of(setting)).into_iter();
+                    files.extend(nested.map(|(p, spec, file)| (format!("{name}.{p}"), spec, file)));
+                }
+                _ => {}
+            }
+        }
+        files
+    }
+
     pub(crate) fn find(&self, name: &str) -> Option<&Setting> {
         self.0.iter().find(|(known, _)| *known == name).map(|(_, setting)| setting)
     }
@@ -100,6 +144,10 @@ impl Settings {
             let setting = match given.get(spec.name) {
                 Some(_) if linked.contains(&spec.name) => default,
                 Some(json) => spec.parse(json, faults).or(default),
+                None if default.is_none() && matches!(spec.kind, Kind::Choice { .. }) => {
+                    // The entry that is chosen by default needs a parameter: that one is named.
+                    spec.default_id().and_then(|id| spec.parse(&Json::from(id), faults))
+                }
                 None => {
                     if default.is_none() {
                         let message = match spec.kind {
@@ -159,17 +207,10 @@ impl Setting {
         }
     }
 
-    /// Raises seeds, those of the entries of choices too, so that a repeat differs from the next.
-    pub(crate) fn shift_seeds(&mut self, spec: &ParamSpec, repeat: u32) {
-        match (self, spec.kind) {
-            (Self::Integer(seed), Kind::Seed { .. }) => *seed += i64::from(repeat),
-            (Self::Choice { id, params }, Kind::Choice { list, .. }) => {
-                let specs = list.find(id).map_or(&[][..], |entry| entry.params);
-                for (spec, (_, setting)) in specs.iter().zip(&mut params.0) {
-                    setting.shift_seeds(spec, repeat);
-                }
-            }
-            _ => {}
+    /// Raises a seed, so that a repeat differs from the next.
+    pub(crate) fn shift_seed(&mut self, spec: &ParamSpec, repeat: u32) {
+        if let (Self::Integer(seed), Kind::Seed { .. }) = (self, spec.kind) {
+            *seed += i64::from(repeat);
         }
     }
 
@@ -191,6 +232,35 @@ impl Setting {
 }
 
 impl ParamSpec {
+    /// The id that a choice has by default.
+    pub(crate) fn default_id(&self) -> Option<&'static str> {
+        match self.kind {
+            Kind::Choice { default, .. } => Some(default),
+            _ => None,
+        }
+    }
+
+    /// The parameters of the entry that a setting of this choice names.
+    pub(crate) fn params_of(&self, setting: &Setting) -> &'static [ParamSpec] {
+        match (self.kind, setting) {
+            (Kind::Choice { list, .. }, Setting::Choice { id, .. }) => {
+                list.find(id).map_or(&[], |entry| entry.params)
+            }
+            _ => &[],
+        }
+    }
+
+    /// Whether it is an output file, or has one among the parameters of an entry.
+    pub(crate) fn writes_files(&self) -> bool {
+        match self.kind {
+            Kind::OutputFile { .. } => true,
+            Kind::Choice { list, .. } => {
+                (0..list.len()).any(|place| list.spec(place).params.iter().any(Self::writes_files))
+            }
+            _ => false,
+        }
+    }
+
     /// Reads a JSON value as this parameter; `None`, and a fault, if it does not fit.
     pub(crate) fn parse(&self, json: &Json, faults: &mut Vec<Fault>) -> Option<Setting> {
         let parsed = match self.kind {

@@ -139,11 +139,11 @@ impl Trial {
         let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
         let complaints: Vec<_> = complaints.collect();
         assert!(complaints.is_empty(), "{complaints:?}");
-        for (_, setting) in &mut settings.0 {
+        settings.each_mut(self.module.params, &mut |_, _, setting| {
             if let Setting::File { written, resolved } = setting {
                 *resolved = written.as_str().into();
             }
-        }
+        });
         let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener);
         let outputs = contained(|| (self.module.run)(&mut io)).and_then(|()| io.finish())?;
         Ok(self.module.outputs.iter().map(|output| output.name).zip(outputs).collect())

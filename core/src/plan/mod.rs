@@ -186,33 +186,19 @@ fn prepare(
         }
     }
     let mut reads = Vec::new();
-    for (spec, (_, setting)) in specs.iter().zip(&mut settings.0) {
-        match (spec.kind, setting) {
-            (Kind::InputFile { also_reads, .. }, Setting::File { written, resolved }) => {
-                *resolved = options.map_folder.join(written.as_str());
-                match options.files.fingerprint(resolved) {
-                    Ok(fingerprint) => reads.push((resolved.clone(), fingerprint)),
-                    Err(complaint) => {
-                        let is_relative = Path::new(written.as_str()).is_relative();
-                        let hint = match is_relative {
-                            true => "; paths in a map are relative to its folder",
-                            false => "",
-                        };
-                        let message = format!("{}: {complaint}{hint}", resolved.display());
-                        problems.push(Problem::error(message).at(name).port(spec.name));
-                        continue;
-                    }
-                }
-                // What a file names may be missing; the module says so when it matters.
-                for path in also_reads(resolved) {
-                    if let Ok(fingerprint) = options.files.fingerprint(&path) {
-                        reads.push((path, fingerprint));
-                    }
-                }
+    settings.each_mut(specs, &mut |path, spec, setting| match (spec.kind, setting) {
+        (Kind::InputFile { also_reads, .. }, Setting::File { written, resolved }) => {
+            *resolved = options.map_folder.join(written.as_str());
+            if let Err(message) = read(resolved, also_reads, options.files, &mut reads) {
+                let hint = match Path::new(written.as_str()).is_relative() {
+                    true => "; paths in a map are relative to its folder",
+                    false => "",
+                };
+                problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
             }
-            (_, setting) => setting.shift_seeds(spec, options.repeat),
         }
-    }
+        (_, setting) => setting.shift_seed(spec, options.repeat),
+    });
     PlanNode {
         name: name.to_owned(),
         info,
@@ -224,6 +210,25 @@ fn prepare(
         linked: Vec::new(),
         consumers: Vec::new(),
     }
+}
+
+/// Fingerprints an input file and the files that it names.
+fn read(
+    path: &Path,
+    also_reads: fn(&Path) -> Vec<PathBuf>,
+    files: &FileHashes,
+    reads: &mut Vec<(PathBuf, Fingerprint)>,
+) -> Result<(), String> {
+    let fingerprint = files.fingerprint(path);
+    let fingerprint = fingerprint.map_err(|why| format!("{}: {why}", path.display()))?;
+    reads.push((path.to_owned(), fingerprint));
+    // What a file names may be missing; the module says so when it matters.
+    for path in also_reads(path) {
+        if let Ok(fingerprint) = files.fingerprint(&path) {
+            reads.push((path, fingerprint));
+        }
+    }
+    Ok(())
 }
 
 /// A problem about a name that no node has.
