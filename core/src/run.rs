@@ -13,12 +13,13 @@ use serde::{Deserialize, Serialize};
 use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
+use crate::error::ModuleError;
 use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
-use crate::module::{Io, ModuleError};
+use crate::module::Io;
 use crate::panics::contained;
+use crate::param::{Setting, Settings};
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
-use crate::setting::{Setting, Settings};
 
 /// Progress of one node is told at most this often.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
@@ -432,8 +433,8 @@ impl Runner<'_> {
         }
         let mut fault = None;
         settings.each_mut(node.info.module.params, &mut |_, spec, setting| {
-            if let (crate::Kind::OutputFile { .. }, Setting::File { resolved, .. }) =
-                (spec.kind, setting)
+            if let Setting::File { resolved, .. } = setting
+                && spec.output_file().is_some()
                 && fault.is_none()
             {
                 fault = self.place(resolved).err();

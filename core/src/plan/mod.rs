@@ -11,12 +11,10 @@ use std::path::{Path, PathBuf};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
-use crate::param::Kind;
+use crate::param::{Setting, Settings};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
-use crate::setting::{Setting, Settings};
 
-pub(crate) use assign::MODULE;
 pub use assign::assign;
 pub(crate) use outputs::one_case;
 
@@ -185,11 +183,16 @@ fn prepare(
             problems.push(Problem::warning(message).at(name).port(link));
         }
     }
+    // Only the module's author can mend these, but a run would read another parameter than declared.
+    for fault in specs.iter().filter_map(|spec| spec.fault(info.module.inputs)) {
+        let message = format!("this is a bug in the module: {fault}");
+        problems.push(Problem::error(message).at(name));
+    }
     let mut reads = Vec::new();
-    settings.each_mut(specs, &mut |path, spec, setting| match (spec.kind, setting) {
-        (Kind::InputFile { also_reads, .. }, Setting::File { written, resolved }) => {
+    settings.each_mut(specs, &mut |path, spec, setting| match (spec.input_file(), setting) {
+        (Some(file), Setting::File { written, resolved }) => {
             *resolved = options.map_folder.join(written.as_str());
-            if let Err(message) = read(resolved, also_reads, options.files, &mut reads) {
+            if let Err(message) = read(resolved, file.also_reads, options.files, &mut reads) {
                 let hint = match Path::new(written.as_str()).is_relative() {
                     true => "; paths in a map are relative to its folder",
                     false => "",
@@ -197,7 +200,7 @@ fn prepare(
                 problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
             }
         }
-        (_, setting) => setting.shift_seed(spec, options.repeat),
+        (_, setting) => spec.repeat(setting, options.repeat),
     });
     PlanNode {
         name: name.to_owned(),

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use super::{MODULE, OutputScope, PlanNode, PlanOptions, no_such_node};
+use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
-use crate::param::{Kind, ParamSpec};
+use crate::param::{MODULE, OutputFileSpec, ParamSpec, Setting};
 use crate::problem::Problem;
-use crate::setting::Setting;
 use crate::template::{Piece, as_name, pieces};
 
 /// Stands for the id of the step until it is known; no name in a file system holds it.
@@ -53,7 +52,7 @@ pub(super) fn names(
     };
     for node in nodes.iter().flatten() {
         for (param, spec, written) in node.settings.files(node.info.module.params) {
-            let Kind::OutputFile { also_writes, .. } = spec.kind else { continue };
+            let Some(OutputFileSpec { also_writes, .. }) = spec.output_file() else { continue };
             match expand(written, map, &find, options.repeat) {
                 Ok(text) => {
                     let node = node.name.clone();
@@ -142,10 +141,8 @@ fn resolve<'a>(
 /// A setting as a word: an entry of a choice with those of its parameters that are not as the entry
 /// has them by default.
 fn chosen(setting: &Setting, spec: &ParamSpec) -> String {
-    let (Setting::Choice { id, params }, Kind::Choice { list, .. }) = (setting, spec.kind) else {
-        return setting.to_word();
-    };
-    let specs = list.find(id).map_or(&[][..], |entry| entry.params);
+    let Setting::Choice { id, params } = setting else { return setting.to_word() };
+    let specs = spec.params_of(setting);
     let set = specs.iter().zip(&params.0);
     let other = set.filter(|(spec, (_, setting))| spec.default_setting().as_ref() != Some(setting));
     other.fold((*id).to_owned(), |word, (spec, (name, setting))| {
@@ -156,7 +153,7 @@ fn chosen(setting: &Setting, spec: &ParamSpec) -> String {
 /// What a node's outputs come from: the stem of the file that it reads, or its module.
 fn source(node: &PlanNode) -> String {
     let files = node.settings.files(node.info.module.params).into_iter();
-    let read = files.filter(|(_, spec, _)| matches!(spec.kind, Kind::InputFile { .. }));
+    let read = files.filter(|(_, spec, _)| spec.input_file().is_some());
     let stem = read.filter_map(|(_, _, written)| file_part(written, "stem"));
     let mut named = stem.filter(|stem| !stem.is_empty());
     named.next().unwrap_or_else(|| node.info.module.id.to_owned())

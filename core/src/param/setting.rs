@@ -1,13 +1,17 @@
 //! The values of parameters, checked against their declarations.
 
+use std::any::Any;
+use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde_json::{Map as JsonMap, Value as Json};
 
+use super::kind::Misfit;
+use super::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
 use crate::data::Scalar;
-use crate::fingerprint::FingerprintBuilder;
-use crate::module::ModuleError;
-use crate::param::{ChoiceList, ChoiceParam, Chosen, EntrySpec, Kind, Param, ParamSpec, ParamType};
+use crate::error::ModuleError;
+use crate::fingerprint::{Fingerprint, FingerprintBuilder};
 use crate::problem::did_you_mean;
 
 /// The value of one parameter.
@@ -28,6 +32,44 @@ pub enum Setting {
     Choice { id: &'static str, params: Settings },
     /// Of a file: as the map says it, and where it is on this machine.
     File { written: String, resolved: PathBuf },
+    /// Of a kind whose values have parts, such as points.
+    Structured(Structured),
+}
+
+/// A value with parts. Its JSON, in the one form that its kind gives it, is what it is compared by.
+#[derive(Clone)]
+pub struct Structured {
+    json: Json,
+    value: Arc<dyn Any + Send + Sync>,
+}
+
+impl Structured {
+    /// A value, and the one JSON that stands for it.
+    pub(crate) fn new<T: Any + Send + Sync>(json: Json, value: T) -> Self {
+        Self { json, value: Arc::new(value) }
+    }
+
+    /// The value, if it is of this type.
+    pub fn get<T: Any + Send + Sync>(&self) -> Option<Arc<T>> {
+        Arc::clone(&self.value).downcast().ok()
+    }
+
+    /// As a map file would say it.
+    pub fn json(&self) -> &Json {
+        &self.json
+    }
+}
+
+impl fmt::Debug for Structured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.json.fmt(f)
+    }
+}
+
+impl PartialEq for Structured {
+    fn eq(&self, other: &Self) -> bool {
+        self.json == other.json
+    }
 }
 
 /// Values for a list of declared parameters, in its order.
@@ -144,21 +186,16 @@ impl Settings {
             let setting = match given.get(spec.name) {
                 Some(_) if linked.contains(&spec.name) => default,
                 Some(json) => spec.parse(json, faults).or(default),
-                None if default.is_none() && matches!(spec.kind, Kind::Choice { .. }) => {
-                    // The entry that is chosen by default needs a parameter: that one is named.
-                    spec.default_id().and_then(|id| spec.parse(&Json::from(id), faults))
-                }
-                None => {
-                    if default.is_none() {
-                        let message = match spec.kind {
-                            Kind::InputFile { .. } => "choose a file: there is no default",
-                            _ => "must be set: there is no default",
-                        };
-                        let message = message.to_owned();
+                None if default.is_some() => default,
+                // The entry that a choice has by default may need a parameter: that one is named.
+                None => match spec.default_json() {
+                    Some(json) => spec.parse(&json, faults),
+                    None => {
+                        let message = spec.kind.answers().unset().to_owned();
                         faults.push(Fault { path: spec.name.to_owned(), message });
+                        None
                     }
-                    default
-                }
+                },
             };
             settings.push((spec.name, setting.unwrap_or(Setting::Off)));
         }
@@ -173,7 +210,7 @@ impl Settings {
     pub(crate) fn write_key(&self, specs: &[ParamSpec], key: &mut FingerprintBuilder) {
         for (spec, (name, setting)) in specs.iter().zip(&self.0) {
             key.text(name);
-            setting.write_key(spec, key);
+            spec.kind.answers().write_key(setting, key);
         }
     }
 }
@@ -188,6 +225,7 @@ impl Setting {
             Self::Number(number) => Json::from(*number),
             Self::Text(text) => Json::from(text.as_str()),
             Self::File { written, .. } => Json::from(written.as_str()),
+            Self::Structured(value) => value.json.clone(),
             Self::Choice { id, params } if params.0.is_empty() => Json::from(*id),
             Self::Choice { id, params } => {
                 Json::Object(JsonMap::from_iter([((*id).to_owned(), params.to_json())]))
@@ -204,137 +242,50 @@ impl Setting {
             Self::Number(number) => number.to_string(),
             Self::Text(text) | Self::File { written: text, .. } => text.clone(),
             Self::Choice { id, .. } => (*id).to_owned(),
-        }
-    }
-
-    /// Raises a seed, so that a repeat differs from the next.
-    pub(crate) fn shift_seed(&mut self, spec: &ParamSpec, repeat: u32) {
-        if let (Self::Integer(seed), Kind::Seed { .. }) = (self, spec.kind) {
-            *seed += i64::from(repeat);
-        }
-    }
-
-    /// Input files are left out: the key has their content, not their name.
-    fn write_key(&self, spec: &ParamSpec, key: &mut FingerprintBuilder) {
-        match (self, spec.kind) {
-            (Self::File { .. }, Kind::InputFile { .. }) => {}
-            (Self::Choice { id, params }, Kind::Choice { list, .. }) => {
-                key.text(id);
-                if let Some(entry) = list.find(id) {
-                    key.part(&entry.source.to_le_bytes());
-                    params.write_key(entry.params, key);
-                }
+            Self::Structured(Structured { json: Json::String(text), .. }) => text.clone(),
+            // A list is too long for a name; equal ones get equal names.
+            Self::Structured(value) => {
+                Fingerprint::of(value.json.to_string().as_bytes()).short()[..8].to_owned()
             }
-            (Self::Number(number), _) => key.part(&number.to_bits().to_le_bytes()),
+        }
+    }
+
+    /// Adds the value to a key as most kinds do it.
+    pub(crate) fn write_key(&self, key: &mut FingerprintBuilder) {
+        match self {
+            Self::Number(number) => key.part(&number.to_bits().to_le_bytes()),
             _ => key.text(&self.to_json().to_string()),
         }
     }
 }
 
 impl ParamSpec {
-    /// The id that a choice has by default.
-    pub(crate) fn default_id(&self) -> Option<&'static str> {
-        match self.kind {
-            Kind::Choice { default, .. } => Some(default),
-            _ => None,
-        }
-    }
-
-    /// The parameters of the entry that a setting of this choice names.
-    pub(crate) fn params_of(&self, setting: &Setting) -> &'static [ParamSpec] {
-        match (self.kind, setting) {
-            (Kind::Choice { list, .. }, Setting::Choice { id, .. }) => {
-                list.find(id).map_or(&[], |entry| entry.params)
-            }
-            _ => &[],
-        }
-    }
-
-    /// Whether it is an output file, or has one among the parameters of an entry.
-    pub(crate) fn writes_files(&self) -> bool {
-        match self.kind {
-            Kind::OutputFile { .. } => true,
-            Kind::Choice { list, .. } => {
-                (0..list.len()).any(|place| list.spec(place).params.iter().any(Self::writes_files))
-            }
-            _ => false,
-        }
-    }
-
     /// Reads a JSON value as this parameter; `None`, and a fault, if it does not fit.
     pub(crate) fn parse(&self, json: &Json, faults: &mut Vec<Fault>) -> Option<Setting> {
-        let parsed = match self.kind {
-            Kind::Choice { list, .. } => return self.parse_choice(list, json, faults),
-            Kind::Flag { .. } => json.as_bool().map(Setting::Flag).ok_or("true or false".into()),
-            Kind::Integer { hard, .. } => integer(json, self.can_be_off, hard),
-            Kind::Number { hard, .. } => number(json, self.can_be_off, hard),
-            Kind::Seed { .. } => integer(json, false, (0, i64::from(u32::MAX))),
-            Kind::Text { .. } => {
-                json.as_str().map(|text| Setting::Text(text.to_owned())).ok_or("a text".into())
-            }
-            Kind::Enumeration { names, .. } => enumeration(json, names),
-            Kind::InputFile { .. } | Kind::OutputFile { .. } => match json.as_str() {
-                Some("") | None => Err("the path of a file".to_owned()),
-                Some(path) => {
-                    Ok(Setting::File { written: path.to_owned(), resolved: PathBuf::new() })
-                }
-            },
-        };
-        parsed
-            .map_err(|expected| {
+        if json.is_null() && self.can_be_off {
+            return Some(Setting::Off);
+        }
+        let mut nested = Vec::new();
+        let parsed = self.kind.answers().parse(json, &mut nested);
+        faults.extend(nested.into_iter().map(|fault| Fault {
+            path: format!("{}.{}", self.name, fault.path),
+            message: fault.message,
+        }));
+        let message = match parsed {
+            Ok(setting) => return Some(setting),
+            Err(Misfit::Sentence(message)) => message,
+            Err(Misfit::Expected(expected)) => {
                 let unit = if self.unit.is_empty() {
                     String::new()
                 } else {
                     format!(" (in {})", self.unit)
                 };
                 let off = if self.can_be_off { ", or null for off" } else { "" };
-                let message = format!("{} is not {expected}{unit}{off}", shown(json));
-                faults.push(Fault { path: self.name.to_owned(), message });
-            })
-            .ok()
-    }
-
-    /// A choice is `"Id"`, or `{"Id": {parameters}}`.
-    fn parse_choice(
-        &self,
-        list: &'static dyn ChoiceList,
-        json: &Json,
-        faults: &mut Vec<Fault>,
-    ) -> Option<Setting> {
-        let empty = JsonMap::new();
-        let named = match json {
-            Json::String(id) => Some((id, &empty)),
-            Json::Object(object) if object.len() == 1 => object
-                .iter()
-                .next()
-                .and_then(|(id, params)| params.as_object().map(|params| (id, params))),
-            _ => None,
+                format!("{} is not {expected}{unit}{off}", shown(json))
+            }
         };
-        let ids = || (0..list.len()).map(|place| list.spec(place).id);
-        let Some((id, params)) = named else {
-            let message = format!(
-                "{} is not a choice; write \"{}\", or {{\"{}\": {{…its parameters…}}}}",
-                shown(json),
-                ids().next().unwrap_or_default(),
-                ids().next().unwrap_or_default()
-            );
-            faults.push(Fault { path: self.name.to_owned(), message });
-            return None;
-        };
-        let Some(EntrySpec { id, params: specs, .. }) = list.find(id) else {
-            let all = ids().collect::<Vec<_>>().join(", ");
-            let hint = did_you_mean(id, ids());
-            let message = format!("\"{id}\" is not one of {all}{hint}");
-            faults.push(Fault { path: self.name.to_owned(), message });
-            return None;
-        };
-        let mut nested = Vec::new();
-        let params = Settings::parse(specs, params, &[], &mut nested);
-        faults.extend(nested.into_iter().map(|fault| Fault {
-            path: format!("{}.{}", self.name, fault.path),
-            message: fault.message,
-        }));
-        Some(Setting::Choice { id, params })
+        faults.push(Fault { path: self.name.to_owned(), message });
+        None
     }
 
     /// Reads a value that arrived by link.
@@ -344,57 +295,20 @@ impl ParamSpec {
             Scalar::Text(text) => Json::from(text.as_str()),
             Scalar::Number(number) => Json::from(*number),
         };
-        let mut faults = Vec::new();
-        self.parse(&json, &mut faults).ok_or_else(|| ModuleError::Param {
+        self.read(&json).map_err(|why| ModuleError::Param {
             name: self.name.to_owned(),
-            message: faults.pop().map_or_else(String::new, |f| format!("by link: {}", f.message)),
+            message: format!("by link: {why}"),
         })
     }
-}
 
-/// A whole number, also where it is written as `300.0`.
-fn integer(json: &Json, can_be_off: bool, (low, high): (i64, i64)) -> Result<Setting, String> {
-    let whole = |x: &f64| x.fract() == 0.0 && x.abs() <= 9_007_199_254_740_992.0;
-    let found = json.as_i64().or_else(|| json.as_f64().filter(whole).map(|x| x as i64));
-    match found {
-        Some(number) if (low..=high).contains(&number) => Ok(Setting::Integer(number)),
-        None if json.is_null() && can_be_off => Ok(Setting::Off),
-        _ => Err(format!("a whole number{}", between(low as f64, high as f64))),
-    }
-}
-
-fn number(json: &Json, can_be_off: bool, (low, high): (f64, f64)) -> Result<Setting, String> {
-    match json.as_f64() {
-        Some(number) if (low..=high).contains(&number) => Ok(Setting::Number(number)),
-        None if json.is_null() && can_be_off => Ok(Setting::Off),
-        _ => Err(format!("a number{}", between(low, high))),
-    }
-}
-
-fn enumeration(json: &Json, names: &[(&'static str, &str)]) -> Result<Setting, String> {
-    let ids = || names.iter().map(|(name, _)| *name);
-    match json.as_str() {
-        Some(name) if ids().any(|id| id == name) => Ok(Setting::Text(name.to_owned())),
-        other => {
-            let hint = other.map(|name| did_you_mean(name, ids())).unwrap_or_default();
-            Err(format!("one of {}{hint}", ids().collect::<Vec<_>>().join(", ")))
-        }
-    }
-}
-
-/// The range in words, without the ends that only the number format sets.
-pub(crate) fn between(low: f64, high: f64) -> String {
-    const ENDLESS: f64 = 9.0e15;
-    match (low > -ENDLESS, high < ENDLESS) {
-        (true, true) => format!(" from {low} to {high}"),
-        (true, false) => format!(" of {low} or more"),
-        (false, true) => format!(" of {high} or less"),
-        (false, false) => String::new(),
+    /// Changes a value for a repeat, so that it differs from the next: seeds rise.
+    pub(crate) fn repeat(&self, setting: &mut Setting, repeat: u32) {
+        self.kind.answers().repeat(setting, repeat);
     }
 }
 
 /// A JSON value for a message, cut short.
-fn shown(json: &Json) -> String {
+pub(super) fn shown(json: &Json) -> String {
     let text = json.to_string();
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}…", &text[..end]),
