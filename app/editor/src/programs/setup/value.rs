@@ -4,8 +4,8 @@ use eframe::egui::{self, ComboBox, DragValue, Id, TextEdit, Ui};
 use mve_core::{Kind, ParamSpec, brief_value};
 use serde_json::Value as Json;
 
-use super::declare::{Declared, chosen_id, default_of, some_number, with_nested};
-use super::widgets::{named, small_button};
+use crate::programs::setup::declare::{Declared, chosen_id, default_of, some_number, with_nested};
+use crate::programs::widgets::{named, small_button};
 
 /// Width of a field, in points.
 pub const FIELD_WIDTH: f32 = 128.0;

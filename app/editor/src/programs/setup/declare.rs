@@ -5,7 +5,7 @@ use std::path::Path;
 use mve_core::{Kind, Link, Map, ParamSpec, Registry};
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::generate;
+use crate::programs::setup::generate;
 
 /// What stands for a node's module among its parameters.
 const MODULE: &str = "module";
