@@ -44,7 +44,8 @@ pub enum Kind {
     /// A file that is read, relative to the map's file. `also_reads` names the files that it names.
     InputFile { extensions: &'static [&'static str], also_reads: fn(&Path) -> Vec<PathBuf> },
     /// A file that is written, relative to the output folder, as a template. `also_writes` lists
-    /// the extensions of the files written beside it.
+    /// what is written beside it: the extension of a file, or, where it ends in `/`, what follows
+    /// the stem in the name of a folder of its own.
     OutputFile { extensions: &'static [&'static str], also_writes: &'static [&'static str] },
 }
 
@@ -294,7 +295,8 @@ impl Param<PathBuf> {
         Self::of_kind(name, doc, Kind::OutputFile { extensions, also_writes: &[] })
     }
 
-    /// Extensions of the files that are written beside an output file.
+    /// What is written beside an output file: extensions of files; and, ending in `/`, what follows
+    /// the stem in the name of a folder for any files. Nothing else may write into it.
     pub const fn also_writes(mut self, also: &'static [&'static str]) -> Self {
         if let Kind::OutputFile { extensions, .. } = self.spec.kind {
             self.spec.kind = Kind::OutputFile { extensions, also_writes: also };

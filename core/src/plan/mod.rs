@@ -64,7 +64,8 @@ pub struct PlanNode {
     pub info: ModuleInfo,
     /// Its parameters, all of them set. Those with a link change when it runs.
     pub settings: Settings,
-    /// Files that it reads, with the fingerprints of their content.
+    /// Files that it reads, with the fingerprints of their content; those that its files name may
+    /// be missing, which has a fingerprint of its own.
     pub reads: Vec<(PathBuf, Fingerprint)>,
     /// Files that it writes, relative to the output folder unless absolute.
     pub writes: Vec<PathBuf>,
@@ -203,11 +204,11 @@ fn prepare(
                         continue;
                     }
                 }
-                // What a file names may be missing; the module says so when it matters.
+                // What a file names may be missing; the module says so when it matters. Which of
+                // them is missing decides the result as well.
                 for path in also_reads(resolved) {
-                    if let Ok(fingerprint) = options.files.fingerprint(&path) {
-                        reads.push((path, fingerprint));
-                    }
+                    let fingerprint = options.files.fingerprint(&path);
+                    reads.push((path, fingerprint.unwrap_or_else(|_| no_file())));
                 }
             }
             (_, setting) => setting.shift_seeds(spec, options.repeat),
@@ -224,6 +225,11 @@ fn prepare(
         linked: Vec::new(),
         consumers: Vec::new(),
     }
+}
+
+/// The fingerprint of a file that another one names and that is not there.
+pub(crate) fn no_file() -> Fingerprint {
+    Fingerprint::of(b"mve: no such file")
 }
 
 /// A problem about a name that no node has.

@@ -11,7 +11,7 @@ use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{MODULE, Plan, assign, one_case};
+use crate::plan::{MODULE, Plan, assign, no_file, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
@@ -102,8 +102,10 @@ impl Program {
                 }
                 let id = plan.id.short();
                 checker.check_outputs(&plan, &id, params);
+                let missing = no_file();
                 for node in &plan.nodes {
-                    self.inputs.extend(node.reads.iter().cloned());
+                    let reads = node.reads.iter().filter(|(_, content)| *content != missing);
+                    self.inputs.extend(reads.cloned());
                     self.modules.insert(node.info.module.id, node.info.version);
                 }
                 self.steps.push(Step { id, repeat, params: params.clone() });
