@@ -25,7 +25,6 @@ mod wheel;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -70,8 +69,6 @@ pub struct Pinned {
     pub value: Option<Value>,
     /// How fresh it is, or why there is none.
     pub state: PortState,
-    /// Folders in which files may lie that the value names, such as textures.
-    pub folders: Vec<PathBuf>,
 }
 
 /// What the user wants of whoever shows the viewer.
@@ -140,8 +137,7 @@ impl Sorted {
             self.outdated.push(title.clone());
         }
         if let Some(mesh) = value.get::<TriMesh>() {
-            let folders = pinned.folders.clone();
-            self.meshes.push((at, MeshInput { title, mesh, folders }));
+            self.meshes.push((at, MeshInput { title, mesh }));
         } else if let Some(field) = value.get::<Field>() {
             self.fields.push((at, PinnedField { title, field }));
         } else if let Some(images) = value.get::<Images>() {

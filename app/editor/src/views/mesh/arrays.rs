@@ -12,7 +12,7 @@ use mve_modules::data::TriMesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::texture::TextureFiles;
+use super::texture::FaceTextures;
 use crate::views::camera::Bounds;
 
 /// How normals come about.
@@ -266,7 +266,7 @@ impl LocalSurface<'_> {
         match sharing {
             Sharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
             Sharing::Corners => {
-                let textures = TextureFiles::of(self.mesh);
+                let textures = FaceTextures::of(self.mesh);
                 let normal = |(place, &wedge): (usize, &u32)| {
                     let [x, y, z, _] = normals[wedge as usize];
                     let texture = textures.of_face(self.faces[place / 3] as usize);

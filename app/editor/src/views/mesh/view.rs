@@ -1,6 +1,5 @@
 //! The panel of meshes: layout, what is prepared and drawn, and what the user does with it.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
@@ -24,7 +23,7 @@ use super::overlay::{
 use super::palette::label_layers;
 use super::pick::describe;
 use super::settings::{Arrangement, Offers, Settings, controls};
-use super::texture::{TextureSource, files_of};
+use super::texture::TextureSource;
 use crate::views::camera::{Bounds, Camera};
 use crate::views::slot::Same;
 
@@ -35,8 +34,6 @@ pub struct MeshInput {
     pub title: String,
     /// The mesh.
     pub mesh: Arc<TriMesh>,
-    /// Where files lie that it names.
-    pub folders: Vec<PathBuf>,
 }
 
 /// A picture that may be a texture.
@@ -133,7 +130,7 @@ impl MeshView {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
             let source = source.unwrap_or(Source::Plain);
             let texture = match source {
-                Source::Materials => Some(files_of(&input.mesh, &input.folders)),
+                Source::Materials => Some(TextureSource::Materials(Same(Arc::clone(&input.mesh)))),
                 Source::Picture => pinned_picture(&self.settings.color_by, pictures),
                 _ => None,
             };
