@@ -138,7 +138,8 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
                 std::fs::write(&path, "newmtl a\nmap_Kd in.png\nmap_Ks gone.png\n")
                     .expect("the folder can be written");
                 let path = folder.join("in.obj");
-                let text = "mtllib in.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+                let text = "mtllib in.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n\
+                            f 1//1 2//1 3//1\n";
                 std::fs::write(&path, text).expect("the folder can be written");
                 trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
             }

@@ -81,7 +81,8 @@ mod tests {
 
     fn plan(folder: &Path, save: &str) -> Result<Plan, Vec<String>> {
         let text = format!(
-            r#"{{"mve": 1, "nodes": {{"load": {{"module": "ObjLoader", "params": {{"path": "in.obj"}}}},
+            r#"{{"mve": 1, "nodes": {{
+            "load": {{"module": "ObjLoader", "params": {{"path": "in.obj"}}}},
             "simplify": {{"module": "Simplificator", "params": {{"ratio": 0.5}}}},
             "save": {{"module": "ObjSaver", "params": {{"path": "{save}"}}}},
             "render": {{"module": "Render", "params": {{"resolution": 16}}}},

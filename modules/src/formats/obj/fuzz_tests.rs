@@ -119,7 +119,8 @@ proptest! {
         mtl.extend(words.join(" ").bytes());
         mtl.extend(&noise);
         let obj = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
-        for (name, bytes) in [("a.obj", obj), ("a.mtl", mtl), ("t.png", picture), ("u.png", noise)] {
+        let files = [("a.obj", obj), ("a.mtl", mtl), ("t.png", picture), ("u.png", noise)];
+        for (name, bytes) in files {
             std::fs::write(folder.path().join(name), bytes).expect("write");
         }
         let path = folder.path().join("a.obj");
