@@ -131,12 +131,13 @@ proptest! {
         save(&mesh, &out, mve_core::Control::none()).expect("save");
         let (again, _) = load(&out, mve_core::Control::none()).expect("load");
         let pictures = |mesh: &crate::data::TriMesh| -> Vec<_> {
-            mesh.materials.iter().flat_map(|m| &m.textures).map(|t| t.image.clone()).collect()
+            let textures = mesh.materials.iter().flat_map(|material| &material.textures);
+            textures.filter_map(|texture| texture.image.clone()).collect()
         };
-        prop_assert_eq!(pictures(&again).len(), pictures(&mesh).len());
-        for (found, before) in pictures(&again).into_iter().zip(pictures(&mesh)) {
-            prop_assert!(before.is_none() || found == before);
-        }
+        // A name that is only a backslash cannot be written; and one that loses the backslash at
+        // its end may be found.
+        let mut after = pictures(&again).into_iter();
+        prop_assert!(pictures(&mesh).iter().all(|picture| after.any(|found| found == *picture)));
     }
 
     #[test]
