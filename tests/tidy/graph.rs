@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mve_tests::root;
 
-use crate::sources::{FOR_TESTS, Token, lists, sources, tokens, without_tests};
+use crate::sources::{FOR_TESTS, Token, sources, tokens, without_tests};
 
 /// The files of a crate and what they name of each other.
 pub struct Graph {
@@ -86,7 +86,9 @@ impl Graph {
     /// The names that a file hands on from modules below it, as full paths.
     fn exports(&self, file: &str, modules: &BTreeMap<String, &str>) -> BTreeMap<&str, String> {
         let module = module_of(file);
-        let below = |name: &str| if module.is_empty() { name.to_owned() } else { format!("{module}::{name}") };
+        let below = |name: &str| {
+            if module.is_empty() { name.to_owned() } else { format!("{module}::{name}") }
+        };
         let all = tokens(&self.texts[file]);
         let tokens = without_tests(&all).tokens;
         let mut exports = BTreeMap::new();
@@ -203,9 +205,4 @@ fn branch<'a>(
         place += 1;
     }
     place
-}
-
-/// The names of entries that a folder's file lists.
-pub fn listed<'a>(tokens: &[Token<'a>]) -> Vec<&'a str> {
-    lists(tokens)
 }

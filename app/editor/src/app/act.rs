@@ -202,8 +202,9 @@ impl Editor {
     pub(super) fn add_reader(&mut self, path: &Path) {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let reader = self.shared.registry.modules().iter().find_map(|info| {
-            let param = info.module.params.iter().find(|spec| {
-                matches!(spec.kind, Kind::InputFile { extensions, .. } if extensions.contains(&extension.as_str()))
+            let param = info.module.params.iter().find(|spec| match spec.kind {
+                Kind::InputFile { extensions, .. } => extensions.contains(&extension.as_str()),
+                _ => false,
             })?;
             Some((info.module.id, param.name))
         });

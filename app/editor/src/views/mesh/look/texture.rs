@@ -205,8 +205,8 @@ fn read(name: &str, folders: &[PathBuf]) -> Result<RgbaImage, String> {
     Ok(reader.decode().map_err(message)?.into_rgba8())
 }
 
-/// The paths that a name may mean, in the order in which to try them: as it is written, and its last
-/// part alone, for names that hold a path of the machine where they were written.
+/// The paths that a name may mean, in the order in which to try them: as it is written, and its
+/// last part alone, for names that hold a path of the machine where they were written.
 fn candidates(name: &str, folders: &[PathBuf]) -> Vec<PathBuf> {
     let slashes = name.replace('\\', "/");
     let mut names = vec![slashes.as_str()];
