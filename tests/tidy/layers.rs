@@ -35,15 +35,15 @@ const CORE: [&str; 25] = [
     "machine",
     "json",
     "template",
-    "problem",
     "cancel",
     "control",
+    "error",
     "files",
     "data",
+    "problem",
     "listed",
     "port",
     "param",
-    "setting",
     "module",
     "panics",
     "node_outputs",
@@ -59,7 +59,7 @@ const CORE: [&str; 25] = [
 ];
 
 /// What breaks these orders and circles today, as `from -> to`. May only become shorter.
-const KNOWN: [&str; 2] = ["core/src: param.rs -> setting.rs", "core/src: setting.rs -> module.rs"];
+const KNOWN: [&str; 1] = ["core/src: param/setting.rs -> param/kind/mod.rs"];
 
 const FOLDERS: [&str; 2] = ["core/src", "modules/src"];
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, ViewportCommand};
-use mve_core::{Kind, NodeMode};
+use mve_core::NodeMode;
 use serde_json::Value as Json;
 
 use super::dialogs::Purpose;
@@ -202,9 +202,9 @@ impl Editor {
     pub(super) fn add_reader(&mut self, path: &Path) {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let reader = self.shared.registry.modules().iter().find_map(|info| {
-            let param = info.module.params.iter().find(|spec| match spec.kind {
-                Kind::InputFile { extensions, .. } => extensions.contains(&extension.as_str()),
-                _ => false,
+            let param = info.module.params.iter().find(|spec| {
+                let file = spec.input_file();
+                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
             })?;
             Some((info.module.id, param.name))
         });
