@@ -9,8 +9,8 @@ use mve_core::Control;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
-    Domain, Field, Image, Images, Layer, LayerValues, Material, Measure, Measures, NO_VALUE,
-    PixelKind, Texture, TextureImage, TextureRole, TriMesh, VertexId,
+    DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
+    TextureImage, TextureRole, TriMesh, VertexId,
 };
 use mve_modules::formats::png::write_png;
 use mve_modules::formats::save_atomic;
@@ -91,24 +91,14 @@ fn with_layers() -> TriMesh {
 
 /// A value for an input of this type, made from a mesh.
 fn value_of(type_id: &str, mesh: &TriMesh) -> Option<Value> {
-    let numbers: Vec<f64> = mesh.positions.iter().map(|p| p.x).collect();
-    let field = Field {
-        name: "x".to_owned(),
-        unit: String::new(),
-        domain: Domain::Vertex,
-        values: numbers.clone(),
-    };
+    if let Some(entry) = DATA_TYPES.iter().find(|entry| entry.data_type.id == type_id) {
+        return Some((entry.sample)(mesh));
+    }
     Some(match type_id {
-        "TriMesh" | "Any" => Value::new(mesh.clone()),
-        "Number" => Value::new(numbers.first().copied().unwrap_or(0.0)),
+        "Any" => Value::new(mesh.clone()),
+        "Number" => Value::new(mesh.positions.first().map_or(0.0, |position| position.x)),
         "Flag" => Value::new(true),
         "Text" => Value::new("text".to_owned()),
-        "Field" => Value::new(field),
-        "Images" => {
-            let side = mesh.faces.len() % 16 + 1;
-            Value::new(Images(vec![Image::filled("a", [side, side], PixelKind::Rgb, 99)]))
-        }
-        "Measures" => Value::new(Measures(vec![Measure::new("x", 1.0, "", "A number.")])),
         _ => return None,
     })
 }
@@ -367,16 +357,13 @@ fn shuffle(mesh: &TriMesh) -> TriMesh {
 
 #[test]
 fn data_types_have_ids_of_their_own() {
-    let types = [
-        TriMesh::TYPE,
-        Field::TYPE,
-        Images::TYPE,
-        Measures::TYPE,
-        f64::TYPE,
-        bool::TYPE,
-        String::TYPE,
-    ];
+    let of_core = [f64::TYPE, bool::TYPE, String::TYPE];
+    let types: Vec<_> = DATA_TYPES.iter().map(|entry| entry.data_type).chain(of_core).collect();
     let ids: HashSet<_> = types.iter().map(|data_type| data_type.id).collect();
     assert_eq!(ids.len(), types.len());
     assert!(types.iter().all(|data_type| is_sentence(data_type.doc)));
+    for entry in DATA_TYPES {
+        let sample = (entry.sample)(&tetrahedron());
+        assert_eq!(sample.data_type(), entry.data_type);
+    }
 }

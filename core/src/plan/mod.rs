@@ -184,7 +184,8 @@ fn prepare(
             problems.push(Problem::warning(message).at(name).port(link));
         }
     }
-    // Only the module's author can mend these, but a run would read another parameter than declared.
+    // Only the module's author can mend these, but a run would read another parameter than
+    // declared.
     for fault in specs.iter().filter_map(|spec| spec.fault(info.module.inputs)) {
         let message = format!("this is a bug in the module: {fault}");
         problems.push(Problem::error(message).at(name));

@@ -1,11 +1,11 @@
 //! The loss of structural similarity between pictures of the mesh and of the original.
 //!
 //! The price is the growth of the mean over cameras of 1 − SSIM (Z. Wang, A. C. Bovik, H. R. Sheikh
-//! and E. P. Simoncelli, "Image quality assessment: from error visibility to structural similarity",
-//! IEEE Transactions on Image Processing 13(4), 2004), 0 to 2, with the SSIM of a picture the mean
-//! over the pixels whose window lies in it. The growth orders collapses as 1 − SSIM after the
-//! collapse does, and stays comparable while other collapses change the pictures elsewhere. See
-//! [`image_driven`](crate::image_driven) for how pictures are drawn.
+//! and E. P. Simoncelli, "Image quality assessment: from error visibility to structural
+//! similarity", IEEE Transactions on Image Processing 13(4), 2004), 0 to 2, with the SSIM of a
+//! picture the mean over the pixels whose window lies in it. The growth orders collapses as 1 −
+//! SSIM after the collapse does, and stays comparable while other collapses change the pictures
+//! elsewhere. See [`image_driven`](crate::image_driven) for how pictures are drawn.
 
 use mve_core::Entry;
 

@@ -2,10 +2,10 @@
 //! be negative.
 //!
 //! G. Lavoué, "A multiscale metric for 3D mesh visual quality assessment", CGF 30(5), 2011, as a
-//! cost. See [`crate::geometry::perception::msdm2::collapse`] for what is measured and what is approximated.
-//! Prices change up to four edges from a collapse, but are renewed only at the merged vertex and its
-//! neighbors: farther off they change by little, and asking again there would take several times
-//! as long.
+//! cost. See [`crate::geometry::perception::msdm2::collapse`] for what is measured and what is
+//! approximated. Prices change up to four edges from a collapse, but are renewed only at the merged
+//! vertex and its neighbors: farther off they change by little, and asking again there would take
+//! several times as long.
 
 use mve_core::Entry;
 

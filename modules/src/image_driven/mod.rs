@@ -16,9 +16,9 @@
 //!
 //! Stale prices are asked for again lazily ([`Renewal::Lazy`]), which halves the work: on `cow` to
 //! 3,000 faces 30,036 prices instead of 61,424, of which 8,706 are the first ones. The pictures of
-//! cow, spot, fandisk and the bunny come out as near to the original as with [`Renewal::AtOnce`]: RMS
-//! by -1.6 to +0.8 % and SSIM by up to 0.0002 different, without a trend. To let the edges at the
-//! merged vertex wait, too, would save another fifth, at up to 5 % of RMS.
+//! cow, spot, fandisk and the bunny come out as near to the original as with [`Renewal::AtOnce`]:
+//! RMS by -1.6 to +0.8 % and SSIM by up to 0.0002 different, without a trend. To let the edges at
+//! the merged vertex wait, too, would save another fifth, at up to 5 % of RMS.
 
 mod canvas;
 mod change;

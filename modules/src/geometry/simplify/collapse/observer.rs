@@ -2,8 +2,8 @@
 //!
 //! A cost, a placement and every [`Observer`] are told of each collapse after it was made, in this
 //! order. What an event holds is what H. Hoppe, "Efficient implementation of progressive meshes",
-//! Computers & Graphics 22, 1998, stores as the inverse of a collapse, a vertex split, and more where
-//! a surface is not a manifold: so the inverse is exact.
+//! Computers & Graphics 22, 1998, stores as the inverse of a collapse, a vertex split, and more
+//! where a surface is not a manifold: so the inverse is exact.
 
 use glam::DVec3;
 
@@ -42,8 +42,8 @@ pub struct Collapse<'a> {
     pub price: f64,
     /// Which part of a contraction it is.
     pub part: Part,
-    /// The wedges of both ends before and after, and those at the third vertices of the dying faces;
-    /// empty unless the run has an [`Observer`].
+    /// The wedges of both ends before and after, and those at the third vertices of the dying
+    /// faces; empty unless the run has an [`Observer`].
     pub wedges: &'a [WedgeChange],
     pub(super) rings: &'a Rings,
 }

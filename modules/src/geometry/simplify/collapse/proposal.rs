@@ -28,8 +28,9 @@ pub enum Renewal {
     /// earlier price, or at that price if it is negative, and is priced again when it comes up or
     /// a little before: so a price that falls is noticed in time unless it falls below a third.
     ///
-    /// After the lazy queue of J. Cohen, D. Manocha and M. Olano, "Simplifying polygonal models using
-    /// successive mappings", IEEE Visualization 1997, where edges wait at the earlier price itself.
+    /// After the lazy queue of J. Cohen, D. Manocha and M. Olano, "Simplifying polygonal models
+    /// using successive mappings", IEEE Visualization 1997, where edges wait at the earlier price
+    /// itself.
     Lazy,
 }
 
