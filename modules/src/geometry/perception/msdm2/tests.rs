@@ -249,10 +249,10 @@ fn a_mesh_is_not_different_from_itself() {
     }
 }
 
-/// Where two sheets touch in one place, a vertex finds the other's curvature by chance. So this mesh,
-/// with two pairs of vertices in one place, is not quite itself: 0.041 by the published rules (0.128
-/// in the published program, which meets the faces in another order) and 0.052 by the mended ones,
-/// which know no more of sheets.
+/// Where two sheets touch in one place, a vertex finds the other's curvature by chance. So this
+/// mesh, with two pairs of vertices in one place, is not quite itself: 0.041 by the published rules
+/// (0.128 in the published program, which meets the faces in another order) and 0.052 by the mended
+/// ones, which know no more of sheets.
 #[test]
 fn two_sheets_in_one_place_are_mixed_up() {
     let Some(mesh) = model("suzanne.obj") else { return };
