@@ -1,6 +1,7 @@
 //! Looks at files: meshes (OBJ) and pictures (PNG) in one viewer.
 //!
-//! `look a.obj b.obj` opens a window; `look --png out.png a.obj` draws one picture without a window;
+//! `look a.obj b.obj` opens a window; `look --png out.png a.obj` draws one picture without a
+//! window;
 //! `look --time a.obj` says how long frames take.
 
 use std::path::{Path, PathBuf};

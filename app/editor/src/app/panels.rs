@@ -42,8 +42,8 @@ impl Editor {
         self.is_lower_open = is_open;
     }
 
-    /// The name under which the height of a panel is remembered: in another room it has another one,
-    /// so that a small window does not leave small panels behind.
+    /// The name under which the height of a panel is remembered: in another room it has another
+    /// one, so that a small window does not leave small panels behind.
     fn for_this_size(&self, ui: &Ui, name: &str) -> egui::Id {
         let rooms = (ui.ctx().content_rect().height() / 120.0) as u32;
         egui::Id::new((name, rooms, self.is_lower_open.then_some(self.lower)))

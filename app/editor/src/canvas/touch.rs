@@ -94,8 +94,8 @@ impl Canvas {
         }
     }
 
-    /// Begins the drag of what was below the pointer when it was pressed: on a slow frame it has gone
-    /// on to something else since.
+    /// Begins the drag of what was below the pointer when it was pressed: on a slow frame it has
+    /// gone on to something else since.
     fn start_drag(
         &mut self,
         ui: &Ui,
