@@ -23,6 +23,7 @@ mod listed;
 mod machine;
 mod map;
 mod module;
+mod node_outputs;
 mod panics;
 mod param;
 mod plan;
@@ -32,11 +33,10 @@ mod program;
 mod registry;
 mod run;
 mod schema;
-mod store;
 mod template;
 pub mod testing;
 
-pub use cache::{Cache, CacheUse, LogLine};
+pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
 pub use control::{Cancelled, Control, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
@@ -49,6 +49,7 @@ pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
 pub use module::{Io, Module};
+pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
@@ -56,14 +57,14 @@ pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, brief_value, run_program, stands_for,
+    ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
+    brief, brief_value, run_program, stands_for,
 };
 pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
-pub use store::{StepRecord, StepStatus, Store, StoreError};
 
 /// The version of mve, as packages name it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,6 +1,6 @@
-//! Something declared in a file of its own, with a hash of that file.
+//! A declaration and the hash of the code that it stands for.
 
-/// Something declared in a file of its own, with a hash of that file.
+/// Something declared in a file of its own, with a hash of the code in that file.
 ///
 /// The hash is a part of every result's identity, so an edited cost function, metric or module
 /// never finds results of its older self in a cache or a store, and nobody has to remember to
@@ -8,7 +8,7 @@
 pub struct Listed<T: 'static> {
     /// The declaration.
     pub item: &'static T,
-    /// [`source_hash`] of its file.
+    /// [`source_hash`] of what its build says of its file, or of the file.
     pub source: u64,
 }
 
@@ -20,8 +20,7 @@ impl<T> Clone for Listed<T> {
 
 impl<T> Copy for Listed<T> {}
 
-/// Hash of a source file, at compile time: FNV-1a, 64 bits (Fowler, Noll, Vo 1991), line ends as
-/// they are.
+/// Hash at compile time: FNV-1a, 64 bits (Fowler, Noll, Vo 1991).
 pub const fn source_hash(source: &[u8]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut place = 0;
