@@ -327,7 +327,7 @@ impl Runner<'_> {
         inputs: Vec<Option<Value>>,
         linked: Vec<(usize, Option<Value>)>,
     ) -> (NodeOutcome, Option<Vec<Value>>) {
-        // Files are not in the cache, so a node that writes some runs even where its outputs are known.
+        // Files are not in the cache: a node that writes some runs even where its outputs are known.
         let cache = self.options.cache.filter(|_| node.writes.is_empty());
         let claim = cache.map(|c| c.claim(node.key, node.info.module, self.options.cancel));
         let (results, cached) = match claim {

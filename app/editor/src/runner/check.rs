@@ -21,7 +21,7 @@ pub enum Part {
 
 /// What a check found.
 #[derive(Default)]
-pub struct Checked {
+pub struct MapCheck {
     /// Number of the state that was checked.
     pub revision: u64,
     /// Everything that is wrong with the map, and what is odd about it.
@@ -39,7 +39,7 @@ pub struct Checked {
 }
 
 /// Checks a map. Where some nodes have problems, the plan is of those that do not need them.
-pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option<Plan>) {
+pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Option<Plan>) {
     let mut map = (*subject.map).clone();
     map.programs.clear();
     restrict(&mut map, &part, shared);
@@ -50,7 +50,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
         repeat: 0,
         files: &shared.files,
     };
-    let mut checked = Checked { revision: subject.revision, ..Checked::default() };
+    let mut checked = MapCheck { revision: subject.revision, ..MapCheck::default() };
     let plan = loop {
         if map.nodes.is_empty() {
             break None;
@@ -81,7 +81,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
     (checked, plan)
 }
 
-impl Checked {
+impl MapCheck {
     /// Where files may lie that a value of this node names: beside those that made it.
     pub fn folders_of(&self, node: &str) -> Vec<PathBuf> {
         self.folders.get(node).into_iter().flatten().cloned().collect()

@@ -11,7 +11,7 @@ use mve_modules::data::{Images, TriMesh};
 use super::item::Item;
 use super::layout::Tile;
 use super::look::coloring::Values;
-use super::look::settings::{Arrangement, Settings};
+use super::look::settings::{Arrangement, MeshSettings};
 use crate::views::ViewerAction;
 use crate::views::camera::{Bounds, Camera};
 
@@ -95,7 +95,7 @@ pub struct MeshScene<'a> {
     /// The camera that all share.
     pub camera: &'a Camera,
     /// What is shown and how.
-    pub settings: &'a mut Settings,
+    pub settings: &'a mut MeshSettings,
     /// The box around all; `None` without a mesh that can be drawn.
     pub bounds: Option<Bounds>,
     /// The space for a color bar, where numbers color a mesh.
