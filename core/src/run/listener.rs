@@ -1,4 +1,4 @@
-//! What hears of a module while it runs: keeps its log and times, and tells the observer.
+//! The reporter of one run of a module: keeps its log and times, and tells the observer.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;

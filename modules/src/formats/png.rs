@@ -1,6 +1,6 @@
 //! PNG files.
 //!
-//! The bytes of a picture depend on nothing but its pixels. Reading stands any bytes: they give a
+//! The bytes of a picture depend on nothing but its pixels. Any bytes may be read: they give a
 //! picture or an error, within limits of size.
 
 use std::io::{self, Cursor, Write};

@@ -7,7 +7,7 @@ use crate::cost::Squares;
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::Placement;
 use crate::geometry::simplify::collapse::{Candidates, Ends, SimplifyOptions, Stop, simplify};
-use crate::picture::render::{NO_FACE, Side, Visible, luminance, normal};
+use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
 
 /// Prices by active areas, and checks some of them against whole pictures.
@@ -81,8 +81,8 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
         let corners = mesh.corners(crate::data::FaceId(face));
         let normal = normal(corners);
         // Which side is seen follows from the sides' rule: only the lit one is not black here.
-        let front = luminance(normal, lens.camera.forward, Side::Front);
-        front.max(luminance(normal, lens.camera.forward, Side::Back))
+        let front = luminance(normal, lens.camera.forward, FaceSide::Front);
+        front.max(luminance(normal, lens.camera.forward, FaceSide::Back))
     };
     seen.faces.iter().map(value).collect()
 }

@@ -22,7 +22,7 @@ use super::surface::{Surface, common_scale};
 use super::window::{Sample, Sums};
 use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
-use crate::geometry::distance::hausdorff::Side;
+use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal};
 use mve_core::Control;
 
@@ -115,7 +115,7 @@ impl CollapsePrices {
         control: Control,
     ) -> Result<Self, Msdm2Error> {
         let scale = common_scale([mesh, mesh]);
-        let (side, variant) = (Side::Original, Variant::Published);
+        let (side, variant) = (MeshRole::Original, Variant::Published);
         let reference = Surface::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
         let levels = Levels::new(reference.longest_side, n_levels);
         let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;

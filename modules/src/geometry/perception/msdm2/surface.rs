@@ -6,7 +6,7 @@ use super::curvature::{Bend, bends};
 use super::{Msdm2Error, Variant};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
-use crate::geometry::distance::hausdorff::Side;
+use crate::geometry::distance::hausdorff::MeshRole;
 use crate::mesh::adjacency::Adjacency;
 use mve_core::Control;
 
@@ -48,7 +48,7 @@ impl Surface {
     /// Prepares a mesh; `scale` is a power of two.
     pub fn new(
         mesh: &TriMesh,
-        side: Side,
+        side: MeshRole,
         scale: f64,
         variant: Variant,
         control: Control,
