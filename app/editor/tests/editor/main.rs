@@ -2,6 +2,7 @@
 //! program, since each would link all that draws.
 
 mod document;
+#[allow(dead_code)] // The example that draws the pictures of README uses the rest.
 mod hand;
 mod monkey;
 mod programs;
