@@ -18,9 +18,11 @@ mod disk_cache;
 mod files;
 mod fingerprint;
 mod json;
+mod listed;
 mod machine;
 mod map;
 mod module;
+mod node_outputs;
 mod panics;
 mod param;
 mod plan;
@@ -31,11 +33,10 @@ mod registry;
 mod run;
 mod schema;
 mod setting;
-mod store;
 mod template;
 pub mod testing;
 
-pub use cache::{Cache, CacheUse, LogLine};
+pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
 pub use control::{Cancelled, Control, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
@@ -43,9 +44,11 @@ pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
 pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
+pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
 pub use module::{Io, Module, ModuleError};
+pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::{
     ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,
@@ -56,15 +59,15 @@ pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, brief_value, run_program, stands_for,
+    ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
+    brief, brief_value, run_program, stands_for,
 };
-pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
+pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
 pub use setting::{Setting, Settings};
-pub use store::{StepRecord, StepStatus, Store, StoreError};
 
 /// The version of mve, as packages name it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

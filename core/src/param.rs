@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use crate::data::{Data, DataType};
-use crate::registry::Listed;
+use crate::listed::Listed;
 use crate::setting::{Setting, Settings};
 
 /// What the runtime knows of a parameter: the one place where its default, range, unit and text

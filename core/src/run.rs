@@ -10,12 +10,13 @@ use indexmap::IndexMap;
 use listener::Listener;
 use serde::{Deserialize, Serialize};
 
-use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
+use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
 use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
 use crate::module::{Io, ModuleError};
+use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
 use crate::setting::{Setting, Settings};
@@ -327,20 +328,20 @@ impl Runner<'_> {
     ) -> (NodeOutcome, Option<Vec<Value>>) {
         let cache = self.options.cache.filter(|_| !node.info.module.writes_files());
         let claim = cache.map(|c| c.claim(node.key, node.info.module, self.options.cancel));
-        let (made, cached) = match claim {
-            Some(Claim::Hit(made, cached)) => (Ok(made), Some(cached)),
+        let (results, cached) = match claim {
+            Some(Claim::Hit(results, cached)) => (Ok(results), Some(cached)),
             Some(Claim::Stopped) => (Err((ModuleError::Cancelled, Vec::new())), None),
             Some(Claim::Mine(ticket)) => {
-                let made = self.make(node, inputs, linked).map(Arc::new);
-                if let Ok(made) = &made {
-                    ticket.fulfill(made);
+                let results = self.make(node, inputs, linked).map(Arc::new);
+                if let Ok(results) = &results {
+                    ticket.fulfill(results);
                 }
-                (made, None)
+                (results, None)
             }
             None => (self.make(node, inputs, linked).map(Arc::new), None),
         };
-        let made = match made {
-            Ok(made) => made,
+        let results = match results {
+            Ok(results) => results,
             Err((error, log)) => {
                 let status = match error {
                     ModuleError::Cancelled => NodeStatus::Stopped,
@@ -349,9 +350,10 @@ impl Runner<'_> {
                 return (self.not_run(node, status, log), None);
             }
         };
-        let record = self.record(node, &made, cached);
-        self.tell(node, EventKind::Ended { record: &record, outputs: &made.outputs });
-        let outputs = Arc::try_unwrap(made).map_or_else(|made| made.outputs.clone(), |m| m.outputs);
+        let record = self.record(node, &results, cached);
+        self.tell(node, EventKind::Ended { record: &record, outputs: &results.outputs });
+        let outputs =
+            Arc::try_unwrap(results).map_or_else(|results| results.outputs.clone(), |m| m.outputs);
         let names = node.info.module.outputs.iter().map(|output| output.name);
         let kept = match self.options.keep {
             Keep::All => names.zip(outputs.iter().cloned()).collect(),
@@ -360,9 +362,14 @@ impl Runner<'_> {
         (NodeOutcome { record, outputs: kept }, Some(outputs))
     }
 
-    fn record(&self, node: &PlanNode, made: &Made, cached: Option<CacheUse>) -> NodeRecord {
+    fn record(
+        &self,
+        node: &PlanNode,
+        results: &NodeOutputs,
+        cached: Option<CacheUse>,
+    ) -> NodeRecord {
         let mut record = blank(node, NodeStatus::Done);
-        for (spec, value) in node.info.module.outputs.iter().zip(&made.outputs) {
+        for (spec, value) in node.info.module.outputs.iter().zip(&results.outputs) {
             let cells = value.cells();
             if let Some(scalar) = value.scalar() {
                 record.scalars.insert(spec.name.to_owned(), scalar);
@@ -373,13 +380,13 @@ impl Runner<'_> {
             }
         }
         if cached.is_none() {
-            record.seconds = Some(made.seconds);
-            record.phases.clone_from(&made.phases);
+            record.seconds = Some(results.seconds);
+            record.phases.clone_from(&results.phases);
         }
         record.cached = cached;
         let is_there = |path: &&PathBuf| self.options.output_folder.join(path).is_file();
         record.files = node.writes.iter().filter(is_there).cloned().collect();
-        record.log = made.log.clone();
+        record.log = results.log.clone();
         record
     }
 
@@ -389,7 +396,7 @@ impl Runner<'_> {
         node: &PlanNode,
         inputs: Vec<Option<Value>>,
         linked: Vec<(usize, Option<Value>)>,
-    ) -> Result<Made, (ModuleError, Vec<LogLine>)> {
+    ) -> Result<NodeOutputs, (ModuleError, Vec<LogLine>)> {
         if self.options.cancel.is_cancelled() {
             return Err((ModuleError::Cancelled, Vec::new()));
         }
@@ -411,7 +418,7 @@ impl Runner<'_> {
         match outputs {
             Ok(outputs) => {
                 let phases = listener.phases.into_inner().unwrap_or_else(PoisonError::into_inner);
-                Ok(Made { outputs, log, seconds, phases })
+                Ok(NodeOutputs { outputs, log, seconds, phases })
             }
             Err(error) => Err((error, log)),
         }

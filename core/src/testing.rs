@@ -11,13 +11,14 @@ use crate::cancel::CancelToken;
 use crate::control::Reporter;
 use crate::data::{Data, Value};
 use crate::files::FileHashes;
+use crate::listed::Listed;
 use crate::module::{Io, Module, ModuleError};
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
 use crate::program::{ProgramOptions, Retry, Shard, Sharing};
-use crate::registry::{Listed, ModuleList, Registry};
+use crate::registry::{ModuleList, Registry};
 use crate::run::{Keep, RunOptions};
 use crate::setting::{Setting, Settings};
 

@@ -131,9 +131,10 @@ struct App {
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        let action = self.viewer.show(ui, &self.pinned, frame.wgpu_render_state());
-        if let Some(ViewerAction::Unpin(at)) = action {
-            self.pinned.remove(at);
+        let actions = self.viewer.show(ui, &self.pinned, frame.wgpu_render_state());
+        // One a frame: the places of the others change with it.
+        if let Some(ViewerAction::Unpin(at)) = actions.first() {
+            self.pinned.remove(*at);
         }
     }
 }

@@ -105,12 +105,12 @@ impl Editor {
         ui.push_id(session.document.id(), |ui| {
             // All maps of a window are looked at in one way.
             session.viewer.meshes.set_look(&self.settings.meshes);
-            let action = session.viewer.show(ui, &pinned, render.as_ref());
+            let actions = session.viewer.show(ui, &pinned, render.as_ref());
             self.settings.meshes = session.viewer.meshes.look();
-            if let Some(crate::views::ViewerAction::Unpin(place)) = action
-                && let Some(port) = session.pinned.get_index(place)
-            {
-                wishes.push(Wish::Canvas(Action::Pin(port.clone())));
+            for crate::views::ViewerAction::Unpin(place) in actions {
+                if let Some(port) = session.pinned.get_index(place) {
+                    wishes.push(Wish::Canvas(Action::Pin(port.clone())));
+                }
             }
         });
     }

@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use eframe::egui;
 use egui_plot::Plot;
-use mve_modules::data::{Domain, Field};
+use mve_core::Value;
+use mve_modules::data::{Domain, Field, TriMesh};
 
+use super::heading::heading;
 use super::number::{count_text, number_text};
 use super::slot::{Same, Slot};
-use super::table_plot::Spread;
+use super::spread::Spread;
+use super::{Pinned, Place, Shown, ValueView, ViewerAction};
 
 /// What is said about the values of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,20 +63,64 @@ impl Statistics {
     }
 }
 
+/// Whether a field belongs to a mesh that is pinned too: then it is seen there.
+pub fn colors_a_mesh(field: &Field, all: &[Pinned]) -> bool {
+    let mut meshes = all.iter().filter_map(|pinned| pinned.value.as_ref()?.get::<TriMesh>());
+    meshes.any(|mesh| field.check_fits(&mesh).is_ok())
+}
+
+/// The view of fields that no mesh beside them shows.
+#[derive(Default)]
+pub struct FieldsView {
+    /// Each with its title.
+    fields: Vec<(String, FieldView)>,
+}
+
+impl ValueView for FieldsView {
+    fn place(&self) -> Place {
+        Place::Column("tables")
+    }
+
+    fn takes(&self, value: &Value, all: &[Pinned]) -> bool {
+        value.get::<Field>().is_some_and(|field| !colors_a_mesh(&field, all))
+    }
+
+    fn n_parts(&self, n_values: usize) -> usize {
+        n_values
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+        let mut actions = Vec::new();
+        let is_shown = |title: &str| shown.values.iter().any(|(_, pinned)| pinned.title == title);
+        self.fields.retain(|(title, _)| is_shown(title));
+        for (place, title, field) in shown.of::<Field>() {
+            if heading(ui, title) {
+                actions.push(ViewerAction::Unpin(place));
+            }
+            let known = self.fields.iter().position(|(known, _)| known == title);
+            let known = known.unwrap_or_else(|| {
+                self.fields.push((title.to_owned(), FieldView::default()));
+                self.fields.len() - 1
+            });
+            self.fields[known].1.show(ui, title, &field, shown.height);
+        }
+        actions
+    }
+
+    fn is_busy(&self) -> bool {
+        self.fields.iter().any(|(_, view)| view.statistics.is_busy())
+    }
+}
+
 /// The state of one field on the screen.
 #[derive(Default)]
-pub struct FieldView {
+struct FieldView {
     statistics: Slot<Same<Field>, Statistics>,
 }
 
 impl FieldView {
-    /// Whether something is in the making.
-    pub fn is_busy(&self) -> bool {
-        self.statistics.is_busy()
-    }
-
     /// Shows a field in about so many points of height.
-    pub fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>, height: f32) {
+    fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>, height: f32) {
         let top = ui.cursor().top();
         let job = Arc::clone(field);
         let key = Same(Arc::clone(field));

@@ -3,21 +3,25 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Rect, Sense, TextureHandle, Vec2, pos2, vec2};
+use mve_core::Value;
 use mve_modules::data::{Image, Images};
 
+use super::heading;
 use super::images_zoom::Zoom;
 use super::make_room;
 use super::picture::{color_image, difference, rgb_at};
 use super::slot::{Same, Slot};
-use super::values;
+use super::{Pinned, Place, Shown, ValueView, ViewerAction};
 
 /// Pictures to show.
 #[derive(Clone, Debug)]
-pub struct ImagesInput {
+struct ImagesInput {
+    /// Their place in the list of the viewer.
+    place: usize,
     /// Where they come from: `render.images`.
-    pub title: String,
+    title: String,
     /// The pictures.
-    pub images: Arc<Images>,
+    images: Arc<Images>,
 }
 
 /// Which picture of which set.
@@ -70,14 +74,35 @@ struct Tile<'a> {
     set: Option<usize>,
 }
 
-impl ImagesView {
-    /// Whether something is in the making.
-    pub fn is_busy(&self) -> bool {
-        self.difference.is_busy()
+impl ValueView for ImagesView {
+    fn place(&self) -> Place {
+        Place::Column("images")
     }
 
-    /// Shows the sets. Returns the place of one that the user wants to see no longer.
-    pub fn show(&mut self, ui: &mut egui::Ui, sets: &[ImagesInput]) -> Option<usize> {
+    fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
+        value.get::<Images>().is_some()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+        let sets = shown.of::<Images>().into_iter();
+        let input = |(place, title, images): (usize, &str, Arc<Images>)| ImagesInput {
+            place,
+            title: title.to_owned(),
+            images,
+        };
+        let sets: Vec<ImagesInput> = sets.map(input).collect();
+        let unpinned = self.show_sets(ui, &sets);
+        unpinned.map(|set| ViewerAction::Unpin(sets[set].place)).into_iter().collect()
+    }
+
+    fn is_busy(&self) -> bool {
+        self.difference.is_busy()
+    }
+}
+
+impl ImagesView {
+    /// Shows the sets. Returns the one that the user wants to see no longer, if any.
+    fn show_sets(&mut self, ui: &mut egui::Ui, sets: &[ImagesInput]) -> Option<usize> {
         let most = sets.iter().map(|set| set.images.0.len()).max().unwrap_or(0);
         self.chosen = self.chosen.min(most.saturating_sub(1));
         let mut status = String::new();
@@ -301,7 +326,7 @@ fn show_tile(
         *status = pixel_text(tiles, tile.image, [at.x as usize, at.y as usize]);
     }
     let text = format!("{}, {} × {}", tile.title, tile.image.width, tile.image.height);
-    values::caption(ui, rect, &text, tile.set.map(|_| tile.title.as_str()))
+    heading::caption(ui, rect, &text, tile.set.map(|_| tile.title.as_str()))
 }
 
 /// The place of a pixel and its values in all pictures of that size.

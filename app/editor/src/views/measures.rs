@@ -2,24 +2,57 @@
 
 use std::sync::Arc;
 
-use mve_core::Scalar;
+use eframe::egui;
+use mve_core::{Scalar, Value};
 use mve_modules::data::Measures;
 
+use super::heading::heading;
 use super::slot::Same;
-use super::table::{Column, Table};
+use super::table::{Column, Table, TableView};
+use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+
+/// The view of measures, all in one table.
+#[derive(Default)]
+pub struct MeasuresView {
+    measures: MeasuresTable,
+    table: TableView,
+}
+
+impl ValueView for MeasuresView {
+    fn place(&self) -> Place {
+        Place::Column("tables")
+    }
+
+    fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
+        value.get::<Measures>().is_some()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+        let (mut actions, mut inputs) = (Vec::new(), Vec::new());
+        for (place, title, measures) in shown.of::<Measures>() {
+            if heading(ui, title) {
+                actions.push(ViewerAction::Unpin(place));
+            }
+            inputs.push(MeasuresInput { title: title.to_owned(), measures });
+        }
+        let table = self.measures.of(&inputs);
+        self.table.show(ui, &table);
+        actions
+    }
+}
 
 /// Measures to show.
 #[derive(Clone)]
-pub struct MeasuresInput {
+struct MeasuresInput {
     /// Where they come from: `compare.measures`.
-    pub title: String,
+    title: String,
     /// The numbers.
-    pub measures: Arc<Measures>,
+    measures: Arc<Measures>,
 }
 
 /// A row for each name, in the order in which they first appear: name, unit, one column of values
 /// for each input, and what is measured.
-pub fn table_of(inputs: &[MeasuresInput]) -> Table {
+fn table_of(inputs: &[MeasuresInput]) -> Table {
     let named = |name: &str| Column { name: name.to_owned(), unit: String::new() };
     let mut columns = vec![named("measure")];
     columns.extend(inputs.iter().map(|input| named(&input.title)));
@@ -44,18 +77,18 @@ pub fn table_of(inputs: &[MeasuresInput]) -> Table {
     Table { columns, rows: names.iter().map(row).collect() }
 }
 
-/// What a table was made of.
+/// What a table is made of.
 type Origin = Vec<(String, Same<Measures>)>;
 
 /// The table of the last inputs, made anew when they change.
 #[derive(Default)]
-pub struct MeasuresTable {
+struct MeasuresTable {
     made: Option<(Origin, Arc<Table>)>,
 }
 
 impl MeasuresTable {
     /// The table of some inputs.
-    pub fn of(&mut self, inputs: &[MeasuresInput]) -> Arc<Table> {
+    fn of(&mut self, inputs: &[MeasuresInput]) -> Arc<Table> {
         let key: Origin = inputs
             .iter()
             .map(|input| (input.title.clone(), Same(Arc::clone(&input.measures))))

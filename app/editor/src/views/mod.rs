@@ -1,25 +1,22 @@
 //! What a window shows of a value: one view for each data type, no code for any module.
 //!
 //! A [`Viewer`] shows the values that are pinned to it together: meshes with one camera, pictures
-//! with one zoom, measures in one table. Work that takes longer than a frame is done on threads of
-//! its own, and values stay shown as they were until what replaces them is there.
+//! with one zoom, measures in one table. A view is one file and one line in the list below. Work
+//! that takes longer than a frame is done on threads of its own, and values stay shown as they were
+//! until what replaces them is there.
 //!
 //! **Invariant: a mesh is uploaded once and drawn only when something changed.** So a window with a
 //! large mesh in it costs nothing while the user works elsewhere, even without a GPU.
 
 mod background;
 mod camera;
-mod field;
-mod images;
+mod heading;
 mod images_zoom;
-mod measures;
-mod mesh;
 mod number;
 mod picture;
 mod slot;
+mod spread;
 mod table;
-mod table_plot;
-mod values;
 mod wheel;
 
 #[cfg(test)]
@@ -31,8 +28,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
-use mve_core::{Scalar, Value};
-use mve_modules::data::{Field, Images, Measures, TriMesh};
+use mve_core::{Data, Value};
 
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
@@ -40,11 +36,6 @@ pub use mesh::{
 };
 pub use number::{brief_text, count_text, number_text};
 pub use table::{Column, Direction, Table, TableView};
-
-use field::FieldView;
-use images::{ImagesInput, ImagesView};
-use measures::{MeasuresInput, MeasuresTable};
-use mesh::{MeshInput, PinnedField, PinnedPicture};
 
 /// How long a value may be old before that is said.
 const OUTDATED: Duration = Duration::from_millis(700);
@@ -81,88 +72,105 @@ pub enum ViewerAction {
     Unpin(usize),
 }
 
-/// The state of one panel that shows values.
-#[derive(Default)]
-pub struct Viewer {
-    /// The meshes, for whoever wants to set camera or colors.
-    pub meshes: MeshView,
-    images: ImagesView,
-    fields: Vec<(String, FieldView)>,
-    measures: MeasuresTable,
-    table: TableView,
-    /// Since when some value is of an earlier run.
-    outdated_since: Option<Instant>,
+/// Where a view stands in a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Above the columns, as high as it is.
+    Strip,
+    /// In the column of this name. Columns share the width, and views of one column stand below
+    /// each other.
+    Column(&'static str),
 }
 
-/// The pinned values by how they are shown, each with its place in the list.
-#[derive(Default)]
-struct Sorted {
-    meshes: Vec<(usize, MeshInput)>,
-    /// Fields that color one of the meshes.
-    colors: Vec<(usize, PinnedField)>,
-    /// Fields by themselves.
-    fields: Vec<(usize, PinnedField)>,
-    images: Vec<(usize, ImagesInput)>,
-    measures: Vec<(usize, MeasuresInput)>,
-    scalars: Vec<(usize, String, Scalar)>,
-    others: Vec<(usize, String, Value)>,
-    absent: Vec<(usize, String, String)>,
-    outdated: Vec<String>,
+/// What a view shows in one frame.
+pub struct Shown<'a> {
+    /// The values that it takes, at least one, each with its place in the list.
+    pub values: Vec<(usize, &'a Pinned)>,
+    /// All that is pinned.
+    pub all: &'a [Pinned],
+    /// Height of each part of a column that is shared, in points.
+    pub height: f32,
+    /// What draws on the GPU, if there is one.
+    pub render: Option<&'a RenderState>,
 }
 
-impl Sorted {
-    fn of(pinned: &[Pinned]) -> Self {
-        let mut sorted = Self::default();
-        for (at, pinned) in pinned.iter().enumerate() {
-            sorted.add(at, pinned);
+impl Shown<'_> {
+    /// The values of a type, each with its place in the list and its title.
+    pub fn of<T: Data>(&self) -> Vec<(usize, &str, Arc<T>)> {
+        let mut values = Vec::new();
+        for &(place, pinned) in &self.values {
+            let value = pinned.value.as_ref().and_then(Value::get::<T>);
+            values.extend(value.map(|value| (place, pinned.title.as_str(), value)));
         }
-        let (colors, fields) = std::mem::take(&mut sorted.fields).into_iter().partition(
-            |(_, pinned): &(usize, PinnedField)| {
-                let fits = |mesh: &TriMesh| pinned.field.check_fits(mesh).is_ok();
-                sorted.meshes.iter().any(|(_, input)| fits(&input.mesh))
-            },
-        );
-        (sorted.colors, sorted.fields) = (colors, fields);
-        sorted
-    }
-
-    fn add(&mut self, at: usize, pinned: &Pinned) {
-        let title = pinned.title.clone();
-        let Some(value) = &pinned.value else {
-            let reason = match &pinned.state {
-                PortState::Absent(reason) => reason.clone(),
-                PortState::Ready | PortState::Outdated => "no value".to_owned(),
-            };
-            self.absent.push((at, title, reason));
-            return;
-        };
-        if pinned.state == PortState::Outdated {
-            self.outdated.push(title.clone());
-        }
-        if let Some(mesh) = value.get::<TriMesh>() {
-            let folders = pinned.folders.clone();
-            self.meshes.push((at, MeshInput { title, mesh, folders }));
-        } else if let Some(field) = value.get::<Field>() {
-            self.fields.push((at, PinnedField { title, field }));
-        } else if let Some(images) = value.get::<Images>() {
-            self.images.push((at, ImagesInput { title, images }));
-        } else if let Some(measures) = value.get::<Measures>() {
-            self.measures.push((at, MeasuresInput { title, measures }));
-        } else if let Some(scalar) = value.scalar() {
-            self.scalars.push((at, title, scalar));
-        } else {
-            self.others.push((at, title, value.clone()));
-        }
+        values
     }
 }
 
-/// The parts of a panel that share its width.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Meshes,
-    Images,
-    Tables,
+/// How the values of one type are shown.
+pub trait ValueView {
+    /// Where the view stands.
+    fn place(&self) -> Place;
+
+    /// Whether it shows a value, given all that is pinned. The first view of the list that does
+    /// gets it; what no view takes is shown by its summary.
+    fn takes(&self, value: &Value, all: &[Pinned]) -> bool;
+
+    /// Shows its values.
+    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction>;
+
+    /// Lets go of what it holds for values: called in each frame that has none for it.
+    fn forget(&mut self) {}
+
+    /// Whether something is in the making that will change the picture.
+    fn is_busy(&self) -> bool {
+        false
+    }
+
+    /// How many parts of the height of its column so many values take.
+    fn n_parts(&self, n_values: usize) -> usize {
+        n_values.min(1)
+    }
 }
+
+/// Lists the views in the order in which they stand in a panel.
+macro_rules! views {
+    ($($file:ident::$view:ident as $values:ident,)*) => {
+        $(mod $file;)*
+
+        /// The state of one panel that shows values.
+        #[derive(Default)]
+        pub struct Viewer {
+            $(
+                #[doc = concat!("The view of ", stringify!($values), ".")]
+                pub $values: $file::$view,
+            )*
+            /// Since when some value is of an earlier run.
+            outdated_since: Option<Instant>,
+        }
+
+        impl Viewer {
+            fn views(&self) -> Vec<&dyn ValueView> {
+                vec![$(&self.$values,)*]
+            }
+
+            fn views_mut(&mut self) -> Vec<&mut dyn ValueView> {
+                vec![$(&mut self.$values,)*]
+            }
+        }
+    };
+}
+
+views! {
+    scalars::ScalarsView as scalars,
+    field_titles::FieldTitlesView as field_titles,
+    mesh::MeshView as meshes,
+    images::ImagesView as images,
+    field::FieldsView as fields,
+    measures::MeasuresView as measures,
+}
+
+/// The column of values that no view takes, before what else is there.
+const OTHERS: &str = "tables";
 
 impl Viewer {
     /// A viewer that has shown nothing yet.
@@ -172,9 +180,7 @@ impl Viewer {
 
     /// Whether something is in the making that will change the picture.
     pub fn is_busy(&self) -> bool {
-        self.meshes.is_busy()
-            || self.images.is_busy()
-            || self.fields.iter().any(|(_, view)| view.is_busy())
+        self.views().iter().any(|view| view.is_busy())
     }
 
     /// Shows the values in the space that there is. Without `render` meshes cannot be drawn.
@@ -183,145 +189,137 @@ impl Viewer {
         ui: &mut egui::Ui,
         pinned: &[Pinned],
         render: Option<&RenderState>,
-    ) -> Option<ViewerAction> {
+    ) -> Vec<ViewerAction> {
         if pinned.is_empty() {
             ui.centered_and_justified(|ui| {
                 ui.weak("Nothing is pinned here. Pin an output of a node to see its value.");
             });
         }
-        let sorted = Sorted::of(pinned);
-        let mut unpinned = self.strip(ui, &sorted);
-        let parts = [
-            (Part::Meshes, !sorted.meshes.is_empty()),
-            (Part::Images, !sorted.images.is_empty()),
-            (Part::Tables, has_tables(&sorted)),
-        ];
-        let parts: Vec<Part> = parts.iter().filter(|part| part.1).map(|part| part.0).collect();
+        let mut actions = show_absences(ui, pinned);
+        self.show_outdated(ui, pinned);
+        let (values, others) = self.sorted(pinned);
+        let shown = |values: &[usize], height: f32| {
+            let values = values.iter().map(|&place| (place, &pinned[place])).collect();
+            Shown { values, all: pinned, height, render }
+        };
+        for (view, values) in self.views_mut().into_iter().zip(&values) {
+            if values.is_empty() {
+                view.forget();
+            } else if view.place() == Place::Strip {
+                actions.extend(view.show(ui, &shown(values, ui.available_height())));
+            }
+        }
+        let columns = self.columns(&values, &others);
         let whole = ui.available_rect_before_wrap();
-        let width = whole.width() / parts.len().max(1) as f32;
-        for (at, part) in parts.iter().enumerate() {
-            let left = whole.left() + at as f32 * width;
-            let rect = Rect::from_min_max(
-                pos2(left, whole.top()),
-                pos2(left + width - if at + 1 < parts.len() { 6.0 } else { 0.0 }, whole.bottom()),
-            );
+        for (at, column) in columns.iter().enumerate() {
+            let rect = rect_of_column(whole, at, columns.len());
             if !rect.is_positive() {
                 continue;
             }
-            let id = ["meshes", "images", "tables"][*part as usize];
-            let builder = egui::UiBuilder::new().max_rect(rect).id_salt(id);
-            let of_part = ui.scope_builder(builder, |ui| {
+            let builder = egui::UiBuilder::new().max_rect(rect).id_salt(column);
+            ui.scope_builder(builder, |ui| {
                 ui.set_clip_rect(ui.clip_rect().intersect(rect));
-                match part {
-                    Part::Meshes => self.show_meshes(ui, &sorted, render),
-                    Part::Images => self.show_images(ui, &sorted),
-                    Part::Tables => self.show_tables(ui, &sorted),
+                if *column == OTHERS {
+                    actions.extend(show_others(ui, pinned, &others));
+                }
+                let views = self.views_mut().into_iter().zip(&values);
+                let views = views.filter(|(view, values)| {
+                    view.place() == Place::Column(column) && !values.is_empty()
+                });
+                let views: Vec<_> = views.collect();
+                let n_parts: usize = views.iter().map(|(v, values)| v.n_parts(values.len())).sum();
+                let height = ui.available_height() / n_parts.max(1) as f32 - 30.0;
+                for (view, values) in views {
+                    actions.extend(view.show(ui, &shown(values, height)));
                 }
             });
-            unpinned = unpinned.or(of_part.inner);
         }
-        if sorted.meshes.is_empty() && render.is_some() {
-            // Lets go of what is on the GPU.
-            self.meshes.forget_meshes();
-        }
-        unpinned.map(ViewerAction::Unpin)
+        actions
     }
 
-    /// What is small: absences, scalars, the fields that color meshes.
-    fn strip(&mut self, ui: &mut egui::Ui, sorted: &Sorted) -> Option<usize> {
-        let mut unpinned = None;
-        for (at, title, reason) in &sorted.absent {
-            if values::show_absence(ui, title, reason) {
-                unpinned = Some(*at);
+    /// The places of the values of each view, and of those that no view takes.
+    fn sorted(&self, pinned: &[Pinned]) -> (Vec<Vec<usize>>, Vec<usize>) {
+        let views = self.views();
+        let (mut sorted, mut others) = (vec![Vec::new(); views.len()], Vec::new());
+        for (place, value) in pinned.iter().enumerate() {
+            let Some(value) = &value.value else { continue };
+            match views.iter().position(|view| view.takes(value, pinned)) {
+                Some(view) => sorted[view].push(place),
+                None => others.push(place),
             }
         }
-        // While a run follows each edit, values are old for moments only, and nothing is to jump.
-        let is_outdated = !sorted.outdated.is_empty();
-        self.outdated_since =
-            self.outdated_since.or_else(|| Some(Instant::now())).filter(|_| is_outdated);
-        if is_outdated {
-            ui.ctx().request_repaint_after(OUTDATED);
-        }
-        if self.outdated_since.is_some_and(|since| since.elapsed() > OUTDATED) {
-            ui.weak(format!("From an earlier run: {}", sorted.outdated.join(", ")));
-        }
-        if !sorted.scalars.is_empty() {
-            ui.horizontal_wrapped(|ui| {
-                for (at, title, scalar) in &sorted.scalars {
-                    if values::show_scalar(ui, title, scalar) {
-                        unpinned = Some(*at);
-                    }
-                }
-            });
-        }
-        if !sorted.colors.is_empty() {
-            ui.horizontal_wrapped(|ui| {
-                for (at, pinned) in &sorted.colors {
-                    if values::heading(ui, &pinned.title) {
-                        unpinned = Some(*at);
-                    }
-                }
-            });
-        }
-        unpinned
+        (sorted, others)
     }
 
-    fn show_meshes(
-        &mut self,
-        ui: &mut egui::Ui,
-        sorted: &Sorted,
-        render: Option<&RenderState>,
-    ) -> Option<usize> {
-        let meshes: Vec<MeshInput> = sorted.meshes.iter().map(|(_, mesh)| mesh.clone()).collect();
-        let fields: Vec<PinnedField> = sorted.colors.iter().map(|(_, f)| f.clone()).collect();
-        let picture = |(_, input): &(usize, ImagesInput)| PinnedPicture {
-            title: input.title.clone(),
-            images: Arc::clone(&input.images),
+    /// The columns that have something to show, from left to right.
+    fn columns(&self, values: &[Vec<usize>], others: &[usize]) -> Vec<&'static str> {
+        let mut columns = Vec::new();
+        for (view, values) in self.views().iter().zip(values) {
+            match view.place() {
+                Place::Column(name) if !values.is_empty() && !columns.contains(&name) => {
+                    columns.push(name);
+                }
+                Place::Column(_) | Place::Strip => {}
+            }
+        }
+        if !others.is_empty() && !columns.contains(&OTHERS) {
+            columns.push(OTHERS);
+        }
+        columns
+    }
+
+    /// Says which values are of an earlier run. While a run follows each edit, they are old for
+    /// moments only, and nothing is to jump.
+    fn show_outdated(&mut self, ui: &mut egui::Ui, pinned: &[Pinned]) {
+        let is_outdated =
+            |pinned: &&Pinned| pinned.value.is_some() && pinned.state == PortState::Outdated;
+        let titles: Vec<&str> =
+            pinned.iter().filter(is_outdated).map(|pinned| pinned.title.as_str()).collect();
+        if titles.is_empty() {
+            self.outdated_since = None;
+            return;
+        }
+        let since = *self.outdated_since.get_or_insert_with(Instant::now);
+        ui.ctx().request_repaint_after(OUTDATED);
+        if since.elapsed() > OUTDATED {
+            ui.weak(format!("From an earlier run: {}", titles.join(", ")));
+        }
+    }
+}
+
+/// Says which values are not there, and why.
+fn show_absences(ui: &mut egui::Ui, pinned: &[Pinned]) -> Vec<ViewerAction> {
+    let mut actions = Vec::new();
+    for (place, pinned) in pinned.iter().enumerate().filter(|(_, pinned)| pinned.value.is_none()) {
+        let reason = match &pinned.state {
+            PortState::Absent(reason) => reason,
+            PortState::Ready | PortState::Outdated => "no value",
         };
-        let pictures: Vec<PinnedPicture> = sorted.images.iter().map(picture).collect();
-        let unpinned = self.meshes.show(ui, &meshes, &fields, &pictures, render)?;
-        Some(sorted.meshes[unpinned].0)
+        if heading::show_absence(ui, &pinned.title, reason) {
+            actions.push(ViewerAction::Unpin(place));
+        }
     }
+    actions
+}
 
-    fn show_images(&mut self, ui: &mut egui::Ui, sorted: &Sorted) -> Option<usize> {
-        let images: Vec<ImagesInput> = sorted.images.iter().map(|(_, i)| i.clone()).collect();
-        let unpinned = self.images.show(ui, &images)?;
-        Some(sorted.images[unpinned].0)
+/// Shows what values that no view takes say of themselves.
+fn show_others(ui: &mut egui::Ui, pinned: &[Pinned], others: &[usize]) -> Vec<ViewerAction> {
+    let mut actions = Vec::new();
+    for &place in others {
+        let Pinned { title, value: Some(value), .. } = &pinned[place] else { continue };
+        if heading::show_summary(ui, title, value) {
+            actions.push(ViewerAction::Unpin(place));
+        }
     }
+    actions
+}
 
-    fn show_tables(&mut self, ui: &mut egui::Ui, sorted: &Sorted) -> Option<usize> {
-        let mut unpinned = None;
-        for (at, title, value) in &sorted.others {
-            if values::show_summary(ui, title, value) {
-                unpinned = Some(*at);
-            }
-        }
-        let n_parts = sorted.fields.len() + usize::from(!sorted.measures.is_empty());
-        let height = ui.available_height() / n_parts.max(1) as f32 - 30.0;
-        self.fields.retain(|(title, _)| sorted.fields.iter().any(|(_, f)| f.title == *title));
-        for (at, pinned) in &sorted.fields {
-            if values::heading(ui, &pinned.title) {
-                unpinned = Some(*at);
-            }
-            let known = self.fields.iter().position(|(title, _)| *title == pinned.title);
-            let known = known.unwrap_or_else(|| {
-                self.fields.push((pinned.title.clone(), FieldView::default()));
-                self.fields.len() - 1
-            });
-            self.fields[known].1.show(ui, &pinned.title, &pinned.field, height);
-        }
-        if !sorted.measures.is_empty() {
-            for (at, input) in &sorted.measures {
-                if values::heading(ui, &input.title) {
-                    unpinned = Some(*at);
-                }
-            }
-            let inputs: Vec<_> = sorted.measures.iter().map(|(_, input)| input.clone()).collect();
-            let table = self.measures.of(&inputs);
-            self.table.show(ui, &table);
-        }
-        unpinned
-    }
+/// The part of a panel that one of its columns has.
+fn rect_of_column(whole: Rect, at: usize, n_columns: usize) -> Rect {
+    let width = whole.width() / n_columns.max(1) as f32;
+    let left = whole.left() + at as f32 * width;
+    let gap = if at + 1 < n_columns { 6.0 } else { 0.0 };
+    Rect::from_min_max(pos2(left, whole.top()), pos2(left + width - gap, whole.bottom()))
 }
 
 /// Goes to the next row where less room than this is left: lists and sliders do not wrap by
@@ -330,8 +328,4 @@ pub fn make_room(ui: &mut egui::Ui, width: f32) {
     if ui.available_size_before_wrap().x < width {
         ui.end_row();
     }
-}
-
-fn has_tables(sorted: &Sorted) -> bool {
-    !(sorted.fields.is_empty() && sorted.measures.is_empty() && sorted.others.is_empty())
 }

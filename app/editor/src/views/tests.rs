@@ -10,7 +10,8 @@ use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_set
 use glam::DVec3;
 use image::RgbaImage;
 use mve_modules::data::{
-    Domain, Image, Layer, LayerValues, Material, Measure, PixelKind, VertexId,
+    Domain, Field, Image, Images, Layer, LayerValues, Material, Measure, Measures, PixelKind,
+    TriMesh, VertexId,
 };
 use mve_modules::mesh::fixtures::{cube, mesh_of};
 
@@ -42,8 +43,8 @@ fn harness_with(
     // Most of the models here lie in the xy plane and are looked at from the front.
     shown.viewer.meshes.settings.up = Some(UpAxis::Y);
     let show = move |ui: &mut egui::Ui, shown: &mut Shown| {
-        let action = shown.viewer.show(ui, &shown.pinned, Some(&render));
-        shown.action = action.or(shown.action.take());
+        let actions = shown.viewer.show(ui, &shown.pinned, Some(&render));
+        shown.action = actions.into_iter().next().or(shown.action.take());
     };
     let builder = Harness::builder().with_size(size).renderer(renderer);
     builder.build_ui_state(show, shown)

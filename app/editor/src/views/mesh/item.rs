@@ -7,21 +7,23 @@ use glam::DMat4;
 use mve_modules::data::TriMesh;
 use mve_modules::picture::color_map::Outside;
 
+use super::arrays::coarse::{Coarse, coarse};
+use super::arrays::edges::{Edges, edges};
 use super::arrays::{Arrays, Shading, Sharing, arrays};
-use super::coarse::{Coarse, coarse};
-use super::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
-use super::edges::{Edges, edges};
-use super::gpu::{Cursor, Drawing, FINE, Gpu, Lines, Texture, Uniforms};
-use super::gpu_buffers::{AttributeBuffers, LineBuffers, SurfaceBuffers};
-use super::gpu_target::Target;
-use super::settings::{BackFaces, Settings};
-use super::texture::{Pictures, TextureSource, pictures};
+use super::gpu::buffers::{AttributeBuffers, LineBuffer, SurfaceBuffers};
+use super::gpu::target::{FINE, Target};
+use super::gpu::texture::Texture;
+use super::gpu::{Cursor, Drawing, Gpu, MOST_LINE_SETS, Uniforms};
+use super::lines::{LineChoice, MeshLines};
+use super::look::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
+use super::look::settings::{BackFaces, Settings};
+use super::look::texture::{Pictures, TextureSource, pictures};
 use crate::views::camera::{Bounds, Camera, Projection};
 use crate::views::slot::{Same, Slot};
 
 /// What arrays are made for.
 #[derive(Clone, Debug, PartialEq)]
-struct Wanted {
+struct Recipe {
     crease_angle_rad: f32,
     sharing: Sharing,
     source: Source,
@@ -51,13 +53,13 @@ pub enum Undrawable {
 type Preparation = Result<Prepared, Undrawable>;
 
 /// What is to be uploaded.
-struct Made {
+struct Product {
     arrays: Arc<Arrays>,
     coarse: Arc<Option<Coarse>>,
     attribute: Attribute,
 }
 
-impl Made {
+impl Product {
     /// What does not depend on colors.
     fn arrays(&self) -> (Arc<Arrays>, Arc<Option<Coarse>>) {
         (Arc::clone(&self.arrays), Arc::clone(&self.coarse))
@@ -78,7 +80,7 @@ pub struct Colors<'a> {
 
 /// How a picture is to be drawn.
 #[derive(Clone, Copy)]
-pub struct Frame<'a> {
+pub struct Viewport<'a> {
     /// From where.
     pub camera: &'a Camera,
     /// The box around all that is shown, for depth.
@@ -94,7 +96,7 @@ pub struct Frame<'a> {
 struct Drawn {
     uniforms: Uniforms,
     prepared: Same<Preparation>,
-    lines: Option<(Same<Edges>, Lines)>,
+    lines: Vec<(u32, Same<Option<LineBuffer>>)>,
     textures: Option<Same<Textures>>,
     table: u64,
     size: [u32; 2],
@@ -109,12 +111,12 @@ pub struct Item {
     /// The mesh.
     pub mesh: Arc<TriMesh>,
     /// `None` for a mesh without a face that can be drawn.
-    made: Slot<Wanted, Option<Made>>,
+    products: Slot<Recipe, Option<Product>>,
     /// What was uploaded.
-    prepared: Slot<Same<Option<Made>>, Preparation>,
+    prepared: Slot<Same<Option<Product>>, Preparation>,
     edges: Slot<Same<Arrays>, Edges>,
-    /// `None` when they are more than the GPU takes.
-    lines: Slot<Same<Edges>, Option<LineBuffers>>,
+    /// Each kind of lines that there is, and whether it is shown.
+    lines: Vec<(LineChoice, MeshLines)>,
     pictures: Slot<TextureSource, Result<Pictures, String>>,
     textures: Slot<Same<Result<Pictures, String>>, Textures>,
     target: Option<Target>,
@@ -132,10 +134,10 @@ impl Item {
     pub fn new(mesh: Arc<TriMesh>) -> Self {
         Self {
             mesh,
-            made: Slot::default(),
+            products: Slot::default(),
             prepared: Slot::default(),
             edges: Slot::default(),
-            lines: Slot::default(),
+            lines: Vec::new(),
             pictures: Slot::default(),
             textures: Slot::default(),
             target: None,
@@ -152,21 +154,21 @@ impl Item {
         context: &egui::Context,
         gpu: &Gpu,
         (source, texture): (Source, Option<TextureSource>),
-        settings: &Settings,
+        (settings, lines): (&Settings, &[LineChoice]),
     ) {
-        let wanted = Wanted {
+        let wanted = Recipe {
             crease_angle_rad: settings.crease_angle_rad(),
             sharing: source.sharing(&self.mesh),
             source,
             spacing: settings.scale.spacing,
         };
-        let same_arrays = |known: &Wanted| {
+        let same_arrays = |known: &Recipe| {
             (known.crease_angle_rad, known.sharing) == (wanted.crease_angle_rad, wanted.sharing)
         };
-        let latest = self.made.latest_with_key().filter(|(key, _)| same_arrays(key));
-        let known = latest.and_then(|(_, made)| made.as_ref().as_ref());
-        let job = (Arc::clone(&self.mesh), wanted.clone(), known.map(Made::arrays));
-        self.made.want(context, wanted, move || {
+        let latest = self.products.latest_with_key().filter(|(key, _)| same_arrays(key));
+        let known = latest.and_then(|(_, product)| product.as_ref().as_ref());
+        let job = (Arc::clone(&self.mesh), wanted.clone(), known.map(Product::arrays));
+        self.products.want(context, wanted, move || {
             let (mesh, wanted, known) = job;
             let make = || {
                 let arrays = arrays(&mesh, wanted.crease_angle_rad, wanted.sharing)?;
@@ -175,31 +177,49 @@ impl Item {
             };
             let (arrays, coarse) = known.or_else(make)?;
             let attribute = attribute(&mesh, &arrays, &wanted.source, wanted.spacing);
-            Some(Made { arrays, coarse, attribute })
+            Some(Product { arrays, coarse, attribute })
         });
-        if let Some(made) = self.made.latest().map(Same) {
-            let job = (gpu.device().clone(), made.clone(), self.prepared.latest());
+        if let Some(product) = self.products.latest().map(Same) {
+            let job = (gpu.device().clone(), product.clone(), self.prepared.latest());
             let upload = move || {
-                let (device, made, known) = job;
+                let (device, product, known) = job;
                 let known = known.as_deref().and_then(|known| known.as_ref().ok());
-                let made = made.0.as_ref().as_ref().ok_or(Undrawable::Empty)?;
-                upload(&device, made, known)
+                let product = product.0.as_ref().as_ref().ok_or(Undrawable::Empty)?;
+                upload(&device, product, known)
             };
-            in_place(&mut self.prepared, context, gpu, made, upload);
+            gpu.upload(&mut self.prepared, context, product, upload);
         }
         self.prepare_textures(context, gpu, texture);
-        self.prepare_edges(context, gpu, settings);
+        self.prepare_lines(context, gpu, lines);
     }
 
-    fn prepare_edges(&mut self, context: &egui::Context, gpu: &Gpu, settings: &Settings) {
+    fn prepare_lines(&mut self, context: &egui::Context, gpu: &Gpu, choices: &[LineChoice]) {
         let Some(arrays) = self.arrays() else { return };
         let job = (Arc::clone(&self.mesh), Arc::clone(&arrays));
-        self.edges.want(context, Same(arrays), move || edges(&job.0, &job.1));
-        if let Some(edges) = self.edges.latest().filter(|_| settings.lines != Lines::default()) {
-            let (device, job) = (gpu.device().clone(), Arc::clone(&edges));
-            let upload = move || LineBuffers::new(&device, &job).ok();
-            in_place(&mut self.lines, context, gpu, Same(edges), upload);
+        self.edges.want(context, Same(Arc::clone(&arrays)), move || edges(&job.0, &job.1));
+        let n_known = self.lines.len();
+        let new = choices.iter().skip(n_known).map(|choice| (*choice, MeshLines::default()));
+        self.lines.extend(new);
+        let edges = self.edges.latest_with_key();
+        let edges = edges.filter(|(key, _)| Arc::ptr_eq(&key.0, &arrays)).map(|(_, edges)| edges);
+        for ((known, lines), choice) in self.lines.iter_mut().zip(choices) {
+            *known = *choice;
+            if let Some(edges) = edges.filter(|_| choice.is_on) {
+                lines.prepare(context, gpu, choice.set, (&self.mesh, &arrays, edges));
+            }
         }
+    }
+
+    /// The lines that are shown and on the GPU, each with its place among the kinds. Lines of
+    /// earlier arrays do not fit.
+    fn shown_lines(&self, arrays: &Arc<Arrays>) -> Vec<(u32, Arc<Option<LineBuffer>>)> {
+        let edges = self.edges.latest_with_key();
+        let Some((_, edges)) = edges.filter(|(key, _)| Arc::ptr_eq(&key.0, arrays)) else {
+            return Vec::new();
+        };
+        let shown = self.lines.iter().enumerate().take(MOST_LINE_SETS);
+        let shown = shown.filter(|(_, (choice, _))| choice.is_on);
+        shown.filter_map(|(at, (_, lines))| Some((at as u32, lines.of(edges)?))).collect()
     }
 
     fn prepare_textures(
@@ -222,7 +242,7 @@ impl Item {
                 let texture = Texture::of_pictures(&device, &queue, pictures);
                 Ok((texture, pictures.problem.clone()))
             };
-            in_place(&mut self.textures, context, gpu, Same(pictures), upload);
+            gpu.upload(&mut self.textures, context, Same(pictures), upload);
         }
     }
 
@@ -236,6 +256,12 @@ impl Item {
         prepared.as_ref().as_ref().ok().map(|prepared| Arc::clone(&prepared.arrays))
     }
 
+    /// The numbers that color it, when numbers do.
+    pub fn values(&self) -> Option<Arc<Values>> {
+        let prepared = self.prepared()?;
+        prepared.as_ref().as_ref().ok()?.values.clone()
+    }
+
     /// The box around what is drawn, once it is known.
     pub fn bounds(&self) -> Option<Bounds> {
         self.arrays().map(|arrays| arrays.bounds)
@@ -246,18 +272,30 @@ impl Item {
         self.edges.latest()
     }
 
+    /// The color of each kind of lines.
+    fn line_colors(&self, arrays: &Arrays, viewport: &Viewport) -> [[f32; 4]; MOST_LINE_SETS] {
+        let mut colors = [[0.0; 4]; MOST_LINE_SETS];
+        for (color, (choice, _)) in colors.iter_mut().zip(&self.lines) {
+            *color = choice.set.color;
+            if choice.set.fades {
+                color[3] *= wire_share(arrays, viewport);
+            }
+        }
+        colors
+    }
+
     /// Whether something is in the making.
     pub fn is_busy(&self) -> bool {
-        self.made.is_busy()
+        self.products.is_busy()
             || self.prepared.is_busy()
             || self.edges.is_busy()
-            || self.lines.is_busy()
+            || self.lines.iter().any(|(_, lines)| lines.is_busy())
             || self.pictures.is_busy()
             || self.textures.is_busy()
             || self.rest.is_some()
     }
 
-    /// Whether the picture is to be drawn on in the next frame.
+    /// Whether the picture is to be drawn on in the next viewport.
     pub fn is_drawing(&self) -> bool {
         self.rest.is_some()
     }
@@ -272,7 +310,7 @@ impl Item {
 
     /// Whether the making failed in a way that nobody foresaw.
     pub fn is_lost(&self) -> bool {
-        self.made.is_lost() || self.prepared.is_lost()
+        self.products.is_lost() || self.prepared.is_lost()
     }
 
     /// The picture, drawn anew if anything that it shows has changed. A large one that the
@@ -283,29 +321,25 @@ impl Item {
         gpu: &mut Gpu,
         settings: &Settings,
         colors: &Colors,
-        frame: &Frame,
+        viewport: &Viewport,
     ) -> Option<&Target> {
         let shared = self.prepared()?;
         let prepared = shared.as_ref().as_ref().ok()?;
         let textures = self.textures.latest();
         let texture = textures.as_deref().and_then(|textures| textures.as_ref().ok());
-        let uniforms = uniforms(prepared, texture.is_some(), settings, colors, frame);
-        // Lines of earlier arrays do not fit.
-        let fitting = self.edges.latest_with_key();
-        let fitting = fitting.filter(|(key, _)| Arc::ptr_eq(&key.0, &prepared.arrays));
-        let lines = self.lines.latest_with_key().filter(|(known, _)| {
-            let is_latest = fitting.is_some_and(|(_, edges)| Arc::ptr_eq(edges, &known.0));
-            is_latest && settings.lines != Lines::default()
-        });
+        let line_colors = self.line_colors(&prepared.arrays, viewport);
+        let has_texture = texture.is_some();
+        let uniforms = uniforms(prepared, has_texture, line_colors, settings, (colors, viewport));
+        let lines = self.shown_lines(&prepared.arrays);
         let is_culled = settings.back_faces == BackFaces::Hidden;
         let coarse = prepared.surface.coarse.as_ref().zip(prepared.attribute.coarse.as_ref());
         let drawn = Drawn {
             uniforms,
             prepared: Same(Arc::clone(&shared)),
-            lines: lines.map(|(edges, _)| (edges.clone(), settings.lines)),
+            lines: lines.iter().map(|(kind, lines)| (*kind, Same(Arc::clone(lines)))).collect(),
             textures: textures.clone().map(Same),
             table: colors.table.1,
-            size: frame.size,
+            size: viewport.size,
             is_culled,
         };
         let is_new = self.drawn.as_ref() != Some(&drawn);
@@ -313,7 +347,7 @@ impl Item {
         let is_hurried = self.target.is_none() || (is_new && self.rest.is_some());
         let samples = match is_hurried && coarse.is_some() && gpu.is_software() {
             true => 1,
-            false => frame.samples,
+            false => viewport.samples,
         };
         if is_new || samples != self.samples {
             (self.drawn, self.samples) = (Some(drawn), samples);
@@ -324,20 +358,21 @@ impl Item {
             let whole = (&prepared.surface.whole, &prepared.attribute.whole);
             let rough = coarse.filter(|_| samples < FINE);
             let (faces, attribute) = rough.unwrap_or(whole);
-            let lines = lines.and_then(|(_, buffers)| buffers.as_ref().as_ref());
+            // The rough version has no edges.
+            let lines = lines.iter().filter(|_| rough.is_none());
+            let lines = lines.filter_map(|(at, lines)| Some((*at, lines.as_ref().as_ref()?)));
             let drawing = Drawing {
                 uniforms,
                 faces,
                 is_coarse: rough.is_some(),
                 attribute,
-                // The rough version has no edges.
-                lines: lines.filter(|_| rough.is_none()).map(|lines| (lines, settings.lines)),
+                lines: lines.collect(),
                 table: colors.table.0,
                 pictures: texture.map_or(gpu.no_pictures(), |(texture, _)| texture).clone(),
                 is_culled,
             };
-            self.rest = gpu.draw(&mut self.target, frame.size, samples, &drawing, from);
-            if samples != frame.samples {
+            self.rest = gpu.draw(&mut self.target, viewport.size, samples, &drawing, from);
+            if samples != viewport.samples {
                 // The fine one follows.
                 self.rest = Some(Cursor::default());
             }
@@ -346,38 +381,24 @@ impl Item {
     }
 }
 
-/// Makes what is to be on the GPU: aside where threads can share it, else here and now.
-fn in_place<K: PartialEq, T: Send + 'static>(
-    slot: &mut Slot<K, T>,
-    context: &egui::Context,
-    gpu: &Gpu,
-    key: K,
-    upload: impl FnOnce() -> T + Send + 'static,
-) {
-    match gpu.is_shared() {
-        true => slot.want(context, key, upload),
-        false => slot.make(key, upload),
-    }
-}
-
 /// Uploads; positions stay on the GPU when they are those that are there.
-fn upload(device: &wgpu::Device, made: &Made, known: Option<&Prepared>) -> Preparation {
-    let known = known.filter(|known| Arc::ptr_eq(&known.arrays, &made.arrays));
-    let coarse = made.coarse.as_ref().as_ref();
+fn upload(device: &wgpu::Device, product: &Product, known: Option<&Prepared>) -> Preparation {
+    let known = known.filter(|known| Arc::ptr_eq(&known.arrays, &product.arrays));
+    let coarse = product.coarse.as_ref().as_ref();
     let surface = match known {
         Some(known) => Arc::clone(&known.surface),
         None => {
-            let surface = SurfaceBuffers::new(device, &made.arrays, coarse);
+            let surface = SurfaceBuffers::new(device, &product.arrays, coarse);
             Arc::new(surface.map_err(|_| Undrawable::TooLarge)?)
         }
     };
-    let n_vertices = made.arrays.positions.len();
-    let attribute = AttributeBuffers::new(device, &made.attribute, n_vertices, coarse);
+    let n_vertices = product.arrays.positions.len();
+    let attribute = AttributeBuffers::new(device, &product.attribute, n_vertices, coarse);
     Ok(Prepared {
-        arrays: Arc::clone(&made.arrays),
-        values: made.attribute.values.clone(),
+        arrays: Arc::clone(&product.arrays),
+        values: product.attribute.values.clone(),
         surface,
-        reading: made.attribute.reading,
+        reading: product.attribute.reading,
         attribute: attribute.map_err(|_| Undrawable::TooLarge)?,
     })
 }
@@ -385,28 +406,27 @@ fn upload(device: &wgpu::Device, made: &Made, known: Option<&Prepared>) -> Prepa
 /// A neutral gray, a little warm, that stands out from light and dark alike.
 const SURFACE: [f32; 4] = [0.74, 0.74, 0.72, 1.0];
 const BACK: [f32; 3] = [0.72, 0.34, 0.28];
-const WIRE: [f32; 4] = [0.06, 0.08, 0.12, 0.65];
-const BORDER: [f32; 4] = [1.0, 0.55, 0.05, 1.0];
 /// How far lines are moved towards the viewer, as a part of the size of the scene.
 const LINE_SHIFT: f64 = 1e-3;
 
-/// How much of a wire is seen: where edges are shorter than a few pixels they would hide the surface.
-fn wire_share(arrays: &Arrays, frame: &Frame) -> f32 {
+/// How much of a wire is seen: where edges are shorter than a few pixels they would hide the
+/// surface.
+fn wire_share(arrays: &Arrays, viewport: &Viewport) -> f32 {
     // The edge of an equilateral triangle, if as many cover a square as large as the box.
     let n_faces = arrays.faces.len().max(1) as f64;
     let edge = 1.5 * 2.0 * arrays.bounds.radius() / n_faces.sqrt();
-    let pixels = edge * frame.camera.pixels_per_unit(frame.size[1]);
+    let pixels = edge * viewport.camera.pixels_per_unit(viewport.size[1]);
     ((pixels / 5.0) as f32).clamp(0.12, 1.0)
 }
 
 fn uniforms(
     prepared: &Prepared,
     has_texture: bool,
+    line_colors: [[f32; 4]; MOST_LINE_SETS],
     settings: &Settings,
-    colors: &Colors,
-    frame: &Frame,
+    (colors, viewport): (&Colors, &Viewport),
 ) -> Uniforms {
-    let aspect = f64::from(frame.size[0]) / f64::from(frame.size[1]);
+    let aspect = f64::from(viewport.size[0]) / f64::from(viewport.size[1]);
     let arrays = &prepared.arrays;
     let columns = |matrix: DMat4| matrix.as_mat4().to_cols_array_2d();
     let place = match &prepared.values {
@@ -415,14 +435,14 @@ fn uniforms(
     };
     let is_gray_outside = settings.scale.outside == Outside::Gray;
     // In units of the scene, so that scenes of any size fit into the numbers of the GPU.
-    let unit = frame.bounds.radius();
+    let unit = viewport.bounds.radius();
     let to_units = DMat4::from_scale(glam::DVec3::splat(1.0 / unit));
     // Clip space has no unit where it is divided by depth.
-    let clip_unit = match frame.camera.projection {
+    let clip_unit = match viewport.camera.projection {
         Projection::Perspective => 1.0 / unit,
         Projection::Orthographic => 1.0,
     };
-    let clip_from_view = frame.camera.clip_from_view(aspect, frame.bounds)
+    let clip_from_view = viewport.camera.clip_from_view(aspect, viewport.bounds)
         * DMat4::from_scale(glam::DVec3::splat(unit))
         * clip_unit;
     let back = match settings.back_faces {
@@ -442,12 +462,11 @@ fn uniforms(
     Uniforms {
         clip_from_view: columns(clip_from_view),
         view_from_local: columns(
-            to_units * frame.camera.view_from_local(arrays.center, arrays.scale),
+            to_units * viewport.camera.view_from_local(arrays.center, arrays.scale),
         ),
         surface: SURFACE,
         back: [BACK[0], BACK[1], BACK[2], back],
-        wire: [WIRE[0], WIRE[1], WIRE[2], WIRE[3] * wire_share(arrays, frame)],
-        border: BORDER,
+        line_colors,
         numbers: [place[0], place[1], f32::from(is_gray_outside), LINE_SHIFT as f32],
         modes: [reading, u32::from(settings.shading == Shading::Flat), 0, 0],
     }

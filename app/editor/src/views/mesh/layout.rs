@@ -2,8 +2,10 @@
 
 use eframe::egui::{Color32, Rect, pos2, vec2};
 
-use super::overlay::BAR_SPACE;
-use super::settings::{Arrangement, Settings};
+use crate::views::mesh::look::settings::{Arrangement, Settings};
+
+/// Width that a color bar takes with its labels.
+const BAR_SPACE: f32 = 104.0;
 
 /// One picture on the screen.
 pub struct Tile {

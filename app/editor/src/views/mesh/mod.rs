@@ -1,27 +1,20 @@
 //! The view of meshes: several side by side or over each other, with one camera.
+//!
+//! `arrays/` makes what is drawn of a mesh, `gpu/` draws it, `look/` says what it looks like,
+//! `hand/` is what pointer and keys do, and `overlays/` holds what lies on the pictures.
 
 mod arrays;
-mod captions;
-mod coarse;
-mod coloring;
-mod edges;
 mod gpu;
-mod gpu_buffers;
-mod gpu_target;
-mod hover;
+mod hand;
 mod item;
-mod kept;
 mod layout;
-mod navigation;
-mod overlay;
-mod palette;
-mod pick;
-mod settings;
-mod texture;
+mod lines;
+mod look;
+mod overlays;
+mod scene;
 mod view;
 
-pub use coloring::{ColorBy, PinnedField, ScaleSettings, Spacing};
-pub use kept::MeshLook;
-pub use overlay::histogram;
-pub use settings::{Arrangement, BackFaces, Settings};
-pub use view::{MeshInput, MeshView, PinnedPicture};
+pub use look::coloring::{ColorBy, ScaleSettings, Spacing};
+pub use look::settings::{Arrangement, BackFaces, Settings};
+pub use look::stored::MeshLook;
+pub use view::MeshView;

@@ -1,52 +1,32 @@
 //! The panel of meshes: layout, what is prepared and drawn, and what the user does with it.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
-use eframe::egui::{self, Rect, Sense, pos2};
+use eframe::egui::{self, Color32, Rect, Sense, pos2};
 use eframe::egui_wgpu::RenderState;
-use mve_modules::data::{Images, TriMesh};
+use mve_core::Value;
+use mve_modules::data::{Field, Images, TriMesh};
 
-use super::captions::captions;
-use super::coloring::{
+use super::gpu::Gpu;
+use super::gpu::target::FINE;
+use super::gpu::texture::Texture;
+use super::hand::navigation::{by_keys, by_pointer};
+use super::item::{Colors, Item, Viewport};
+use super::layout::{Tile, layout, part_of};
+use super::look::coloring::{
     ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of,
 };
-use super::gpu::{FINE, Gpu, Texture};
-use super::hover::Hover;
-use super::item::{Colors, Frame, Item};
-use super::kept::MeshLook;
-use super::layout::{Tile, layout, part_of};
-use super::navigation::{by_keys, by_pointer};
-use super::overlay::{
-    BoxPart, Screen, histogram, paint_axes, paint_background, paint_box, paint_color_bar,
-};
-use super::palette::label_layers;
-use super::pick::describe;
-use super::settings::{Arrangement, Offers, Settings, controls};
-use super::texture::{TextureSource, files_of};
+use super::look::label_layers;
+use super::look::settings::{Arrangement, Offers, Settings, controls};
+use super::look::stored::MeshLook;
+use super::look::texture::{TextureSource, files_of};
+use super::overlays::{Layer, Overlays};
+use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
+use crate::views::field::colors_a_mesh;
 use crate::views::slot::Same;
-
-/// A mesh to show.
-#[derive(Clone, Debug)]
-pub struct MeshInput {
-    /// Where it comes from: `simplify.mesh`.
-    pub title: String,
-    /// The mesh.
-    pub mesh: Arc<TriMesh>,
-    /// Where files lie that it names.
-    pub folders: Vec<PathBuf>,
-}
-
-/// A picture that may be a texture.
-#[derive(Clone, Debug)]
-pub struct PinnedPicture {
-    /// Where it comes from: `texture.images`.
-    pub title: String,
-    /// Holds the picture.
-    pub images: Arc<Images>,
-}
+use crate::views::{Pinned, Place, Shown, ValueView, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -64,29 +44,53 @@ pub struct MeshView {
     moved_secs: Option<f64>,
     /// The color scale on the GPU, and how often there was another one.
     table: Option<(ScaleSettings, Texture, u64)>,
-    bars: Option<Bar>,
-    hover: Hover,
-}
-
-/// The spread of values beside a color bar, for one range.
-struct Bar {
-    values: Arc<Values>,
-    range: [f64; 2],
-    histogram: Vec<usize>,
+    overlays: Overlays,
 }
 
 /// Seconds after which a camera is at rest.
 const REST_SECS: f64 = 0.25;
 
-/// Bars of a histogram beside the color bar.
-const N_BARS: usize = 64;
-
-impl MeshView {
-    /// Whether something is in the making.
-    pub fn is_busy(&self) -> bool {
-        self.items.iter().any(Item::is_busy)
+impl ValueView for MeshView {
+    fn place(&self) -> Place {
+        Place::Column("meshes")
     }
 
+    fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
+        value.get::<TriMesh>().is_some()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+        let mesh = |&(place, pinned): &(usize, &Pinned)| {
+            let mesh = pinned.value.as_ref()?.get::<TriMesh>()?;
+            let (title, folders) = (pinned.title.clone(), pinned.folders.clone());
+            Some(MeshInput { place, title, mesh, folders })
+        };
+        let meshes: Vec<MeshInput> = shown.values.iter().filter_map(mesh).collect();
+        let field = |pinned: &Pinned| {
+            let field = pinned.value.as_ref()?.get::<Field>()?;
+            let title = pinned.title.clone();
+            colors_a_mesh(&field, shown.all).then_some(PinnedField { title, field })
+        };
+        let fields: Vec<PinnedField> = shown.all.iter().filter_map(field).collect();
+        let picture = |pinned: &Pinned| {
+            let images = pinned.value.as_ref()?.get::<Images>()?;
+            Some(PinnedPicture { title: pinned.title.clone(), images })
+        };
+        let pictures: Vec<PinnedPicture> = shown.all.iter().filter_map(picture).collect();
+        self.show_meshes(ui, &meshes, (&fields, &pictures), shown.render)
+    }
+
+    /// Lets go of all meshes, and of what is on the GPU.
+    fn forget(&mut self) {
+        self.items.clear();
+    }
+
+    fn is_busy(&self) -> bool {
+        self.items.iter().any(Item::is_busy)
+    }
+}
+
+impl MeshView {
     /// How meshes are shown, for the next start or for another view.
     pub fn look(&self) -> MeshLook {
         MeshLook::of(&self.settings, &self.camera)
@@ -101,34 +105,28 @@ impl MeshView {
         }
     }
 
-    /// Lets go of all meshes.
-    pub fn forget_meshes(&mut self) {
-        self.items.clear();
-    }
-
     /// How many pictures were drawn so far.
     pub fn n_drawn(&self) -> u64 {
         self.items.iter().map(|item| item.n_drawn).sum()
     }
 
-    /// Shows the meshes in the space that there is. Returns the place of a mesh that the user
-    /// wants to see no longer.
-    pub fn show(
+    /// Shows the meshes in the space that there is.
+    fn show_meshes(
         &mut self,
         ui: &mut egui::Ui,
         meshes: &[MeshInput],
-        fields: &[PinnedField],
-        pictures: &[PinnedPicture],
+        (fields, pictures): (&[PinnedField], &[PinnedPicture]),
         render: Option<&RenderState>,
-    ) -> Option<usize> {
+    ) -> Vec<ViewerAction> {
         let Some(render) = render else {
             ui.label("There is no GPU, and no software in its place, to draw meshes with.");
-            return None;
+            return Vec::new();
         };
         self.take_over(meshes);
         let offers = self.offers(meshes, fields, pictures);
         let wishes = controls(ui, &mut self.settings, &mut self.camera, &offers);
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
+        let lines = self.overlays.lines(&mut self.settings);
         for (item, input) in self.items.iter_mut().zip(meshes) {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
             let source = source.unwrap_or(Source::Plain);
@@ -137,11 +135,11 @@ impl MeshView {
                 Source::Picture => pinned_picture(&self.settings.color_by, pictures),
                 _ => None,
             };
-            item.prepare(ui.ctx(), &gpu, (source, texture), &self.settings);
+            item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
         }
-        let unpinned = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
+        let actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
         self.gpu = Some(gpu);
-        unpinned
+        actions
     }
 
     /// Keeps what belongs to meshes that are still there.
@@ -196,7 +194,8 @@ impl MeshView {
         Offers {
             titles: meshes.iter().map(|input| input.title.clone()).collect(),
             color_by,
-            has_scalar: self.items.iter().any(|item| values_of(item).is_some()),
+            switches: self.overlays.switches(),
+            has_scalar: self.items.iter().any(|item| item.values().is_some()),
         }
     }
 
@@ -206,17 +205,17 @@ impl MeshView {
         meshes: &[MeshInput],
         gpu: &mut Gpu,
         is_fit: bool,
-    ) -> Option<usize> {
+    ) -> Vec<ViewerAction> {
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
         // On whole pixels, as the pictures are.
         let whole = whole.round_to_pixels(ui.pixels_per_point());
         if !(whole.width() >= 4.0 && whole.height() >= 4.0) || meshes.is_empty() {
-            return None;
+            return Vec::new();
         }
         let is_dark = ui.visuals().dark_mode;
         paint_background(&ui.painter_at(whole), whole, is_dark);
-        let values: Vec<Arc<Values>> = self.items.iter().filter_map(values_of).collect();
+        let values: Vec<Arc<Values>> = self.items.iter().filter_map(Item::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
         for tile in &mut tiles {
@@ -236,11 +235,21 @@ impl MeshView {
             let samples = if is_rough { 1 } else { FINE };
             self.draw(ui, gpu, &tiles, bounds, range, samples);
         }
-        self.show_hover(ui, &responses, &tiles, bounds.as_ref());
-        if let (Some(bar), Some(values)) = (bar, values.first()) {
-            self.show_bar(ui, bar, range, values);
-        }
-        captions(ui, meshes, &tiles, &self.items, &mut self.settings)
+        let mut scene = MeshScene {
+            meshes,
+            items: &self.items,
+            tiles: &tiles,
+            responses: &responses,
+            camera: &self.camera,
+            settings: &mut self.settings,
+            bounds,
+            bar,
+            values: &values,
+            range,
+            actions: Vec::new(),
+        };
+        self.overlays.show(ui, &mut scene);
+        scene.actions
     }
 
     /// Takes in what pointer and keys do; whether the camera moves.
@@ -258,7 +267,8 @@ impl MeshView {
         }
         let before = self.camera;
         let (camera, settings) = (&mut self.camera, &mut self.settings);
-        let mut moved = by_keys(ui, responses, aspect, camera, bounds, settings);
+        let switches = self.overlays.switches();
+        let mut moved = by_keys(ui, responses, aspect, camera, bounds, (settings, &switches));
         for response in responses {
             let screen = Screen { rect: response.rect };
             let by = by_pointer(ui, response, &screen, &mut self.camera, bounds);
@@ -338,7 +348,11 @@ impl MeshView {
             |old: &ScaleSettings| (old.scale, old.is_reversed) == (scale.scale, scale.is_reversed);
         if !self.table.as_ref().is_some_and(|(old, ..)| same_colors(old)) {
             let number = self.table.as_ref().map_or(0, |(.., number)| number + 1);
-            self.table = Some((scale, gpu.table(&scale.table()), number));
+            self.table = Some((
+                scale,
+                Texture::of_colors(gpu.device(), gpu.queue(), &scale.table()),
+                number,
+            ));
         }
     }
 
@@ -359,79 +373,26 @@ impl MeshView {
         for (at, tile) in tiles.iter().enumerate() {
             let pixels = |length: f32| (length * points).round().clamp(1.0, most) as u32;
             let size = [pixels(tile.rect.width()), pixels(tile.rect.height())];
-            let frame = Frame { camera: &self.camera, bounds, size, samples };
+            let viewport = Viewport { camera: &self.camera, bounds, size, samples };
             let item = &mut self.items[tile.item];
-            let screen = Screen { rect: tile.rect };
             let (clip, tint) = part_of(tile.rect, &self.settings, at, tiles.len());
-            let painter = ui.painter_at(clip);
-            let has_box = self.settings.has_box && item.bounds().is_some();
-            let around = item.bounds().unwrap_or(*bounds);
-            if has_box {
-                let part = BoxPart::Behind;
-                paint_box(&painter, &screen, &self.camera, &around, part, line_color);
-            }
-            if let Some(target) = item.picture(gpu, &self.settings, &colors, &frame) {
+            let picture = MeshPicture {
+                painter: ui.painter_at(clip),
+                screen: Screen { rect: tile.rect },
+                camera: &self.camera,
+                bounds: item.bounds(),
+                line_color,
+            };
+            self.overlays.paint(Layer::Behind, &picture, &mut self.settings);
+            if let Some(target) = item.picture(gpu, &self.settings, &colors, &viewport) {
                 let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                painter.image(target.id(), tile.rect, all, tint);
+                picture.painter.image(target.id(), tile.rect, all, tint);
             }
             if item.is_drawing() {
                 ui.ctx().request_repaint();
             }
-            if has_box {
-                let part = BoxPart::Ahead;
-                paint_box(&painter, &screen, &self.camera, &around, part, line_color);
-            }
+            self.overlays.paint(Layer::Ahead, &picture, &mut self.settings);
         }
-        if let (true, Some(tile)) = (self.settings.has_axes, tiles.first()) {
-            paint_axes(&ui.painter_at(tile.rect), tile.rect, &self.camera);
-        }
-    }
-
-    fn show_bar(&mut self, ui: &egui::Ui, rect: Rect, range: [f64; 2], values: &Arc<Values>) {
-        let is_known = |bar: &Bar| Arc::ptr_eq(&bar.values, values) && bar.range == range;
-        if !self.bars.as_ref().is_some_and(is_known) {
-            let histogram = histogram(&values.values, range, N_BARS);
-            self.bars = Some(Bar { values: Arc::clone(values), range, histogram });
-        }
-        if let Some(bar) = &self.bars {
-            paint_color_bar(ui, rect, &self.settings.scale, range, values, &bar.histogram);
-        }
-    }
-
-    /// Says what is under a pointer at rest.
-    fn show_hover(
-        &mut self,
-        ui: &egui::Ui,
-        responses: &[egui::Response],
-        tiles: &[Tile],
-        bounds: Option<&Bounds>,
-    ) {
-        let place = responses.iter().enumerate().find_map(|(at, response)| {
-            let place = response.hover_pos().filter(|_| response.hovered())?;
-            Some((at, place))
-        });
-        let (Some((at, place)), Some(bounds)) = (place, bounds) else {
-            self.hover.forget();
-            return;
-        };
-        let item = self.visible_item(tiles, at, place);
-        let screen = Screen { rect: responses[at].rect };
-        let ray = self.camera.ray(screen.normalized(place), screen.aspect(), bounds);
-        let item = &self.items[item];
-        let Some(hit) = self.hover.at(ui, &item.mesh, ray) else { return };
-        let text = describe(&item.mesh, &hit, values_of(item).as_deref());
-        let (id, anchor) = (responses[at].id.with("read-out"), egui::PopupAnchor::Pointer);
-        egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
-            .gap(14.0)
-            .show(|ui| ui.label(text));
-    }
-
-    /// The item that is seen at a place of a picture.
-    fn visible_item(&self, tiles: &[Tile], at: usize, place: egui::Pos2) -> usize {
-        let is_wipe = self.settings.arrangement == Arrangement::Wipe && tiles.len() == 2;
-        let rect = tiles[at].rect;
-        let is_right = place.x > rect.left() + self.settings.balance * rect.width();
-        tiles[if is_wipe && is_right { 1 } else { at }].item
     }
 }
 
@@ -442,7 +403,22 @@ fn pinned_picture(by: &ColorBy, pictures: &[PinnedPicture]) -> Option<TextureSou
     Some(TextureSource::Pinned(Same(Arc::clone(&picture.images))))
 }
 
-fn values_of(item: &Item) -> Option<Arc<Values>> {
-    let prepared = item.prepared()?;
-    prepared.as_ref().as_ref().ok()?.values.clone()
+/// A quiet gradient that fits the theme.
+fn paint_background(painter: &egui::Painter, rect: Rect, is_dark: bool) {
+    let (top, bottom) = match is_dark {
+        true => (Color32::from_rgb(58, 62, 70), Color32::from_rgb(28, 30, 34)),
+        false => (Color32::from_rgb(250, 251, 253), Color32::from_rgb(206, 212, 220)),
+    };
+    let mut mesh = egui::Mesh::default();
+    for (place, color) in [
+        (rect.left_top(), top),
+        (rect.right_top(), top),
+        (rect.right_bottom(), bottom),
+        (rect.left_bottom(), bottom),
+    ] {
+        mesh.colored_vertex(place, color);
+    }
+    mesh.add_triangle(0, 1, 2);
+    mesh.add_triangle(0, 2, 3);
+    painter.add(mesh);
 }

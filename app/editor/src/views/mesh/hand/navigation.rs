@@ -1,0 +1,119 @@
+//! Moving the camera by pointer and keyboard.
+
+use eframe::egui::{self, Key, PointerButton};
+use glam::DVec2;
+
+use crate::views::camera::{Bounds, Camera, Projection, StandardView};
+use crate::views::mesh::look::settings::{Settings, Switch};
+use crate::views::mesh::scene::Screen;
+use crate::views::wheel::wheel_factor;
+
+/// What the user did in a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moved {
+    /// The camera moves just now.
+    pub is_moving: bool,
+    /// All of it is to be seen.
+    pub is_fit: bool,
+}
+
+/// Part of a picture that one press of an arrow key turns by.
+const KEY_STEP: f64 = 1.0 / 24.0;
+
+/// Moves the camera as the pointer in one picture asks for.
+pub fn by_pointer(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    screen: &Screen,
+    camera: &mut Camera,
+    bounds: &Bounds,
+) -> Moved {
+    let mut moved = Moved { is_fit: response.double_clicked(), ..Moved::default() };
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    let drag = screen.normalized_move(response.drag_delta());
+    let has_shift = ui.input(|input| input.modifiers.shift);
+    let is_panned = response.dragged_by(PointerButton::Middle)
+        || response.dragged_by(PointerButton::Secondary)
+        || (response.dragged_by(PointerButton::Primary) && has_shift);
+    if is_panned {
+        camera.pan(drag, screen.aspect());
+    } else if response.dragged_by(PointerButton::Primary) {
+        // By the height in both directions, so that equal moves are equal turns.
+        camera.orbit(0.5 * drag * DVec2::new(screen.aspect(), 1.0));
+    }
+    moved.is_moving = drag != DVec2::ZERO;
+    if let Some(place) = response.hover_pos() {
+        let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = f64::from(pinch) * wheel_factor(f64::from(wheel));
+        if factor != 1.0 {
+            let at = screen.normalized(place);
+            camera.zoom(factor, at, screen.aspect(), bounds.radius());
+            moved.is_moving = true;
+        }
+    }
+    moved
+}
+
+/// Moves the camera, and switches what has a key, while a picture has the focus, or the pointer
+/// when nothing else has the focus.
+pub fn by_keys(
+    ui: &egui::Ui,
+    responses: &[egui::Response],
+    aspect: f64,
+    camera: &mut Camera,
+    bounds: &Bounds,
+    (settings, switches): (&mut Settings, &[Switch]),
+) -> Moved {
+    let mut moved = Moved::default();
+    let focused = responses.iter().find(|response| response.has_focus());
+    if let Some(response) = focused {
+        let filter = egui::EventFilter {
+            horizontal_arrows: true,
+            vertical_arrows: true,
+            ..egui::EventFilter::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    }
+    let is_free = ui.memory(|memory| memory.focused().is_none());
+    let is_pointed_at = is_free && responses.iter().any(egui::Response::hovered);
+    if focused.is_none() && !is_pointed_at {
+        return moved;
+    }
+    let pressed = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
+    let views = [
+        (Key::Num1, StandardView::Front),
+        (Key::Num3, StandardView::Side),
+        (Key::Num7, StandardView::Top),
+        (Key::Num0, StandardView::Corner),
+    ];
+    for (_, view) in views.into_iter().filter(|(key, _)| pressed(*key)) {
+        camera.look_from(view);
+        moved.is_fit = true;
+    }
+    moved.is_fit |= pressed(Key::R) || pressed(Key::Home);
+    if pressed(Key::Num5) {
+        camera.projection = match camera.projection {
+            Projection::Perspective => Projection::Orthographic,
+            Projection::Orthographic => Projection::Perspective,
+        };
+    }
+    for switch in switches.iter().filter(|switch| switch.key.is_some_and(pressed)) {
+        *(switch.place)(settings) ^= true;
+    }
+    let turns = [
+        (Key::ArrowLeft, DVec2::new(-KEY_STEP, 0.0)),
+        (Key::ArrowRight, DVec2::new(KEY_STEP, 0.0)),
+        (Key::ArrowUp, DVec2::new(0.0, -KEY_STEP)),
+        (Key::ArrowDown, DVec2::new(0.0, KEY_STEP)),
+    ];
+    for (_, turn) in turns.into_iter().filter(|(key, _)| pressed(*key)) {
+        camera.orbit(turn);
+    }
+    let zooms = [(Key::Plus, 1.2), (Key::Equals, 1.2), (Key::Minus, 1.0 / 1.2)];
+    for (_, factor) in zooms.into_iter().filter(|(key, _)| pressed(*key)) {
+        camera.zoom(factor, DVec2::ZERO, aspect, bounds.radius());
+    }
+    moved
+}

@@ -1,0 +1,473 @@
+//! What a surface is colored by, and the arrays that carry it.
+//!
+//! Values go to the GPU as they are, scaled to their own range, and become colors there by a
+//! table: so a change of range or scale costs nothing, and values, not colors, are interpolated
+//! within a face.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
+use mve_modules::picture::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
+use mve_modules::picture::color_scale::{ColorTable, Scale};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::views::mesh::arrays::{Arrays, Sharing};
+use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
+use crate::views::mesh::look::texture::TextureFiles;
+
+/// What the user wants a surface to be colored by; names, so that it outlives values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum ColorBy {
+    /// A field if there is exactly one, else textures of materials, else colors if there are, else
+    /// plain.
+    #[default]
+    Auto,
+    /// One color.
+    Plain,
+    /// The layer of colors.
+    Colors,
+    /// A layer of numbers, by name.
+    Layer(String),
+    /// A layer of names, by name: materials, groups.
+    Labels(String),
+    /// A field that is pinned too, by title.
+    Field(String),
+    /// Squares in texture space.
+    Checker,
+    /// The textures that the materials name.
+    Materials,
+    /// A pinned picture as a texture, by title.
+    Picture(String),
+}
+
+/// A field that is pinned beside meshes.
+#[derive(Clone, Debug)]
+pub struct PinnedField {
+    /// Where it comes from: `compare.distance`.
+    pub title: String,
+    /// The field.
+    pub field: Arc<Field>,
+}
+
+/// What one mesh is colored by.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// One color.
+    Plain,
+    /// The layer of colors.
+    Colors,
+    /// A layer of numbers.
+    Layer(String),
+    /// A layer of names.
+    Labels(String),
+    /// A field.
+    Field(Arc<Field>),
+    /// Squares in texture space.
+    Checker,
+    /// The textures that the materials name.
+    Materials,
+    /// A pinned picture as a texture.
+    Picture,
+}
+
+impl PartialEq for Source {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Plain, Self::Plain)
+            | (Self::Colors, Self::Colors)
+            | (Self::Checker, Self::Checker)
+            | (Self::Materials, Self::Materials)
+            | (Self::Picture, Self::Picture) => true,
+            (Self::Layer(a), Self::Layer(b)) | (Self::Labels(a), Self::Labels(b)) => a == b,
+            (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// The layers of numbers of a mesh.
+pub fn number_layers(mesh: &TriMesh) -> impl Iterator<Item = &Layer> {
+    mesh.layers.iter().filter(|layer| matches!(layer.values, LayerValues::Number(_)))
+}
+
+fn colors_of(mesh: &TriMesh) -> Option<&Layer> {
+    mesh.layer(Layer::COLOR).filter(|layer| matches!(layer.values, LayerValues::Vec3(_)))
+}
+
+fn texcoords_of(mesh: &TriMesh) -> Option<&Layer> {
+    mesh.layer(Layer::TEXCOORD).filter(|layer| matches!(layer.values, LayerValues::Vec2(_)))
+}
+
+fn has_textures(mesh: &TriMesh) -> bool {
+    texcoords_of(mesh).is_some() && !TextureFiles::of(mesh).names.is_empty()
+}
+
+/// Whether a mesh has what a choice asks for, and what that is.
+pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option<Source> {
+    let fitting = || fields.iter().filter(|pinned| pinned.field.check_fits(mesh).is_ok());
+    match by {
+        ColorBy::Plain => Some(Source::Plain),
+        ColorBy::Colors => colors_of(mesh).map(|_| Source::Colors),
+        ColorBy::Checker => texcoords_of(mesh).map(|_| Source::Checker),
+        ColorBy::Picture(_) => texcoords_of(mesh).map(|_| Source::Picture),
+        ColorBy::Materials => has_textures(mesh).then_some(Source::Materials),
+        ColorBy::Layer(name) => {
+            let layer = number_layers(mesh).find(|layer| layer.name == *name)?;
+            Some(Source::Layer(layer.name.clone()))
+        }
+        ColorBy::Labels(name) => {
+            let layer = label_layers(mesh).find(|layer| layer.name == *name)?;
+            Some(Source::Labels(layer.name.clone()))
+        }
+        ColorBy::Field(title) => {
+            let pinned = fitting().find(|pinned| pinned.title == *title)?;
+            Some(Source::Field(Arc::clone(&pinned.field)))
+        }
+        ColorBy::Auto => {
+            let mut pinned = fitting();
+            if let (Some(one), None) = (pinned.next(), pinned.next()) {
+                return Some(Source::Field(Arc::clone(&one.field)));
+            }
+            if has_textures(mesh) {
+                return Some(Source::Materials);
+            }
+            if colors_of(mesh).is_some() {
+                return Some(Source::Colors);
+            }
+            let mut layers = number_layers(mesh);
+            match (layers.next(), layers.next()) {
+                (Some(one), None) => Some(Source::Layer(one.name.clone())),
+                _ => Some(Source::Plain),
+            }
+        }
+    }
+}
+
+impl Source {
+    /// What it belongs to; `None` for one color.
+    fn domain(&self, mesh: &TriMesh) -> Option<Domain> {
+        match self {
+            Self::Plain => None,
+            Self::Colors => colors_of(mesh).map(|layer| layer.domain),
+            Self::Checker | Self::Picture => texcoords_of(mesh).map(|layer| layer.domain),
+            // Materials are of faces.
+            Self::Materials => texcoords_of(mesh).map(|_| Domain::Corner),
+            Self::Layer(name) | Self::Labels(name) => mesh.layer(name).map(|layer| layer.domain),
+            Self::Field(field) => Some(field.domain),
+        }
+    }
+
+    /// Which corners may share a drawn vertex.
+    pub fn sharing(&self, mesh: &TriMesh) -> Sharing {
+        match self.domain(mesh) {
+            None | Some(Domain::Vertex) => Sharing::Wedges,
+            Some(Domain::Corner | Domain::Face) => Sharing::Corners,
+        }
+    }
+}
+
+/// The numbers of a scalar source, by element.
+#[derive(Clone, Debug)]
+pub struct Values {
+    /// What is measured.
+    pub name: String,
+    /// Its unit, or empty.
+    pub unit: String,
+    /// What the values belong to.
+    pub domain: Domain,
+    /// One for each element; not a number where there is none. Logarithms where they are wanted.
+    pub values: Vec<f64>,
+    /// Lowest and highest finite value; 0 and 1 without one.
+    pub extent: [f64; 2],
+    /// Whether they are logarithms.
+    pub spacing: Spacing,
+}
+
+/// How the eight bytes of a drawn vertex are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// Not at all.
+    Nothing,
+    /// A display color in four bytes, the last 0 where there is none.
+    Color,
+    /// Two numbers: a value with [`Values::extent`] as 0 to 1, and 0 where there is none, else 1.
+    Value,
+    /// Two numbers, texture coordinates, of squares.
+    Checker,
+    /// The same, of one picture.
+    Picture,
+    /// The same, of the picture of the face's material; a display color where it has none.
+    Materials,
+}
+
+/// What the drawn vertices carry beside position and normal.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    /// How to read the words.
+    pub reading: Reading,
+    /// Two a drawn vertex; none for [`Reading::Nothing`].
+    pub words: Vec<[u32; 2]>,
+    /// The numbers of a scalar source.
+    pub values: Option<Arc<Values>>,
+}
+
+/// Whether colors follow values or their decimal logarithms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Spacing {
+    /// Values.
+    #[default]
+    Linear,
+    /// Logarithms; what is not above 0 has none.
+    Logarithmic,
+}
+
+impl Spacing {
+    /// The number that colors follow.
+    pub fn of(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Logarithmic if value > 0.0 => value.log10(),
+            Self::Logarithmic => f64::NAN,
+        }
+    }
+
+    /// The value of such a number.
+    pub fn back(self, number: f64) -> f64 {
+        match self {
+            Self::Linear => number,
+            Self::Logarithmic => 10f64.powf(number),
+        }
+    }
+}
+
+/// Makes the array for a source, O(n).
+pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spacing) -> Attribute {
+    let nothing = || Attribute { reading: Reading::Nothing, words: Vec::new(), values: None };
+    let Some(domain) = source.domain(mesh) else { return nothing() };
+    let element = |corner: u32| match domain {
+        Domain::Vertex => mesh.faces[corner as usize / 3][corner as usize % 3].idx(),
+        Domain::Corner => corner as usize,
+        Domain::Face => corner as usize / 3,
+    };
+    let words = |word: &(dyn Fn(usize) -> [u32; 2] + Sync)| -> Vec<[u32; 2]> {
+        drawn.corners.par_iter().map(|&corner| word(element(corner))).collect()
+    };
+    match source {
+        Source::Plain => nothing(),
+        Source::Colors | Source::Labels(_) => {
+            let Some((colors, index)) = color_list(mesh, source) else { return nothing() };
+            let word = |at: usize| {
+                let color = index.get(at).and_then(|&value| colors.get(value as usize));
+                [color.map_or(0, |color| color_word(*color)), 0]
+            };
+            Attribute { reading: Reading::Color, words: words(&word), values: None }
+        }
+        Source::Checker | Source::Picture => {
+            let reading = match source {
+                Source::Checker => Reading::Checker,
+                _ => Reading::Picture,
+            };
+            let coord = |at: usize| bits_of(texcoord(mesh, at));
+            Attribute { reading, words: words(&coord), values: None }
+        }
+        Source::Materials => Attribute {
+            reading: Reading::Materials,
+            words: words_of_materials(mesh, drawn),
+            values: None,
+        },
+        Source::Layer(_) | Source::Field(_) => {
+            let Some(values) = values_of(mesh, source, domain, spacing) else { return nothing() };
+            let [low, high] = values.extent;
+            let word = |at: usize| {
+                let value = values.values.get(at).copied().unwrap_or(f64::NAN);
+                let t = share(value, [low, high]).clamp(-1e6, 1e6) as f32;
+                if t.is_nan() { [0, 0] } else { [t.to_bits(), 1f32.to_bits()] }
+            };
+            let words = words(&word);
+            Attribute { reading: Reading::Value, words, values: Some(Arc::new(values)) }
+        }
+    }
+}
+
+/// The texture coordinates of an element; the origin where it has none.
+fn texcoord(mesh: &TriMesh, element: usize) -> DVec2 {
+    let value = match texcoords_of(mesh) {
+        Some(Layer { values: LayerValues::Vec2(coords), index, .. }) => {
+            index.get(element).and_then(|&at| coords.get(at as usize))
+        }
+        _ => None,
+    };
+    value.copied().unwrap_or_default()
+}
+
+fn bits_of(uv: DVec2) -> [u32; 2] {
+    [(uv.x as f32).to_bits(), (uv.y as f32).to_bits()]
+}
+
+/// A display color with full opacity, as the GPU unpacks it.
+fn color_word([r, g, b]: [u8; 3]) -> u32 {
+    u32::from_le_bytes([r, g, b, 255])
+}
+
+/// Texture coordinates where a face's material has a texture, else the material's color.
+fn words_of_materials(mesh: &TriMesh, drawn: &Arrays) -> Vec<[u32; 2]> {
+    let files = TextureFiles::of(mesh);
+    let is_by_vertex = texcoords_of(mesh).is_some_and(|layer| layer.domain == Domain::Vertex);
+    let (labels, of_faces): (&[String], &[u32]) = match mesh.layer(Layer::MATERIAL) {
+        Some(Layer { values: LayerValues::Label(labels), index, .. }) => (labels, index),
+        _ => (&[], &[]),
+    };
+    let colors: Vec<_> = labels.iter().map(|label| diffuse_of(mesh, label)).collect();
+    let word = |&corner: &u32| {
+        let (face, k) = (corner as usize / 3, corner as usize % 3);
+        if files.of_face(face).is_none() {
+            let color = of_faces.get(face).and_then(|&label| *colors.get(label as usize)?);
+            return [color_word(color.unwrap_or(UNCOLORED)), 0];
+        }
+        let element = if is_by_vertex { mesh.faces[face][k].idx() } else { corner as usize };
+        bits_of(texcoord(mesh, element))
+    };
+    drawn.corners.par_iter().map(word).collect()
+}
+
+/// The color of a face whose material states none.
+const UNCOLORED: [u8; 3] = [189, 189, 184];
+
+/// The colors of a source, and which of them each element has.
+fn color_list<'a>(mesh: &'a TriMesh, source: &Source) -> Option<(Vec<[u8; 3]>, &'a [u32])> {
+    let layer = match source {
+        Source::Labels(name) => mesh.layer(name)?,
+        _ => colors_of(mesh)?,
+    };
+    let colors = match &layer.values {
+        LayerValues::Vec3(colors) => colors.iter().map(|&color| bytes_of(color)).collect(),
+        _ => colors_of_labels(mesh, layer),
+    };
+    Some((colors, &layer.index))
+}
+
+fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) -> Option<Values> {
+    let (name, unit, values) = match source {
+        Source::Field(field) => {
+            let values = field.values.iter().map(|&value| spacing.of(value)).collect();
+            (field.name.clone(), field.unit.clone(), values)
+        }
+        Source::Layer(name) => {
+            let layer = mesh.layer(name)?;
+            let LayerValues::Number(numbers) = &layer.values else { return None };
+            let number = |&at: &u32| match numbers.get(at as usize) {
+                Some(&number) if at != NO_VALUE => spacing.of(number),
+                _ => f64::NAN,
+            };
+            (name.clone(), String::new(), layer.index.iter().map(number).collect::<Vec<_>>())
+        }
+        _ => return None,
+    };
+    let extent = extent_of(&values);
+    Some(Values { name, unit, domain, values, extent, spacing })
+}
+
+/// Lowest and highest finite value; 0 and 1 without one.
+pub fn extent_of(values: &[f64]) -> [f64; 2] {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) =
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
+    if low <= high { [low, high] } else { [0.0, 1.0] }
+}
+
+/// Where a value lies between low (0) and high (1); 0 in a range without length.
+fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
+    // Halves, as the whole range may be larger than the largest number.
+    let length = 0.5 * high - 0.5 * low;
+    if length > 0.0 { (0.5 * value - 0.5 * low) / length } else { 0.0 * value }
+}
+
+/// How values become colors: what the module `ColorMap` offers, and logarithms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleSettings {
+    /// The colors.
+    pub scale: Scale,
+    /// Value of the first color; `None`: from the data.
+    pub low: Option<f64>,
+    /// Value of the last color; `None`: from the data.
+    pub high: Option<f64>,
+    /// Whether a range from the data lies evenly around 0.
+    pub is_symmetric: bool,
+    /// Values or logarithms.
+    pub spacing: Spacing,
+    /// What lies outside.
+    pub outside: Outside,
+    /// Whether the last color comes first.
+    pub is_reversed: bool,
+}
+
+impl Default for ScaleSettings {
+    fn default() -> Self {
+        Self {
+            scale: Scale::Viridis,
+            low: None,
+            high: None,
+            is_symmetric: false,
+            spacing: Spacing::Linear,
+            outside: Outside::Clamp,
+            is_reversed: false,
+        }
+    }
+}
+
+impl ScaleSettings {
+    /// The same as the module `ColorMap` takes it.
+    pub fn options(&self) -> ColorMapOptions {
+        ColorMapOptions {
+            scale: self.scale,
+            low: self.low.map(|low| self.spacing.of(low)).filter(|low| low.is_finite()),
+            high: self.high.map(|high| self.spacing.of(high)).filter(|high| high.is_finite()),
+            clip: 0.0,
+            is_symmetric: self.is_symmetric && self.spacing == Spacing::Linear,
+            outside: self.outside,
+            is_reversed: self.is_reversed,
+        }
+    }
+
+    /// The range over all of some values, in numbers that colors follow; the data's own where the
+    /// given ends make none.
+    pub fn range<'a>(&self, all: impl IntoIterator<Item = &'a Values>) -> [f64; 2] {
+        let ends: Vec<f64> = all.into_iter().flat_map(|values| values.extent).collect();
+        let options = self.options();
+        let of_data = ColorMapOptions { low: None, high: None, ..options };
+        range_of(&ends, &options).or_else(|_| range_of(&ends, &of_data)).unwrap_or([0.0, 1.0])
+    }
+
+    /// Factor and offset from a value as the GPU has it to its place in the table, 0 to 1.
+    pub fn place_of_share(&self, extent: [f64; 2], range: [f64; 2]) -> [f32; 2] {
+        let length = 0.5 * range[1] - 0.5 * range[0];
+        if length <= 0.0 {
+            return [0.0, if self.options().is_symmetric { 0.5 } else { 0.0 }];
+        }
+        let factor = (0.5 * extent[1] - 0.5 * extent[0]) / length;
+        let offset = (0.5 * extent[0] - 0.5 * range[0]) / length;
+        [factor as f32, offset as f32]
+    }
+
+    /// The colors from the first to the last in equal steps, as bytes with full opacity.
+    pub fn table(&self) -> Vec<[u8; 4]> {
+        let table = ColorTable::new(self.scale);
+        let last = (TABLE_LENGTH - 1) as f64;
+        let color = |i: usize| {
+            let t = i as f64 / last;
+            let t = if self.is_reversed { 1.0 - t } else { t };
+            let [r, g, b] = bytes_of(table.color(t));
+            [r, g, b, 255]
+        };
+        (0..TABLE_LENGTH).map(color).collect()
+    }
+}
+
+/// Colors in a table: so many that neighbors hardly differ.
+pub const TABLE_LENGTH: usize = 1024;
+
+#[cfg(test)]
+#[path = "coloring_tests.rs"]
+mod tests;

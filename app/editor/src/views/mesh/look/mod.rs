@@ -1,0 +1,9 @@
+//! What meshes look like: settings, colors and textures.
+
+pub mod coloring;
+mod palette;
+pub mod settings;
+pub mod stored;
+pub mod texture;
+
+pub use palette::label_layers;

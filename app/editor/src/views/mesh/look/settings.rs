@@ -1,0 +1,331 @@
+//! What a mesh view shows and how: the settings, and the row of controls that changes them.
+
+use std::collections::BTreeMap;
+
+use eframe::egui;
+use mve_core::Enumeration;
+use mve_modules::picture::color_map::Outside;
+use mve_modules::picture::color_scale::Scale;
+use serde::{Deserialize, Serialize};
+
+use crate::views::camera::{Camera, Projection, StandardView, UpAxis};
+use crate::views::make_room;
+use crate::views::mesh::arrays::Shading;
+use crate::views::mesh::look::coloring::{ColorBy, ScaleSettings, Spacing};
+
+/// How faces look that are seen from behind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BackFaces {
+    /// Reddish, so that holes and turned faces show.
+    #[default]
+    Tinted,
+    /// As from the front.
+    Same,
+    /// Not drawn.
+    Hidden,
+}
+
+/// How several meshes share the panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Arrangement {
+    /// Each has a part of its own.
+    #[default]
+    SideBySide,
+    /// Two in one place, the first to the left of a line and the second to its right.
+    Wipe,
+    /// Two in one place, the second more or less transparent.
+    Blend,
+}
+
+/// Which edges are drawn over the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Lines {
+    /// All edges.
+    pub has_wire: bool,
+    /// The edges of one face.
+    pub has_border: bool,
+}
+
+/// How the user switches something that lies on the pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Switch {
+    /// Its words.
+    pub label: &'static str,
+    /// What it shows.
+    pub doc: &'static str,
+    /// Where it is offered.
+    pub home: SwitchHome,
+    /// The key that does the same.
+    pub key: Option<egui::Key>,
+    /// Whether it is on.
+    pub place: fn(&mut Settings) -> &mut bool,
+}
+
+/// Where a switch is offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SwitchHome {
+    /// In the row of controls.
+    Row,
+    /// In the menu of the surface.
+    Menu,
+}
+
+/// What is shown and how.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Normals.
+    pub shading: Shading,
+    /// Edges over the surface.
+    pub lines: Lines,
+    /// Faces from behind.
+    pub back_faces: BackFaces,
+    /// What colors it.
+    pub color_by: ColorBy,
+    /// How values become colors.
+    pub scale: ScaleSettings,
+    /// Whether a small cross of axes is in the corner.
+    pub has_axes: bool,
+    /// Whether the box around all is drawn, with its lengths.
+    pub has_box: bool,
+    /// What else is switched on or off, by name.
+    pub switched: BTreeMap<String, bool>,
+    /// What points up; found from the model where it is not said.
+    pub up: Option<UpAxis>,
+    /// How several share the panel.
+    pub arrangement: Arrangement,
+    /// Where the line of the wipe is, or how much of the second is seen: 0 to 1.
+    pub balance: f32,
+    /// The first and the second of a comparison, by place.
+    pub pair: [usize; 2],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            shading: Shading::default(),
+            lines: Lines::default(),
+            back_faces: BackFaces::default(),
+            color_by: ColorBy::default(),
+            scale: ScaleSettings::default(),
+            has_axes: true,
+            has_box: false,
+            switched: BTreeMap::new(),
+            up: None,
+            arrangement: Arrangement::default(),
+            balance: 0.5,
+            pair: [0, 1],
+        }
+    }
+}
+
+impl Settings {
+    /// Whether what has this name is on; off at first.
+    pub fn switch(&mut self, name: &str) -> &mut bool {
+        self.switched.entry(name.to_owned()).or_default()
+    }
+
+    /// The crease angle that arrays are made for; flat shading needs no arrays of its own.
+    pub fn crease_angle_rad(&self) -> f32 {
+        match (self.shading, Shading::default()) {
+            (Shading::Smooth { crease_angle_rad }, _) => crease_angle_rad,
+            (Shading::Flat, Shading::Smooth { crease_angle_rad }) => crease_angle_rad,
+            (Shading::Flat, Shading::Flat) => 0.0,
+        }
+    }
+}
+
+/// What the controls can offer for what is shown.
+#[derive(Clone, Debug, Default)]
+pub struct Offers {
+    /// Titles of the meshes.
+    pub titles: Vec<String>,
+    /// What they can be colored by, each with the words for it.
+    pub color_by: Vec<(ColorBy, String)>,
+    /// Whether a scalar is shown.
+    pub has_scalar: bool,
+    /// What can be switched.
+    pub switches: Vec<Switch>,
+}
+
+/// What the controls ask for beyond settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wishes {
+    /// To see all of it.
+    pub is_fit: bool,
+}
+
+/// The row of controls.
+pub fn controls(
+    ui: &mut egui::Ui,
+    settings: &mut Settings,
+    camera: &mut Camera,
+    offers: &Offers,
+) -> Wishes {
+    let mut wishes = Wishes::default();
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Fit").on_hover_text("Show all of it (R, or double click)").clicked() {
+            wishes.is_fit = true;
+        }
+        ui.menu_button("View", |ui| view_menu(ui, settings, camera, &mut wishes))
+            .response
+            .on_hover_text("Direction, projection and what points up");
+        ui.menu_button("Surface", |ui| surface_menu(ui, settings, &offers.switches))
+            .response
+            .on_hover_text("Shading, back faces, lines, box and axes");
+        for switch in offers.switches.iter().filter(|switch| switch.home == SwitchHome::Row) {
+            ui.toggle_value((switch.place)(settings), switch.label).on_hover_text(switch.doc);
+        }
+        color_by_box(ui, settings, offers);
+        if offers.has_scalar {
+            ui.menu_button("Range", |ui| scale_menu(ui, &mut settings.scale))
+                .response
+                .on_hover_text("The color scale and the values at its ends");
+        }
+        if offers.titles.len() > 1 {
+            comparison(ui, settings, offers);
+        }
+    });
+    wishes
+}
+
+fn view_menu(ui: &mut egui::Ui, settings: &mut Settings, camera: &mut Camera, wishes: &mut Wishes) {
+    let views = [
+        (StandardView::Front, "Front (1)"),
+        (StandardView::Side, "Side (3)"),
+        (StandardView::Top, "Top (7)"),
+        (StandardView::Corner, "From a corner (0)"),
+    ];
+    for (view, label) in views {
+        if ui.button(label).clicked() {
+            camera.look_from(view);
+            wishes.is_fit = true;
+        }
+    }
+    ui.separator();
+    ui.radio_value(&mut camera.projection, Projection::Perspective, "Perspective")
+        .on_hover_text("What is near looks larger (5 switches)");
+    ui.radio_value(&mut camera.projection, Projection::Orthographic, "Orthographic")
+        .on_hover_text("Parallel lines stay parallel (5 switches)");
+    ui.separator();
+    let before = settings.up;
+    ui.radio_value(&mut settings.up, None, "Up as the model seems to stand");
+    ui.radio_value(&mut settings.up, Some(UpAxis::Y), "Y is up");
+    ui.radio_value(&mut settings.up, Some(UpAxis::Z), "Z is up");
+    wishes.is_fit |= settings.up != before;
+}
+
+fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings, switches: &[Switch]) {
+    let is_flat = settings.shading == Shading::Flat;
+    if ui.radio(!is_flat, "Smooth").on_hover_text("Faces share normals").clicked() && is_flat {
+        settings.shading = Shading::default();
+    }
+    if let Shading::Smooth { crease_angle_rad } = &mut settings.shading {
+        let mut degrees = crease_angle_rad.to_degrees().round();
+        let slider = egui::Slider::new(&mut degrees, 0.0..=180.0).suffix("°").text("crease");
+        let response = ui.add(slider).on_hover_text("Edges sharper than this stay edges");
+        if response.changed() {
+            *crease_angle_rad = degrees.to_radians();
+        }
+    }
+    if ui.radio(is_flat, "Flat").on_hover_text("Every face by itself").clicked() {
+        settings.shading = Shading::Flat;
+    }
+    ui.separator();
+    ui.label("Faces from behind");
+    ui.radio_value(&mut settings.back_faces, BackFaces::Tinted, "Tinted")
+        .on_hover_text("Reddish, so that holes and turned faces show");
+    ui.radio_value(&mut settings.back_faces, BackFaces::Same, "As in front");
+    ui.radio_value(&mut settings.back_faces, BackFaces::Hidden, "Hidden");
+    ui.separator();
+    for switch in switches.iter().filter(|switch| switch.home == SwitchHome::Menu) {
+        ui.checkbox((switch.place)(settings), switch.label).on_hover_text(switch.doc);
+    }
+}
+
+fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
+    let current = &settings.color_by;
+    let named = offers.color_by.iter().find(|(by, _)| by == current);
+    let text = named.map_or("Automatic", |(_, text)| text.as_str()).to_owned();
+    make_room(ui, 190.0);
+    egui::ComboBox::new("color by", "Color")
+        .selected_text(text)
+        .show_ui(ui, |ui| {
+            for (by, text) in &offers.color_by {
+                ui.selectable_value(&mut settings.color_by, by.clone(), text);
+            }
+        })
+        .response
+        .on_hover_text("What the surface is colored by");
+}
+
+/// The scale and the ends of its range.
+fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings) {
+    egui::ComboBox::new("color scale", "scale").selected_text(name_of(scale.scale)).show_ui(
+        ui,
+        |ui| {
+            for (&value, (name, doc)) in Scale::VALUES.iter().zip(Scale::NAMES) {
+                ui.selectable_value(&mut scale.scale, value, *name).on_hover_text(*doc);
+            }
+        },
+    );
+    end_of_range(ui, &mut scale.low, "Low end by hand", 0.0);
+    end_of_range(ui, &mut scale.high, "High end by hand", 1.0);
+    ui.checkbox(&mut scale.is_symmetric, "Symmetric around 0");
+    let mut is_log = scale.spacing == Spacing::Logarithmic;
+    if ui.checkbox(&mut is_log, "Logarithmic").on_hover_text("Values above 0 only").changed() {
+        scale.spacing = if is_log { Spacing::Logarithmic } else { Spacing::Linear };
+    }
+    let mut is_gray = scale.outside == Outside::Gray;
+    if ui.checkbox(&mut is_gray, "Gray outside of the range").changed() {
+        scale.outside = if is_gray { Outside::Gray } else { Outside::Clamp };
+    }
+    ui.checkbox(&mut scale.is_reversed, "Last color first");
+}
+
+fn name_of(scale: Scale) -> &'static str {
+    let named = Scale::VALUES.iter().zip(Scale::NAMES).find(|(value, _)| **value == scale);
+    named.map_or("", |(_, (name, _))| name)
+}
+
+fn end_of_range(ui: &mut egui::Ui, end: &mut Option<f64>, label: &str, first: f64) {
+    ui.horizontal(|ui| {
+        let mut is_given = end.is_some();
+        if ui.checkbox(&mut is_given, label).changed() {
+            *end = is_given.then_some(first);
+        }
+        if let Some(value) = end {
+            let speed = (0.01 * value.abs()).max(1e-6);
+            ui.add(egui::DragValue::new(value).speed(speed).max_decimals(9));
+        }
+    });
+}
+
+fn comparison(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
+    ui.separator();
+    let choices = [
+        (Arrangement::SideBySide, "Side by side", "Each mesh in a part of its own, one camera"),
+        (Arrangement::Wipe, "Wipe", "The first to the left of a line, the second to its right"),
+        (Arrangement::Blend, "Blend", "The second over the first, more or less transparent"),
+    ];
+    for (value, label, tip) in choices {
+        ui.selectable_value(&mut settings.arrangement, value, label).on_hover_text(tip);
+    }
+    if settings.arrangement == Arrangement::SideBySide {
+        return;
+    }
+    make_room(ui, 190.0);
+    let slider = egui::Slider::new(&mut settings.balance, 0.0..=1.0).show_value(false);
+    ui.add(slider.text("balance")).on_hover_text("From the first mesh to the second");
+    if offers.titles.len() > 2 {
+        for (at, label) in settings.pair.iter_mut().zip(["first", "second"]) {
+            let selected = offers.titles.get(*at).cloned().unwrap_or_default();
+            make_room(ui, 190.0);
+            egui::ComboBox::new(label, label).selected_text(selected).show_ui(ui, |ui| {
+                for (i, title) in offers.titles.iter().enumerate() {
+                    ui.selectable_value(at, i, title);
+                }
+            });
+        }
+    }
+}

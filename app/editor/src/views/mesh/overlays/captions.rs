@@ -1,0 +1,63 @@
+//! Name, counts and state of each mesh, written over its picture.
+
+use eframe::egui;
+
+use super::Overlay;
+use crate::views::ViewerAction;
+use crate::views::heading;
+use crate::views::mesh::item::{Item, Undrawable};
+use crate::views::mesh::scene::MeshScene;
+use crate::views::number::counted;
+
+/// The overlay of names and counts, each with a button to unpin the mesh.
+#[derive(Default)]
+pub struct Captions;
+
+impl Overlay for Captions {
+    fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
+        for (at, tile) in scene.tiles.iter().enumerate() {
+            let mesh = &scene.meshes[tile.item];
+            let mut rect = tile.rect;
+            if scene.is_overlaid() {
+                let middle = rect.center().x;
+                if at == 0 { rect.max.x = middle } else { rect.min.x = middle }
+            }
+            let text = caption(&mesh.title, &scene.items[tile.item]);
+            if heading::caption(ui, rect, &text, Some(&mesh.title)) {
+                scene.actions.push(ViewerAction::Unpin(mesh.place));
+            }
+        }
+    }
+}
+
+/// Name, counts, and what is going on; what is wrong with textures, in a second line.
+fn caption(title: &str, item: &Item) -> String {
+    let mesh = &item.mesh;
+    let counts = format!(
+        "{title}: {}, {}",
+        counted(mesh.faces.len(), "face", "faces"),
+        counted(mesh.positions.len(), "vertex", "vertices"),
+    );
+    let state = match item.prepared().as_deref() {
+        _ if item.is_lost() => ", cannot be shown: preparing it failed".to_owned(),
+        None => ", preparing…".to_owned(),
+        Some(Err(Undrawable::Empty)) => ", nothing to draw".to_owned(),
+        Some(Err(Undrawable::TooLarge)) => ", larger than the GPU takes".to_owned(),
+        Some(Ok(prepared)) => match prepared.arrays.n_left_out(mesh) {
+            0 => String::new(),
+            n => format!(", {} not drawn: not finite", counted(n, "face", "faces")),
+        },
+    };
+    let edges = item.edges().map_or(String::new(), |edges| {
+        let bad = match edges.n_non_manifold {
+            0 => String::new(),
+            n => format!(", {}", counted(n, "non-manifold edge", "non-manifold edges")),
+        };
+        match edges.n_border {
+            0 => format!(", closed{bad}"),
+            n => format!(", {}{bad}", counted(n, "border edge", "border edges")),
+        }
+    });
+    let texture = item.texture_problem().map_or(String::new(), |problem| format!("\n{problem}"));
+    counts + &edges + &state + &texture
+}
