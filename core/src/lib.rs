@@ -15,6 +15,7 @@ mod control;
 mod data;
 mod describe;
 mod disk_cache;
+mod error;
 mod files;
 mod fingerprint;
 mod json;
@@ -32,7 +33,6 @@ mod program;
 mod registry;
 mod run;
 mod schema;
-mod setting;
 mod template;
 pub mod testing;
 
@@ -42,18 +42,16 @@ pub use control::{Cancelled, Control, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
+pub use error::ModuleError;
 pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
-pub use module::{Io, Module, ModuleError};
+pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use panics::contain_panics;
-pub use param::{
-    ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,
-    ParamSpec, ParamType, Seed,
-};
+pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
@@ -67,7 +65,6 @@ pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
-pub use setting::{Setting, Settings};
 
 /// The version of mve, as packages name it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

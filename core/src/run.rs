@@ -13,13 +13,14 @@ use serde::{Deserialize, Serialize};
 use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
+use crate::error::ModuleError;
 use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
-use crate::module::{Io, ModuleError};
+use crate::module::Io;
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
+use crate::param::{Setting, Settings};
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
-use crate::setting::{Setting, Settings};
 
 /// Progress of one node is told at most this often.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
@@ -326,7 +327,8 @@ impl Runner<'_> {
         inputs: Vec<Option<Value>>,
         linked: Vec<(usize, Option<Value>)>,
     ) -> (NodeOutcome, Option<Vec<Value>>) {
-        let cache = self.options.cache.filter(|_| !node.info.module.writes_files());
+        // Files are not in the cache: a node that writes some runs even where its outputs are known.
+        let cache = self.options.cache.filter(|_| node.writes.is_empty());
         let claim = cache.map(|c| c.claim(node.key, node.info.module, self.options.cancel));
         let (results, cached) = match claim {
             Some(Claim::Hit(results, cached)) => (Ok(results), Some(cached)),
@@ -436,23 +438,31 @@ impl Runner<'_> {
                 settings.0[place].1 = node.info.module.params[place].parse_linked(&scalar)?;
             }
         }
-        for (spec, (_, setting)) in node.info.module.params.iter().zip(&mut settings.0) {
-            if let (crate::Kind::OutputFile { .. }, Setting::File { resolved, .. }) =
-                (spec.kind, setting)
+        let mut fault = None;
+        settings.each_mut(node.info.module.params, &mut |_, spec, setting| {
+            if let Setting::File { resolved, .. } = setting
+                && spec.output_file().is_some()
+                && fault.is_none()
             {
-                let base = self.options.output_folder;
-                if self.options.output_scope == OutputScope::Folder {
-                    refuse_links(base, resolved).map_err(|why| ModuleError::io(resolved, why))?;
-                }
-                *resolved = base.join(&*resolved);
-                if let Some(folder) = resolved.parent() {
-                    std::fs::create_dir_all(folder).map_err(|error| {
-                        ModuleError::io(folder, format!("cannot make this folder: {error}"))
-                    })?;
-                }
+                fault = self.place(resolved).err();
             }
+        });
+        if let Some(fault) = fault {
+            return Err(fault);
         }
         Ok(settings)
+    }
+
+    /// Puts the path of an output file into the output folder, and makes its folder.
+    fn place(&self, path: &mut PathBuf) -> Result<(), ModuleError> {
+        let base = self.options.output_folder;
+        if self.options.output_scope == OutputScope::Folder {
+            refuse_links(base, path).map_err(|why| ModuleError::io(path, why))?;
+        }
+        *path = base.join(&*path);
+        let Some(folder) = path.parent() else { return Ok(()) };
+        std::fs::create_dir_all(folder)
+            .map_err(|error| ModuleError::io(folder, format!("cannot make this folder: {error}")))
     }
 }
 
