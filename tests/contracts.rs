@@ -1,12 +1,12 @@
 //! What holds for every registered module: its declaration is whole, and it stands any input.
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use mve_core::Control;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
-use mve_core::{Data, Kind, Module, ModuleError, ModuleInfo, ParamSpec, Value};
+use mve_core::{Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
     Domain, Field, Image, Images, Layer, LayerValues, Measure, Measures, NO_VALUE, PixelKind,
     TriMesh, VertexId,
@@ -16,7 +16,7 @@ use mve_modules::formats::save_atomic;
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 use mve_modules::registry;
-use serde_json::{Value as Json, json};
+use serde_json::{Map as JsonMap, Value as Json, json};
 
 /// Meshes that a module may meet, each with its name.
 fn meshes() -> Vec<(&'static str, TriMesh)> {
@@ -100,30 +100,44 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
             .unwrap_or_else(|| panic!("teach value_of the type {}", input.data_type.id));
         trial = trial.value(input.name, value);
     }
-    for param in module.params {
-        match param.kind {
-            Kind::OutputFile { extensions, .. } => {
-                let extension = extensions.first().copied().unwrap_or("out");
-                let path = folder.join(format!("{}.{extension}", module.id));
-                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
-            }
-            Kind::InputFile { extensions: ["png"], .. } => {
-                let path = folder.join("in.png");
-                let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
-                save_atomic(&path, |out| write_png(&image, out, Control::none()))
-                    .expect("the folder can be written");
-                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
-            }
-            Kind::InputFile { .. } => {
-                let path = folder.join("in.obj");
-                let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
-                std::fs::write(&path, text).expect("the folder can be written");
-                trial = trial.set(param.name, path.to_str().expect("a path in UTF-8"));
-            }
-            _ => {}
-        }
+    for (name, value) in needed(module.id, module.params, folder) {
+        trial = trial.set(&name, value);
     }
     trial
+}
+
+/// Values of the parameters without a default: files, made in a folder. Those that a choice's entry
+/// needs come with the choice.
+fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json> {
+    let value = |spec: &ParamSpec| {
+        if let Some(file) = spec.output_file() {
+            let extension = file.extensions.first().copied().unwrap_or("out");
+            return Some(json!(folder.join(format!("{of}.{}.{extension}", spec.name))));
+        }
+        if let Some(file) = spec.input_file() {
+            return Some(json!(example_file(file.extensions, folder)));
+        }
+        let choice = spec.choice().filter(|_| spec.default_setting().is_none())?;
+        let entry = choice.list.find(choice.default)?;
+        Some(json!({ choice.default: needed(of, entry.params, folder) }))
+    };
+    let named = |spec: &ParamSpec| Some((spec.name.to_owned(), value(spec)?));
+    params.iter().filter_map(named).collect()
+}
+
+/// A file that a loader of these extensions can read.
+fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
+    if extensions == ["png"] {
+        let path = folder.join("in.png");
+        let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
+        save_atomic(&path, |out| write_png(&image, out, Control::none()))
+            .expect("the folder can be written");
+        return path;
+    }
+    let path = folder.join("in.obj");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+    std::fs::write(&path, text).expect("the folder can be written");
+    path
 }
 
 fn run(module: &'static Module, mesh: &TriMesh) -> Result<Outputs, ModuleError> {
@@ -152,7 +166,7 @@ fn declarations_are_whole() {
             assert!(names.insert(input.name), "{}.{} twice", module.id, input.name);
             assert!(is_snake(input.name) && is_sentence(input.doc), "{}.{}", module.id, input.name);
         }
-        check_params(module.id, module.params, &mut names);
+        check_params(module.id, module.params, module.inputs, &mut names);
         let mut outputs = HashSet::new();
         for output in module.outputs {
             assert!(outputs.insert(output.name), "{}.{} twice", module.id, output.name);
@@ -173,40 +187,25 @@ fn is_sentence(text: &str) -> bool {
     text.len() > 5 && text.ends_with('.') && !text.contains("  ")
 }
 
-fn check_params(of: &str, params: &'static [ParamSpec], names: &mut HashSet<&'static str>) {
+fn check_params(
+    of: &str,
+    params: &'static [ParamSpec],
+    inputs: &[InputSpec],
+    names: &mut HashSet<&'static str>,
+) {
     for spec in params {
         let name = format!("{of}.{}", spec.name);
         assert!(names.insert(spec.name), "{name} twice, among inputs and parameters");
         assert!(is_snake(spec.name) && is_sentence(spec.doc), "{name}");
-        assert_ne!(spec.name, "module", "{name}: the word stands for the node's module");
-        match spec.kind {
-            Kind::Integer { default, hard: (low, high), soft } => {
-                assert!(low <= high && default.is_none_or(|d| (low..=high).contains(&d)), "{name}");
-                let soft = soft.unwrap_or((low, high));
-                assert!(low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high, "{name}: soft range");
-            }
-            Kind::Number { default, hard: (low, high), soft } => {
-                assert!(low <= high && default.is_none_or(|d| (low..=high).contains(&d)), "{name}");
-                let soft = soft.unwrap_or((low, high));
-                assert!(low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high, "{name}: soft range");
-            }
-            Kind::Enumeration { default, names } => {
-                assert!(names.iter().any(|(known, _)| *known == default), "{name}: default");
-                assert!(names.iter().all(|(_, doc)| is_sentence(doc)), "{name}: texts");
-            }
-            Kind::Choice { default, list } => {
-                assert!(list.find(default).is_some(), "{name}: default");
-                let ids: HashSet<_> = (0..list.len()).map(|place| list.spec(place).id).collect();
-                assert_eq!(ids.len(), list.len(), "{name}: an id twice");
-                for place in 0..list.len() {
-                    let entry = list.spec(place);
-                    assert!(is_sentence(entry.summary), "{name}: {}", entry.id);
-                    check_params(&format!("{name}.{}", entry.id), entry.params, &mut {
-                        HashSet::new()
-                    });
-                }
-            }
-            _ => {}
+        assert_ne!(spec.name, mve_core::MODULE, "{name}: the word stands for the node's module");
+        assert_eq!(spec.fault(inputs), None, "{of}");
+        if let Some(default) = spec.default_json().filter(|_| spec.choice().is_none()) {
+            assert!(spec.read(&default).is_ok(), "{name}: the default {default} does not fit");
+        }
+        for option in spec.options() {
+            assert!(is_sentence(option.summary), "{name}: {}", option.id);
+            let of = format!("{name}.{}", option.id);
+            check_params(&of, option.params, inputs, &mut HashSet::new());
         }
     }
 }
@@ -236,8 +235,8 @@ fn ends_of_ranges_give_a_result_or_an_error() {
     // At their upper ends generators fill the memory and metrics take hours; there the slider ends.
     each_module(|info| {
         for spec in info.module.params {
-            for value in ends(spec) {
-                let folder = tempfile::tempdir().expect("a temporary folder");
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            for value in ends(spec, folder.path()) {
                 let trial = trial(info.module, &with_layers(), folder.path());
                 if let Err(ModuleError::Bug(bug)) = trial.set(spec.name, value.clone()).run() {
                     panic!("{}.{} = {value}: {bug}", info.module.id, spec.name);
@@ -247,22 +246,15 @@ fn ends_of_ranges_give_a_result_or_an_error() {
     });
 }
 
-/// Values at the ends of a parameter's range, and one of every choice and name.
-fn ends(spec: &ParamSpec) -> Vec<Json> {
-    match spec.kind {
-        Kind::Flag { .. } => vec![json!(true), json!(false)],
-        Kind::Integer { hard, soft, .. } => {
-            vec![json!(hard.0), json!(soft.map_or(hard.0.max(0), |soft| soft.1.min(256)))]
-        }
-        Kind::Number { hard, soft, .. } => vec![json!(hard.0), json!(soft.unwrap_or(hard).1)],
-        Kind::Text { .. } => vec![json!(""), json!("é\n\u{1F600}")],
-        Kind::Seed { .. } => vec![json!(0), json!(u32::MAX)],
-        Kind::Enumeration { names, .. } => names.iter().map(|(name, _)| json!(name)).collect(),
-        Kind::Choice { list, .. } => {
-            (0..list.len()).map(|place| json!(list.spec(place).id)).collect()
-        }
-        Kind::InputFile { .. } | Kind::OutputFile { .. } => Vec::new(),
-    }
+/// Values at the ends of a parameter's range, and one of every choice and name; an entry that needs
+/// files gets them.
+fn ends(spec: &ParamSpec, folder: &Path) -> Vec<Json> {
+    let Some(choice) = spec.choice() else { return spec.examples() };
+    let entry = |entry: mve_core::EntrySpec| {
+        let params = needed(entry.id, entry.params, folder);
+        if params.is_empty() { json!(entry.id) } else { json!({ entry.id: params }) }
+    };
+    choice.entries().map(entry).collect()
 }
 
 #[test]

@@ -7,6 +7,11 @@ use mve_core::describe_all;
 use mve_modules::registry;
 use mve_tests::root;
 
+#[path = "tidy/hashes.rs"]
+mod hashes;
+#[path = "../modules/sources/mod.rs"]
+mod sources;
+
 /// Longest file, in lines.
 const LONGEST: usize = 500;
 

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::cancel::CancelToken;
@@ -12,6 +11,7 @@ use crate::data::Value;
 use crate::disk_cache::DiskCache;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
+use crate::node_outputs::NodeOutputs;
 
 /// How long a thread that waits for another's result sleeps before it looks whether to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -24,25 +24,6 @@ pub enum CacheUse {
     Memory,
     /// From a folder that outlives it.
     Disk,
-}
-
-/// All that a node's run gave.
-#[derive(Clone, Debug)]
-pub(crate) struct Made {
-    pub outputs: Vec<Value>,
-    pub log: Vec<LogLine>,
-    pub seconds: f64,
-    /// Seconds of parts of the work, where the module says them; none of a value from the disk.
-    pub phases: IndexMap<String, f64>,
-}
-
-/// A line that a module wrote.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LogLine {
-    /// Whether it reports trouble.
-    pub is_warning: bool,
-    /// What it says.
-    pub text: String,
 }
 
 /// A cache in memory, within a budget of bytes, over one on disk if there is one.
@@ -72,7 +53,7 @@ enum Slot {
     /// Some thread makes it.
     Claimed,
     Full {
-        made: Arc<Made>,
+        results: Arc<NodeOutputs>,
         bytes: usize,
         used: u64,
     },
@@ -81,7 +62,7 @@ enum Slot {
 /// What came of asking for a key.
 pub(crate) enum Claim<'a> {
     /// It is there.
-    Hit(Arc<Made>, CacheUse),
+    Hit(Arc<NodeOutputs>, CacheUse),
     /// The caller makes it.
     Mine(Ticket<'a>),
     /// The run was stopped while another thread was making it.
@@ -121,8 +102,8 @@ impl Cache {
     ) -> Claim<'_> {
         let mut state = self.lock();
         loop {
-            if let Some(made) = state.touch(key) {
-                return Claim::Hit(made, CacheUse::Memory);
+            if let Some(results) = state.touch(key) {
+                return Claim::Hit(results, CacheUse::Memory);
             }
             if !state.slots.contains_key(&key) {
                 break;
@@ -137,10 +118,10 @@ impl Cache {
         drop(state);
         let ticket = Ticket { cache: self, key };
         match self.disk.as_ref().and_then(|disk| disk.load(key, module)) {
-            Some(made) => {
-                let made = Arc::new(made);
-                ticket.keep(&made);
-                Claim::Hit(made, CacheUse::Disk)
+            Some(results) => {
+                let results = Arc::new(results);
+                ticket.keep(&results);
+                Claim::Hit(results, CacheUse::Disk)
             }
             None => Claim::Mine(ticket),
         }
@@ -153,18 +134,18 @@ impl Cache {
 
 impl Ticket<'_> {
     /// Hands over what was made.
-    pub fn fulfill(self, made: &Arc<Made>) {
+    pub fn fulfill(self, results: &Arc<NodeOutputs>) {
         if let Some(disk) = &self.cache.disk {
-            disk.store(self.key, made);
+            disk.store(self.key, results);
         }
-        self.keep(made);
+        self.keep(results);
     }
 
-    fn keep(self, made: &Arc<Made>) {
+    fn keep(self, results: &Arc<NodeOutputs>) {
         let wanted = self.cache.wanted.as_ref();
-        let bytes: usize = made.outputs.iter().map(Value::byte_size).sum();
+        let bytes: usize = results.outputs.iter().map(Value::byte_size).sum();
         if bytes <= self.cache.budget && wanted.is_none_or(|keys| keys.contains(&self.key)) {
-            self.cache.lock().insert(self.key, Arc::clone(made), bytes, self.cache.budget);
+            self.cache.lock().insert(self.key, Arc::clone(results), bytes, self.cache.budget);
         }
     }
 }
@@ -180,16 +161,16 @@ impl Drop for Ticket<'_> {
 }
 
 impl State {
-    fn touch(&mut self, key: Fingerprint) -> Option<Arc<Made>> {
-        let Some(Slot::Full { made, used, .. }) = self.slots.get_mut(&key) else { return None };
+    fn touch(&mut self, key: Fingerprint) -> Option<Arc<NodeOutputs>> {
+        let Some(Slot::Full { results, used, .. }) = self.slots.get_mut(&key) else { return None };
         self.clock += 1;
         self.by_age.remove(used);
         self.by_age.insert(self.clock, key);
         *used = self.clock;
-        Some(Arc::clone(made))
+        Some(Arc::clone(results))
     }
 
-    fn insert(&mut self, key: Fingerprint, made: Arc<Made>, bytes: usize, budget: usize) {
+    fn insert(&mut self, key: Fingerprint, results: Arc<NodeOutputs>, bytes: usize, budget: usize) {
         while self.bytes + bytes > budget {
             let Some((_, oldest)) = self.by_age.pop_first() else { break };
             if let Some(Slot::Full { bytes, .. }) = self.slots.remove(&oldest) {
@@ -199,27 +180,29 @@ impl State {
         self.clock += 1;
         self.by_age.insert(self.clock, key);
         self.bytes += bytes;
-        self.slots.insert(key, Slot::Full { made, bytes, used: self.clock });
+        self.slots.insert(key, Slot::Full { results, bytes, used: self.clock });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use indexmap::IndexMap;
+
     use crate::testing::ECHO;
 
-    fn text_of(n: usize) -> Arc<Made> {
+    fn text_of(n: usize) -> Arc<NodeOutputs> {
         let outputs = vec![Value::new("x".repeat(n))];
-        Arc::new(Made { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() })
+        Arc::new(NodeOutputs { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() })
     }
 
     fn key(n: u8) -> Fingerprint {
         Fingerprint::of(&[n])
     }
 
-    fn put(cache: &Cache, n: u8, made: &Arc<Made>) {
+    fn put(cache: &Cache, n: u8, results: &Arc<NodeOutputs>) {
         match cache.claim(key(n), &ECHO, &CancelToken::new()) {
-            Claim::Mine(ticket) => ticket.fulfill(made),
+            Claim::Mine(ticket) => ticket.fulfill(results),
             _ => panic!("key {n} was there"),
         }
     }

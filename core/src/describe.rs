@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::param::{Kind, ParamSpec};
+use serde_json::json;
+
+use crate::param::{ParamSpec, Setting};
 use crate::registry::{ModuleInfo, Registry};
-use crate::setting::between;
 
 /// All modules, by category.
 pub fn describe_all(registry: &Registry) -> String {
@@ -54,40 +55,16 @@ fn describe_params(params: &[ParamSpec], depth: usize, text: &mut String) {
     let indent = "  ".repeat(depth);
     for spec in params {
         let _ = writeln!(text, "{indent}- `{}` ({}): {}", spec.name, facts(spec, depth), spec.doc);
-        match spec.kind {
-            Kind::Enumeration { names, .. } => {
-                for (name, doc) in names {
-                    let _ = writeln!(text, "{indent}  - `{name}`: {doc}");
-                }
-            }
-            Kind::Choice { list, .. } => {
-                for place in 0..list.len() {
-                    let entry = list.spec(place);
-                    let _ = writeln!(text, "{indent}  - `{}`: {}", entry.id, entry.summary);
-                    describe_params(entry.params, depth + 2, text);
-                }
-            }
-            _ => {}
+        for part in spec.kind.answers().parts() {
+            let _ = writeln!(text, "{indent}  - `{}`: {}", part.id, part.summary);
+            describe_params(part.params, depth + 2, text);
         }
     }
 }
 
 /// Type, range, unit, default, and whether a link can set it.
 fn facts(spec: &ParamSpec, depth: usize) -> String {
-    let (kind, range) = match spec.kind {
-        Kind::Flag { .. } => ("flag", String::new()),
-        Kind::Integer { hard: (low, high), .. } => {
-            ("whole number", between(low as f64, high as f64))
-        }
-        Kind::Number { hard: (low, high), .. } => ("number", between(low, high)),
-        Kind::Text { .. } => ("text", String::new()),
-        Kind::Seed { .. } => ("seed", String::new()),
-        Kind::Enumeration { .. } => ("one of the names below", String::new()),
-        Kind::Choice { .. } => ("choice among the entries below", String::new()),
-        Kind::InputFile { extensions, .. } => ("input file", ending(extensions)),
-        Kind::OutputFile { extensions, .. } => ("output file", ending(extensions)),
-    };
-    let mut facts = vec![format!("{kind}{range}")];
+    let mut facts = vec![spec.kind.answers().noun()];
     if !spec.unit.is_empty() {
         facts.push(format!("in {}", spec.unit));
     }
@@ -96,8 +73,9 @@ fn facts(spec: &ParamSpec, depth: usize) -> String {
     }
     facts.push(match spec.default_setting() {
         None => "required".to_owned(),
-        Some(crate::Setting::Off) => "default off".to_owned(),
-        Some(crate::Setting::Text(text)) if text.is_empty() => "default empty".to_owned(),
+        Some(Setting::Off) => "default off".to_owned(),
+        Some(Setting::Text(text)) if text.is_empty() => "default empty".to_owned(),
+        Some(default) if default.to_json() == json!([]) => "default empty".to_owned(),
         Some(default) => format!("default {}", default.to_word()),
     });
     if depth == 0
@@ -106,8 +84,4 @@ fn facts(spec: &ParamSpec, depth: usize) -> String {
         facts.push(format!("takes a link from {}", data_type.id));
     }
     facts.join("; ")
-}
-
-fn ending(extensions: &[&str]) -> String {
-    if extensions.is_empty() { String::new() } else { format!(" .{}", extensions.join(", .")) }
 }

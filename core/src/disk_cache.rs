@@ -11,10 +11,10 @@ use std::time::SystemTime;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::cache::{LogLine, Made};
 use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
+use crate::node_outputs::{LogLine, NodeOutputs};
 
 /// Outputs made in less time than this are made again sooner than they are read.
 const WORTH_SECONDS: f64 = 0.02;
@@ -33,7 +33,7 @@ pub struct DiskCache {
 }
 
 #[derive(Serialize, Deserialize)]
-struct Stored {
+struct FileContent {
     /// Type and bytes of each output.
     outputs: Vec<(String, Vec<u8>)>,
     log: Vec<LogLine>,
@@ -51,7 +51,7 @@ impl DiskCache {
         self.folder.join(format!("{key}.values"))
     }
 
-    pub(crate) fn load(&self, key: Fingerprint, module: &Module) -> Option<Made> {
+    pub(crate) fn load(&self, key: Fingerprint, module: &Module) -> Option<NodeOutputs> {
         let path = self.path(key);
         // Anything else of this name, such as a pipe, could keep a reader waiting for ever.
         if !fs::symlink_metadata(&path).ok()?.is_file() {
@@ -62,7 +62,7 @@ impl DiskCache {
         if blake3::hash(content).as_bytes() != hash {
             return None;
         }
-        let stored: Stored = postcard::from_bytes(content).ok()?;
+        let stored: FileContent = postcard::from_bytes(content).ok()?;
         let outputs = stored.outputs.iter().zip(module.outputs).map(|((type_id, bytes), spec)| {
             (type_id == spec.data_type.id).then(|| (spec.decode)(bytes).ok()).flatten()
         });
@@ -71,18 +71,23 @@ impl DiskCache {
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
         let phases = IndexMap::new();
-        is_whole.then_some(Made { outputs, log: stored.log, seconds: stored.seconds, phases })
+        is_whole.then_some(NodeOutputs {
+            outputs,
+            log: stored.log,
+            seconds: stored.seconds,
+            phases,
+        })
     }
 
-    pub(crate) fn store(&self, key: Fingerprint, made: &Made) {
-        if made.seconds < WORTH_SECONDS {
+    pub(crate) fn store(&self, key: Fingerprint, results: &NodeOutputs) {
+        if results.seconds < WORTH_SECONDS {
             return;
         }
-        let outputs = made.outputs.iter().map(|value| {
+        let outputs = results.outputs.iter().map(|value| {
             Ok::<_, postcard::Error>((value.data_type().id.to_owned(), value.encode()?))
         });
         let Ok(outputs) = outputs.collect::<Result<_, _>>() else { return };
-        let stored = Stored { outputs, log: made.log.clone(), seconds: made.seconds };
+        let stored = FileContent { outputs, log: results.log.clone(), seconds: results.seconds };
         // A full disk costs the next process time, and nothing else.
         if let Ok(content) = postcard::to_stdvec(&stored) {
             let _ = self.write(key, &content);
@@ -135,9 +140,9 @@ mod tests {
     use crate::data::Value;
     use crate::testing::ECHO;
 
-    fn made(text: &str) -> Made {
-        let outputs = vec![Value::new(text.to_owned())];
-        Made { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() }
+    fn outputs(text: &str) -> NodeOutputs {
+        let values = vec![Value::new(text.to_owned())];
+        NodeOutputs { outputs: values, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() }
     }
 
     #[test]
@@ -145,7 +150,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cache = DiskCache::open(folder.path(), 1 << 20).unwrap();
         let key = Fingerprint::of(b"a");
-        cache.store(key, &made("hello"));
+        cache.store(key, &outputs("hello"));
         assert_eq!(cache.load(key, &ECHO).unwrap().outputs[0].summary(), "hello");
         assert!(cache.load(Fingerprint::of(b"b"), &ECHO).is_none());
     }
@@ -155,7 +160,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cache = DiskCache::open(folder.path(), 1 << 20).unwrap();
         let key = Fingerprint::of(b"a");
-        cache.store(key, &made("hello"));
+        cache.store(key, &outputs("hello"));
         let whole = fs::read(cache.path(key)).unwrap();
         for place in 0..whole.len() {
             let mut broken = whole.clone();
@@ -175,7 +180,7 @@ mod tests {
         scan.set_len(1 << 40).unwrap();
         let cache = DiskCache::open(folder.path(), 3000).unwrap();
         for n in 0..10_u8 {
-            cache.store(Fingerprint::of(&[n]), &made(&"x".repeat(1000)));
+            cache.store(Fingerprint::of(&[n]), &outputs(&"x".repeat(1000)));
         }
         assert_eq!(scan.metadata().unwrap().len(), 1 << 40);
         assert!(folder.path().join("scan.obj").exists() && folder.path().join("scans").exists());

@@ -43,11 +43,11 @@ pub(crate) fn refuse_links(base: &Path, below: &Path) -> Result<(), String> {
 /// Remembers the fingerprints of files, so that ten thousand steps over one scan read it once.
 #[derive(Debug, Default)]
 pub struct FileHashes {
-    known: Mutex<HashMap<PathBuf, Known>>,
+    known: Mutex<HashMap<PathBuf, FileHash>>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct FileHash {
     size: u64,
     modified: Option<SystemTime>,
     fingerprint: Fingerprint,
@@ -77,7 +77,7 @@ impl FileHashes {
             return Ok(old.fingerprint);
         }
         let fingerprint = Fingerprint::of_file(path).map_err(|error| explain(&error))?;
-        known.insert(path.to_owned(), Known { size, modified, fingerprint });
+        known.insert(path.to_owned(), FileHash { size, modified, fingerprint });
         Ok(fingerprint)
     }
 }

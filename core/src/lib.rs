@@ -15,12 +15,15 @@ mod control;
 mod data;
 mod describe;
 mod disk_cache;
+mod error;
 mod files;
 mod fingerprint;
 mod json;
+mod listed;
 mod machine;
 mod map;
 mod module;
+mod node_outputs;
 mod panics;
 mod param;
 mod plan;
@@ -30,41 +33,38 @@ mod program;
 mod registry;
 mod run;
 mod schema;
-mod setting;
-mod store;
 mod template;
 pub mod testing;
 
-pub use cache::{Cache, CacheUse, LogLine};
+pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
 pub use control::{Cancelled, Control, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
+pub use error::ModuleError;
 pub use files::FileHashes;
 pub use fingerprint::Fingerprint;
+pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
-pub use module::{Io, Module, ModuleError};
+pub use module::{Io, Module};
+pub use node_outputs::LogLine;
 pub use panics::contain_panics;
-pub use param::{
-    ChoiceList, ChoiceParam, Choices, Chosen, Entry, EntrySpec, Enumeration, Kind, Param,
-    ParamSpec, ParamType, Seed,
-};
+pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, brief, brief_value, run_program, stands_for,
+    ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
+    brief, brief_value, run_program, stands_for,
 };
-pub use registry::{Listed, ModuleInfo, ModuleList, Registry, source_hash};
+pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
-pub use setting::{Setting, Settings};
-pub use store::{StepRecord, StepStatus, Store, StoreError};
 
 /// The version of mve, as packages name it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,17 +1,15 @@
 //! Modules: declared units of work, and what they see of the run.
 
 use std::any::type_name;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use thiserror::Error;
-
 use crate::cancel::CancelToken;
-use crate::control::{Cancelled, Control, Reporter};
+use crate::control::{Control, Reporter};
 use crate::data::{Data, Value};
-use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
+use crate::error::ModuleError;
+use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType, Settings};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
-use crate::setting::Settings;
 
 /// A unit of work: what it is called, what goes in and out, and what it does.
 ///
@@ -33,48 +31,10 @@ pub struct Module {
 }
 
 impl Module {
-    /// Whether it writes files, and so is run even where its outputs are known.
+    /// Whether it may write files, those of an entry of a choice too.
     pub fn writes_files(&self) -> bool {
-        self.params.iter().any(|p| matches!(p.kind, crate::Kind::OutputFile { .. }))
+        self.params.iter().any(ParamSpec::writes_files)
     }
-}
-
-/// Why a module gave no result.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ModuleError {
-    /// An input is not what the module can work on.
-    #[error("input \"{port}\": {message}")]
-    Input {
-        /// The port.
-        port: String,
-        /// The offending element, what was found and what was expected.
-        message: String,
-    },
-    /// A parameter does not go with the inputs or with another parameter.
-    #[error("parameter \"{name}\": {message}")]
-    Param {
-        /// The parameter.
-        name: String,
-        /// What was found and what was expected.
-        message: String,
-    },
-    /// There is no result, for a reason that is not one of the others; the message says all.
-    #[error("{0}")]
-    Failed(String),
-    /// A file could not be read or written.
-    #[error("{}: {message}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it, with the line where there is one, and what to do.
-        message: String,
-    },
-    /// The run was stopped.
-    #[error("stopped")]
-    Cancelled,
-    /// The module broke its own declaration, or panicked.
-    #[error("this is a bug in the module: {0}")]
-    Bug(String),
 }
 
 impl ModuleError {
@@ -91,12 +51,6 @@ impl ModuleError {
     /// An error about a file, with its path.
     pub fn io(path: &Path, message: impl Into<String>) -> Self {
         Self::Io { path: path.to_owned(), message: message.into() }
-    }
-}
-
-impl From<Cancelled> for ModuleError {
-    fn from(Cancelled: Cancelled) -> Self {
-        Self::Cancelled
     }
 }
 

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::module::ModuleError;
+use crate::error::ModuleError;
 
 /// Modules at work: while there are any, a panic is theirs, and the hook keeps quiet.
 static AT_WORK: AtomicUsize = AtomicUsize::new(0);

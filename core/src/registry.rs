@@ -1,39 +1,8 @@
 //! The modules that a program knows.
 
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
+use crate::listed::Listed;
 use crate::module::Module;
-
-/// Something declared in a file of its own, with a hash of that file.
-///
-/// The hash is a part of every result's identity, so an edited cost function, metric or module
-/// never finds results of its older self in a cache or a store, and nobody has to remember to
-/// raise a version number.
-pub struct Listed<T: 'static> {
-    /// The declaration.
-    pub item: &'static T,
-    /// [`source_hash`] of its file.
-    pub source: u64,
-}
-
-impl<T> Clone for Listed<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Listed<T> {}
-
-/// Hash of a source file, at compile time: FNV-1a, 64 bits (Fowler, Noll, Vo 1991), line ends as
-/// they are.
-pub const fn source_hash(source: &[u8]) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut place = 0;
-    while place < source.len() {
-        hash = (hash ^ source[place] as u64).wrapping_mul(0x0100_0000_01b3);
-        place += 1;
-    }
-    hash
-}
 
 /// The modules of one folder.
 pub struct ModuleList {
@@ -103,6 +72,10 @@ impl Registry {
 /// `registered! { pub static COSTS: Entry<CostBuild> = COST in edge_length, quadric; }` declares
 /// `mod edge_length; mod quadric;` and a slice of [`Listed`] over `edge_length::COST` and
 /// `quadric::COST`.
+///
+/// A build script may say the hash of a file in the variable `MVE_SOURCE_OF_` and the path of its
+/// module, such as `MVE_SOURCE_OF_mve_modules::cost::quadric`. Where none does, all bytes of the
+/// file count, also comments and tests.
 #[macro_export]
 macro_rules! registered {
     ($(#[$doc:meta])* $vis:vis static $list:ident: $type:ty = $item:ident in $($file:ident),+ $(,)?;) => {
@@ -110,7 +83,13 @@ macro_rules! registered {
         $(#[$doc])*
         $vis static $list: &[$crate::Listed<$type>] = &[$($crate::Listed {
             item: &$file::$item,
-            source: $crate::source_hash(include_bytes!(concat!(stringify!($file), ".rs"))),
+            source: $crate::source_hash(
+                match option_env!(concat!("MVE_SOURCE_OF_", module_path!(), "::", stringify!($file)))
+                {
+                    Some(hash) => hash.as_bytes(),
+                    None => include_bytes!(concat!(stringify!($file), ".rs")),
+                },
+            ),
         }),+];
     };
 }
@@ -126,16 +105,4 @@ macro_rules! modules {
         pub static LIST: $crate::ModuleList =
             $crate::ModuleList { category: $category, modules: MODULES };
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn source_hash_is_fnv_1a() {
-        // From the test vectors of the authors of FNV.
-        assert_eq!(source_hash(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(source_hash(b"foobar"), 0x8594_4171_f739_67e8);
-    }
 }

@@ -10,15 +10,17 @@ use indexmap::IndexMap;
 use listener::Listener;
 use serde::{Deserialize, Serialize};
 
-use crate::cache::{Cache, CacheUse, Claim, LogLine, Made};
+use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
+use crate::error::ModuleError;
 use crate::files::refuse_links;
 use crate::fingerprint::Fingerprint;
-use crate::module::{Io, ModuleError};
+use crate::module::Io;
+use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
+use crate::param::{Setting, Settings};
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
-use crate::setting::{Setting, Settings};
 
 /// Progress of one node is told at most this often.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
@@ -325,22 +327,23 @@ impl Runner<'_> {
         inputs: Vec<Option<Value>>,
         linked: Vec<(usize, Option<Value>)>,
     ) -> (NodeOutcome, Option<Vec<Value>>) {
-        let cache = self.options.cache.filter(|_| !node.info.module.writes_files());
+        // Files are not in the cache: a node that writes some runs even where its outputs are known.
+        let cache = self.options.cache.filter(|_| node.writes.is_empty());
         let claim = cache.map(|c| c.claim(node.key, node.info.module, self.options.cancel));
-        let (made, cached) = match claim {
-            Some(Claim::Hit(made, cached)) => (Ok(made), Some(cached)),
+        let (results, cached) = match claim {
+            Some(Claim::Hit(results, cached)) => (Ok(results), Some(cached)),
             Some(Claim::Stopped) => (Err((ModuleError::Cancelled, Vec::new())), None),
             Some(Claim::Mine(ticket)) => {
-                let made = self.make(node, inputs, linked).map(Arc::new);
-                if let Ok(made) = &made {
-                    ticket.fulfill(made);
+                let results = self.make(node, inputs, linked).map(Arc::new);
+                if let Ok(results) = &results {
+                    ticket.fulfill(results);
                 }
-                (made, None)
+                (results, None)
             }
             None => (self.make(node, inputs, linked).map(Arc::new), None),
         };
-        let made = match made {
-            Ok(made) => made,
+        let results = match results {
+            Ok(results) => results,
             Err((error, log)) => {
                 let status = match error {
                     ModuleError::Cancelled => NodeStatus::Stopped,
@@ -349,9 +352,10 @@ impl Runner<'_> {
                 return (self.not_run(node, status, log), None);
             }
         };
-        let record = self.record(node, &made, cached);
-        self.tell(node, EventKind::Ended { record: &record, outputs: &made.outputs });
-        let outputs = Arc::try_unwrap(made).map_or_else(|made| made.outputs.clone(), |m| m.outputs);
+        let record = self.record(node, &results, cached);
+        self.tell(node, EventKind::Ended { record: &record, outputs: &results.outputs });
+        let outputs =
+            Arc::try_unwrap(results).map_or_else(|results| results.outputs.clone(), |m| m.outputs);
         let names = node.info.module.outputs.iter().map(|output| output.name);
         let kept = match self.options.keep {
             Keep::All => names.zip(outputs.iter().cloned()).collect(),
@@ -360,9 +364,14 @@ impl Runner<'_> {
         (NodeOutcome { record, outputs: kept }, Some(outputs))
     }
 
-    fn record(&self, node: &PlanNode, made: &Made, cached: Option<CacheUse>) -> NodeRecord {
+    fn record(
+        &self,
+        node: &PlanNode,
+        results: &NodeOutputs,
+        cached: Option<CacheUse>,
+    ) -> NodeRecord {
         let mut record = blank(node, NodeStatus::Done);
-        for (spec, value) in node.info.module.outputs.iter().zip(&made.outputs) {
+        for (spec, value) in node.info.module.outputs.iter().zip(&results.outputs) {
             let cells = value.cells();
             if let Some(scalar) = value.scalar() {
                 record.scalars.insert(spec.name.to_owned(), scalar);
@@ -373,13 +382,13 @@ impl Runner<'_> {
             }
         }
         if cached.is_none() {
-            record.seconds = Some(made.seconds);
-            record.phases.clone_from(&made.phases);
+            record.seconds = Some(results.seconds);
+            record.phases.clone_from(&results.phases);
         }
         record.cached = cached;
         let is_there = |path: &&PathBuf| self.options.output_folder.join(path).is_file();
         record.files = node.writes.iter().filter(is_there).cloned().collect();
-        record.log = made.log.clone();
+        record.log = results.log.clone();
         record
     }
 
@@ -389,7 +398,7 @@ impl Runner<'_> {
         node: &PlanNode,
         inputs: Vec<Option<Value>>,
         linked: Vec<(usize, Option<Value>)>,
-    ) -> Result<Made, (ModuleError, Vec<LogLine>)> {
+    ) -> Result<NodeOutputs, (ModuleError, Vec<LogLine>)> {
         if self.options.cancel.is_cancelled() {
             return Err((ModuleError::Cancelled, Vec::new()));
         }
@@ -411,7 +420,7 @@ impl Runner<'_> {
         match outputs {
             Ok(outputs) => {
                 let phases = listener.phases.into_inner().unwrap_or_else(PoisonError::into_inner);
-                Ok(Made { outputs, log, seconds, phases })
+                Ok(NodeOutputs { outputs, log, seconds, phases })
             }
             Err(error) => Err((error, log)),
         }
@@ -429,23 +438,31 @@ impl Runner<'_> {
                 settings.0[place].1 = node.info.module.params[place].parse_linked(&scalar)?;
             }
         }
-        for (spec, (_, setting)) in node.info.module.params.iter().zip(&mut settings.0) {
-            if let (crate::Kind::OutputFile { .. }, Setting::File { resolved, .. }) =
-                (spec.kind, setting)
+        let mut fault = None;
+        settings.each_mut(node.info.module.params, &mut |_, spec, setting| {
+            if let Setting::File { resolved, .. } = setting
+                && spec.output_file().is_some()
+                && fault.is_none()
             {
-                let base = self.options.output_folder;
-                if self.options.output_scope == OutputScope::Folder {
-                    refuse_links(base, resolved).map_err(|why| ModuleError::io(resolved, why))?;
-                }
-                *resolved = base.join(&*resolved);
-                if let Some(folder) = resolved.parent() {
-                    std::fs::create_dir_all(folder).map_err(|error| {
-                        ModuleError::io(folder, format!("cannot make this folder: {error}"))
-                    })?;
-                }
+                fault = self.place(resolved).err();
             }
+        });
+        if let Some(fault) = fault {
+            return Err(fault);
         }
         Ok(settings)
+    }
+
+    /// Puts the path of an output file into the output folder, and makes its folder.
+    fn place(&self, path: &mut PathBuf) -> Result<(), ModuleError> {
+        let base = self.options.output_folder;
+        if self.options.output_scope == OutputScope::Folder {
+            refuse_links(base, path).map_err(|why| ModuleError::io(path, why))?;
+        }
+        *path = base.join(&*path);
+        let Some(folder) = path.parent() else { return Ok(()) };
+        std::fs::create_dir_all(folder)
+            .map_err(|error| ModuleError::io(folder, format!("cannot make this folder: {error}")))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Map as JsonMap, Value as Json, json};
 
-use crate::param::{Kind, ParamSpec};
+use crate::param::ParamSpec;
 use crate::registry::Registry;
 
 /// The schema, draft 2020-12.
@@ -163,7 +163,7 @@ fn report() -> Json {
 }
 
 /// The schema of the parameters of a module or of an entry of a choice.
-fn object_of(params: &[ParamSpec]) -> Json {
+pub(crate) fn object_of(params: &[ParamSpec]) -> Json {
     let properties: JsonMap<String, Json> =
         params.iter().map(|spec| (spec.name.to_owned(), of_param(spec))).collect();
     let is_needed = |spec: &&ParamSpec| spec.default_setting().is_none();
@@ -177,56 +177,19 @@ fn object_of(params: &[ParamSpec]) -> Json {
 }
 
 fn of_param(spec: &ParamSpec) -> Json {
-    let mut schema = match spec.kind {
-        Kind::Flag { .. } => json!({ "type": "boolean" }),
-        Kind::Integer { hard: (low, high), .. } => json!({
-            "type": or_off("integer", spec.can_be_off), "minimum": low, "maximum": high
-        }),
-        Kind::Number { hard: (low, high), .. } => {
-            let mut number = json!({ "type": or_off("number", spec.can_be_off) });
-            if low > f64::MIN {
-                number["minimum"] = Json::from(low);
-            }
-            if high < f64::MAX {
-                number["maximum"] = Json::from(high);
-            }
-            number
+    let mut schema = spec.kind.answers().schema();
+    if spec.can_be_off {
+        match schema["type"].clone() {
+            Json::String(kind) => schema["type"] = json!([kind, "null"]),
+            _ => schema = json!({ "anyOf": [schema, { "type": "null" }] }),
         }
-        Kind::Seed { .. } => json!({ "type": "integer", "minimum": 0, "maximum": u32::MAX }),
-        Kind::Text { .. } => json!({ "type": "string" }),
-        Kind::InputFile { .. } | Kind::OutputFile { .. } => {
-            json!({ "type": "string", "minLength": 1 })
-        }
-        Kind::Enumeration { names, .. } => {
-            let each = names.iter().map(|(name, doc)| json!({ "const": name, "description": doc }));
-            json!({ "anyOf": each.collect::<Vec<_>>() })
-        }
-        Kind::Choice { list, .. } => {
-            let entries = (0..list.len()).map(|place| list.spec(place));
-            let each = entries.flat_map(|entry| {
-                let alone = json!({ "const": entry.id, "description": entry.summary });
-                let with_params = json!({
-                    "type": "object",
-                    "description": entry.summary,
-                    "properties": { entry.id: object_of(entry.params) },
-                    "required": [entry.id],
-                    "additionalProperties": false
-                });
-                [alone, with_params]
-            });
-            json!({ "anyOf": each.collect::<Vec<_>>() })
-        }
-    };
+    }
     let unit = if spec.unit.is_empty() { String::new() } else { format!(" Unit: {}.", spec.unit) };
     schema["description"] = Json::from(format!("{}{unit}", spec.doc));
     if let Some(default) = spec.default_setting() {
         schema["default"] = default.to_json();
     }
     schema
-}
-
-fn or_off(kind: &str, can_be_off: bool) -> Json {
-    if can_be_off { json!([kind, "null"]) } else { json!(kind) }
 }
 
 #[cfg(test)]

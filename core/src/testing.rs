@@ -10,16 +10,17 @@ use serde_json::{Map as JsonMap, Value as Json};
 use crate::cancel::CancelToken;
 use crate::control::Reporter;
 use crate::data::{Data, Value};
+use crate::error::ModuleError;
 use crate::files::FileHashes;
-use crate::module::{Io, Module, ModuleError};
+use crate::listed::Listed;
+use crate::module::{Io, Module};
 use crate::panics::contained;
-use crate::param::{ChoiceParam, Choices, Entry, Param};
+use crate::param::{ChoiceParam, Choices, Entry, Param, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
 use crate::program::{ProgramOptions, Retry, Shard, Sharing};
-use crate::registry::{Listed, ModuleList, Registry};
+use crate::registry::{ModuleList, Registry};
 use crate::run::{Keep, RunOptions};
-use crate::setting::{Setting, Settings};
 
 /// Options of a plan of a map that is in `folder`, where each run has a fresh folder of outputs.
 pub fn plan_options<'a>(folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
@@ -139,11 +140,11 @@ impl Trial {
         let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
         let complaints: Vec<_> = complaints.collect();
         assert!(complaints.is_empty(), "{complaints:?}");
-        for (_, setting) in &mut settings.0 {
+        settings.each_mut(self.module.params, &mut |_, _, setting| {
             if let Setting::File { written, resolved } = setting {
                 *resolved = written.as_str().into();
             }
-        }
+        });
         let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener);
         let outputs = contained(|| (self.module.run)(&mut io)).and_then(|()| io.finish())?;
         Ok(self.module.outputs.iter().map(|output| output.name).zip(outputs).collect())

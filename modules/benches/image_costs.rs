@@ -13,7 +13,7 @@ use mve_core::{Cancelled, Control};
 use mve_modules::cost::Squares;
 use mve_modules::data::TriMesh;
 use mve_modules::geometry::simplify::collapse::{
-    Collapse, Collapsing, Cost, Proposal, Reach, Renewal, SimplifyOptions, Stop, simplify,
+    Batch, Collapse, Cost, Reach, Renewal, SimplifyOptions, Stop, WorkingMesh, simplify,
 };
 use mve_modules::image_driven::{Areas, Difference, ImageDriven, ImageOptions, Structure};
 use mve_modules::mesh::fixtures::torus;
@@ -38,34 +38,34 @@ fn add<T: Copy + std::ops::Add<Output = T>>(cell: &Cell<T>, more: T) {
 }
 
 impl<D: Difference> Cost for Counted<D> {
-    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+    fn begin(&mut self, mesh: &WorkingMesh, control: Control) -> Result<(), Cancelled> {
         if let Some(whole) = &mut self.whole {
-            whole.begin(state, control)?;
+            whole.begin(mesh, control)?;
         }
-        self.active.begin(state, control)
+        self.active.begin(mesh, control)
     }
 
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         let start = Instant::now();
-        self.active.price(state, batch, prices);
+        self.active.price(mesh, batch, prices);
         add(&self.in_active, start.elapsed());
         add(&self.n_active, batch.len());
         add(&self.n_batches, 1);
         let whole = self.whole.as_ref().filter(|_| self.n_batches.get().is_multiple_of(WHOLE_EACH));
-        if let (Some(whole), Some(first)) = (whole, batch.first()) {
+        if let (Some(whole), Some(first)) = (whole, batch.proposals.first()) {
             let mut price = [0.0];
             let start = Instant::now();
-            whole.price(state, &[*first], &mut price);
+            whole.price(mesh, Batch::new(&[*first]), &mut price);
             add(&self.in_whole, start.elapsed());
             add(&self.n_whole, 1);
             assert_eq!(price[0], prices[0]);
         }
     }
 
-    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
-        self.active.collapsed(state, collapse);
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
+        self.active.collapsed(mesh, collapse);
         if let Some(whole) = &mut self.whole {
-            whole.collapsed(state, collapse);
+            whole.collapsed(mesh, collapse);
         }
     }
 

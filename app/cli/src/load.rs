@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use mve_core::{
-    FileHashes, Kind, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry,
-    assign,
+    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry, assign,
+    declared_at,
 };
 use serde_json::Value as Json;
 
@@ -51,17 +51,18 @@ impl Setting {
     /// The value for the parameter that it is meant for: a text stays one even where it looks like
     /// a number, and a file is where the person who types is, not where the map is.
     fn value_for(&self, map: &Map, registry: &Registry) -> Json {
-        let kind = self.path.split_once('.').and_then(|(node, param)| {
-            let info = registry.find(&map.nodes.get(node)?.module)?;
-            Some(info.module.params.iter().find(|spec| spec.name == param)?.kind)
+        let spec = self.path.split_once('.').and_then(|(node, param)| {
+            let node = map.nodes.get(node)?;
+            declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
         });
-        match (kind, &self.value) {
-            (Some(Kind::InputFile { .. }), Json::String(path)) => std::path::absolute(path)
-                .map_or_else(
-                    |_| path.clone().into(),
-                    |absolute| absolute.to_string_lossy().into_owned().into(),
-                ),
-            (Some(Kind::Text { .. }), value) if !value.is_string() => self.text.clone().into(),
+        let (is_file, is_text) =
+            spec.map_or((false, false), |spec| (spec.input_file().is_some(), spec.is_text()));
+        match &self.value {
+            Json::String(path) if is_file => std::path::absolute(path).map_or_else(
+                |_| path.clone().into(),
+                |absolute| absolute.to_string_lossy().into_owned().into(),
+            ),
+            value if is_text && !value.is_string() => self.text.clone().into(),
             _ => self.value.clone(),
         }
     }

@@ -4,12 +4,9 @@ use serde_json::{Map as JsonMap, Value as Json};
 
 use super::no_such_node;
 use crate::map::Map;
-use crate::param::{Kind, ParamSpec};
+use crate::param::{MODULE, ParamSpec, chosen};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
-
-/// What stands for a node's module among its parameters; no parameter has this name.
-pub(crate) const MODULE: &str = "module";
 
 /// Sets `node.param`, or a parameter nested under a choice: `simplify.cost.boundary_weight`.
 ///
@@ -27,20 +24,13 @@ pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Re
         return Err(Problem::error(missing).at(node_name).port(param_path));
     };
     if param_path == MODULE {
-        let Some(id) = chosen_id(&value) else {
+        let Some((id, params)) = chosen(&value) else {
             let message = format!("{value} is neither the id of a module nor {{id: parameters}}");
             return Err(Problem::error(message).at(node_name).port(MODULE));
         };
         node.module = id.to_owned();
-        if let Json::Object(object) = &value {
-            node.params = match object.values().next() {
-                Some(Json::Object(params)) => params.clone(),
-                other => {
-                    let found = other.unwrap_or(&Json::Null);
-                    let message = format!("{found} is no object of parameters");
-                    return Err(Problem::error(message).at(node_name).port(MODULE));
-                }
-            };
+        if let Some(params) = params {
+            node.params = params.clone();
         }
         return Ok(());
     }
@@ -66,36 +56,24 @@ fn set(
         let hint = did_you_mean(name, specs.iter().map(|spec| spec.name));
         return Err(format!("there is no parameter \"{name}\"{hint}"));
     };
-    let current = params.get(name).and_then(chosen_id).map(str::to_owned);
+    let current = params.get(name).and_then(chosen);
     let Some(nested) = nested else {
-        let is_same = matches!(spec.kind, Kind::Choice { .. })
-            && current.is_some()
-            && value.as_str() == current.as_deref();
-        if !is_same {
+        let names_the_same =
+            spec.choice().is_some() && current.is_some_and(|(id, _)| value.as_str() == Some(id));
+        if !names_the_same {
             params.insert(name.to_owned(), value);
         }
         return Ok(());
     };
-    let Kind::Choice { default, list } = spec.kind else {
+    let Some(choice) = spec.choice() else {
         return Err(format!("\"{name}\" has no parameters of its own"));
     };
-    let id = current.unwrap_or_else(|| default.to_owned());
-    let entry = list.find(&id).ok_or_else(|| format!("\"{name}\" has no entry \"{id}\""))?;
-    let mut inner = match params.get(name).and_then(|json| json.get(&id)) {
-        Some(Json::Object(inner)) => inner.clone(),
-        _ => JsonMap::new(),
-    };
+    let (id, inner) = current.unwrap_or((choice.default, None));
+    let entry = choice.list.find(id).ok_or_else(|| format!("\"{name}\" has no entry \"{id}\""))?;
+    let mut inner = inner.cloned().unwrap_or_default();
     set(&mut inner, Some(entry.params), nested, value)
         .map_err(|why| format!("{why}, of {}", entry.id))?;
-    params.insert(name.to_owned(), Json::Object(JsonMap::from_iter([(id, Json::Object(inner))])));
+    let inner = JsonMap::from_iter([(entry.id.to_owned(), Json::Object(inner))]);
+    params.insert(name.to_owned(), Json::Object(inner));
     Ok(())
-}
-
-/// The id in the JSON of a choice.
-fn chosen_id(json: &Json) -> Option<&str> {
-    match json {
-        Json::String(id) => Some(id),
-        Json::Object(object) if object.len() == 1 => object.keys().next().map(String::as_str),
-        _ => None,
-    }
 }

@@ -11,12 +11,10 @@ use std::path::{Path, PathBuf};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
-use crate::param::Kind;
+use crate::param::{Setting, Settings};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
-use crate::setting::{Setting, Settings};
 
-pub(crate) use assign::MODULE;
 pub use assign::assign;
 pub(crate) use outputs::one_case;
 
@@ -185,34 +183,25 @@ fn prepare(
             problems.push(Problem::warning(message).at(name).port(link));
         }
     }
-    let mut reads = Vec::new();
-    for (spec, (_, setting)) in specs.iter().zip(&mut settings.0) {
-        match (spec.kind, setting) {
-            (Kind::InputFile { also_reads, .. }, Setting::File { written, resolved }) => {
-                *resolved = options.map_folder.join(written.as_str());
-                match options.files.fingerprint(resolved) {
-                    Ok(fingerprint) => reads.push((resolved.clone(), fingerprint)),
-                    Err(complaint) => {
-                        let is_relative = Path::new(written.as_str()).is_relative();
-                        let hint = match is_relative {
-                            true => "; paths in a map are relative to its folder",
-                            false => "",
-                        };
-                        let message = format!("{}: {complaint}{hint}", resolved.display());
-                        problems.push(Problem::error(message).at(name).port(spec.name));
-                        continue;
-                    }
-                }
-                // What a file names may be missing; the module says so when it matters.
-                for path in also_reads(resolved) {
-                    if let Ok(fingerprint) = options.files.fingerprint(&path) {
-                        reads.push((path, fingerprint));
-                    }
-                }
-            }
-            (_, setting) => setting.shift_seeds(spec, options.repeat),
-        }
+    // Only the module's author can mend these, but a run would read another parameter than declared.
+    for fault in specs.iter().filter_map(|spec| spec.fault(info.module.inputs)) {
+        let message = format!("this is a bug in the module: {fault}");
+        problems.push(Problem::error(message).at(name));
     }
+    let mut reads = Vec::new();
+    settings.each_mut(specs, &mut |path, spec, setting| match (spec.input_file(), setting) {
+        (Some(file), Setting::File { written, resolved }) => {
+            *resolved = options.map_folder.join(written.as_str());
+            if let Err(message) = read(resolved, file.also_reads, options.files, &mut reads) {
+                let hint = match Path::new(written.as_str()).is_relative() {
+                    true => "; paths in a map are relative to its folder",
+                    false => "",
+                };
+                problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
+            }
+        }
+        (_, setting) => spec.repeat(setting, options.repeat),
+    });
     PlanNode {
         name: name.to_owned(),
         info,
@@ -224,6 +213,25 @@ fn prepare(
         linked: Vec::new(),
         consumers: Vec::new(),
     }
+}
+
+/// Fingerprints an input file and the files that it names.
+fn read(
+    path: &Path,
+    also_reads: fn(&Path) -> Vec<PathBuf>,
+    files: &FileHashes,
+    reads: &mut Vec<(PathBuf, Fingerprint)>,
+) -> Result<(), String> {
+    let fingerprint = files.fingerprint(path);
+    let fingerprint = fingerprint.map_err(|why| format!("{}: {why}", path.display()))?;
+    reads.push((path.to_owned(), fingerprint));
+    // What a file names may be missing; the module says so when it matters.
+    for path in also_reads(path) {
+        if let Ok(fingerprint) = files.fingerprint(&path) {
+            reads.push((path, fingerprint));
+        }
+    }
+    Ok(())
 }
 
 /// A problem about a name that no node has.

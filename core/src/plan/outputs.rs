@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use super::{MODULE, OutputScope, PlanNode, PlanOptions, no_such_node};
+use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
-use crate::param::{Kind, ParamSpec};
+use crate::param::{MODULE, OutputFileSpec, ParamSpec, Setting};
 use crate::problem::Problem;
-use crate::setting::{Setting, Settings};
 use crate::template::{Piece, as_name, pieces};
 
 /// Stands for the id of the step until it is known; no name in a file system holds it.
@@ -20,7 +19,8 @@ const SOURCE: &str = "source";
 /// The name of one output file.
 pub(super) struct Name {
     node: String,
-    param: &'static str,
+    /// Dotted path of the parameter.
+    param: String,
     /// The name, with [`STEP`] where the id of the step goes.
     pub text: String,
     also_writes: &'static [&'static str],
@@ -51,19 +51,15 @@ pub(super) fn names(
         known.find(|node| node.name == name)
     };
     for node in nodes.iter().flatten() {
-        for (spec, (_, setting)) in node.info.module.params.iter().zip(&node.settings.0) {
-            let (Kind::OutputFile { also_writes, .. }, Setting::File { written, .. }) =
-                (spec.kind, setting)
-            else {
-                continue;
-            };
+        for (param, spec, written) in node.settings.files(node.info.module.params) {
+            let Some(OutputFileSpec { also_writes, .. }) = spec.output_file() else { continue };
             match expand(written, map, &find, options.repeat) {
                 Ok(text) => {
-                    let (node, param) = (node.name.clone(), spec.name);
+                    let node = node.name.clone();
                     names.push(Name { node, param, text, also_writes });
                 }
                 Err(message) => {
-                    problems.push(Problem::error(message).at(&node.name).port(spec.name));
+                    problems.push(Problem::error(message).at(&node.name).port(&param));
                 }
             }
         }
@@ -145,10 +141,8 @@ fn resolve<'a>(
 /// A setting as a word: an entry of a choice with those of its parameters that are not as the entry
 /// has them by default.
 fn chosen(setting: &Setting, spec: &ParamSpec) -> String {
-    let (Setting::Choice { id, params }, Kind::Choice { list, .. }) = (setting, spec.kind) else {
-        return setting.to_word();
-    };
-    let specs = list.find(id).map_or(&[][..], |entry| entry.params);
+    let Setting::Choice { id, params } = setting else { return setting.to_word() };
+    let specs = spec.params_of(setting);
     let set = specs.iter().zip(&params.0);
     let other = set.filter(|(spec, (_, setting))| spec.default_setting().as_ref() != Some(setting));
     other.fold((*id).to_owned(), |word, (spec, (name, setting))| {
@@ -158,12 +152,9 @@ fn chosen(setting: &Setting, spec: &ParamSpec) -> String {
 
 /// What a node's outputs come from: the stem of the file that it reads, or its module.
 fn source(node: &PlanNode) -> String {
-    let params = node.info.module.params.iter().zip(&node.settings.0);
-    let read = params.filter(|(spec, _)| matches!(spec.kind, Kind::InputFile { .. }));
-    let stem = read.filter_map(|(_, (_, setting))| match setting {
-        Setting::File { written, .. } => file_part(written, "stem"),
-        _ => None,
-    });
+    let files = node.settings.files(node.info.module.params).into_iter();
+    let read = files.filter(|(_, spec, _)| spec.input_file().is_some());
+    let stem = read.filter_map(|(_, _, written)| file_part(written, "stem"));
     let mut named = stem.filter(|stem| !stem.is_empty());
     named.next().unwrap_or_else(|| node.info.module.id.to_owned())
 }
@@ -190,8 +181,8 @@ pub(super) fn fill(
     let mut writers: BTreeMap<PathBuf, String> = BTreeMap::new();
     for name in &names.0 {
         let text = name.text.replace(STEP, &id.short());
-        let port = || PortRef { node: name.node.clone(), port: name.param.to_owned() };
-        let problem = |message: String| Problem::error(message).at(&name.node).port(name.param);
+        let port = || PortRef { node: name.node.clone(), port: name.param.clone() };
+        let problem = |message: String| Problem::error(message).at(&name.node).port(&name.param);
         let Some(path) = tidy(&text, options.output_scope) else {
             problems.push(problem(format!(
                 "\"{text}\" leaves the output folder; name a file inside it, or run the map with \
@@ -217,7 +208,14 @@ pub(super) fn fill(
             }
         }
         if let Some(node) = nodes.iter_mut().find(|node| node.name == name.node) {
-            resolve_setting(&mut node.settings, name.param, &path);
+            let specs = node.info.module.params;
+            node.settings.each_mut(specs, &mut |param, _, setting| {
+                if let Setting::File { resolved, .. } = setting
+                    && param == name.param
+                {
+                    resolved.clone_from(&path);
+                }
+            });
             node.writes.extend(all);
         }
     }
@@ -230,16 +228,6 @@ pub(super) fn fill(
 /// The path as a file system that does not tell `A` from `a` sees it.
 pub(crate) fn one_case(path: &Path) -> PathBuf {
     path.to_string_lossy().to_lowercase().into()
-}
-
-fn resolve_setting(settings: &mut Settings, param: &str, path: &Path) {
-    for (name, setting) in &mut settings.0 {
-        if let Setting::File { resolved, .. } = setting
-            && *name == param
-        {
-            *resolved = path.to_owned();
-        }
-    }
 }
 
 /// The path without `.`; `None` if it names no file, or leaves the folder where it must not.

@@ -11,7 +11,8 @@ use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{MODULE, Plan, assign, one_case};
+use crate::param::MODULE;
+use crate::plan::{Plan, assign, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 

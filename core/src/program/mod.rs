@@ -4,10 +4,12 @@ mod expand;
 mod memory;
 mod plan_file;
 mod report_spec;
+mod store;
 mod tables;
 
 pub use plan_file::{PlanFile, RunNote};
 pub use report_spec::{Better, Measure, Question, ReportSpec, stands_for};
+pub use store::{StepRecord, StepStatus, Store, StoreError};
 pub use tables::{brief, brief_value};
 
 use std::collections::{BTreeMap, HashSet};
@@ -19,6 +21,7 @@ use std::time::{Duration, Instant};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
+use store::StepClaim;
 
 use crate::cache::Cache;
 use crate::cancel::CancelToken;
@@ -30,7 +33,6 @@ use crate::plan::{OutputScope, PlanOptions};
 use crate::problem::Problem;
 use crate::registry::Registry;
 use crate::run::{Event, Keep, NodeStatus, RunOptions, RunOutcome, run};
-use crate::store::{StepClaim, StepRecord, StepStatus, Store, StoreError};
 
 /// A program whose steps are all known and checked.
 pub struct Program {
@@ -416,6 +418,20 @@ fn step_status(
 }
 
 impl Program {
+    /// Writes `plan.json`, with a note of this call, if it runs anything, beside those of others.
+    fn write_plan(&self, store: &Store, note: Option<&RunNote>) -> Result<(), StoreError> {
+        store.alone(|| {
+            let mut runs = store.plan().map(|plan| plan.runs).unwrap_or_default();
+            if let Some(note) = note {
+                note.add_to(&mut runs);
+            }
+            // Plain data, which JSON can always say.
+            let file = PlanFile::of(self, runs);
+            let text = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
+            store.write("plan.json", text.as_bytes())
+        })
+    }
+
     fn plan_options(&self, repeat: u32) -> PlanOptions<'_> {
         PlanOptions {
             map_folder: &self.map_folder,

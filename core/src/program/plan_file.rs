@@ -11,7 +11,6 @@ use super::{Program, ProgramOptions, Sharing, Step};
 use crate::fingerprint::Fingerprint;
 use crate::machine::Machine;
 use crate::map::{Map, MapError, ProgramSpec};
-use crate::store::{Store, StoreError};
 
 /// Notes of runs that are kept, the last ones.
 const MOST_RUNS: usize = 100;
@@ -87,51 +86,39 @@ impl RunNote {
             process: std::process::id(),
         }
     }
+
+    /// Adds this note to those of other calls, in the place of an older one of the same call.
+    pub(super) fn add_to(&self, runs: &mut Vec<Self>) {
+        runs.retain(|run| (run.started, run.process) != (self.started, self.process));
+        runs.push(self.clone());
+        runs.drain(..runs.len().saturating_sub(MOST_RUNS));
+    }
 }
 
 impl PlanFile {
+    /// What a program runs, and the notes of calls that ran it.
+    pub(super) fn of(program: &Program, runs: Vec<RunNote>) -> Self {
+        let inputs = program.inputs.iter().map(|(path, hash)| (path.display().to_string(), *hash));
+        let modules = program.modules.iter().map(|(id, version)| ((*id).to_owned(), *version));
+        Self {
+            program: program.name.clone(),
+            mve: crate::VERSION.to_owned(),
+            map_file: program.map_file.clone(),
+            runs,
+            inputs: inputs.collect(),
+            modules: modules.collect(),
+            varied: program.varied.clone(),
+            nodes: program.nodes.clone(),
+            spec: program.spec.clone(),
+            map: program.map.to_json(),
+            steps: program.steps.clone(),
+        }
+    }
+
     /// The map with this one program, as the text of a map file.
     pub fn map_text(&self) -> Result<String, MapError> {
         let mut map = Map::parse(&self.map.to_string())?;
         map.programs.insert(self.program.clone(), self.spec.clone());
         Ok(map.to_text())
-    }
-}
-
-impl Program {
-    /// Writes `plan.json`, with a note of this call, if it runs anything, beside those of others.
-    pub(super) fn write_plan(
-        &self,
-        store: &Store,
-        note: Option<&RunNote>,
-    ) -> Result<(), StoreError> {
-        store.alone(|| {
-            let mut runs = store.plan().map(|plan| plan.runs).unwrap_or_default();
-            if let Some(note) = note {
-                let is_other =
-                    |run: &RunNote| (run.started, run.process) != (note.started, note.process);
-                runs.retain(is_other);
-                runs.push(note.clone());
-                runs.drain(..runs.len().saturating_sub(MOST_RUNS));
-            }
-            let inputs = self.inputs.iter().map(|(path, hash)| (path.display().to_string(), *hash));
-            let modules = self.modules.iter().map(|(id, version)| ((*id).to_owned(), *version));
-            let file = PlanFile {
-                program: self.name.clone(),
-                mve: crate::VERSION.to_owned(),
-                map_file: self.map_file.clone(),
-                runs,
-                inputs: inputs.collect(),
-                modules: modules.collect(),
-                varied: self.varied.clone(),
-                nodes: self.nodes.clone(),
-                spec: self.spec.clone(),
-                map: self.map.to_json(),
-                steps: self.steps.clone(),
-            };
-            // Plain data, which JSON can always say.
-            let text = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
-            store.write("plan.json", text.as_bytes())
-        })
     }
 }

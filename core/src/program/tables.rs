@@ -8,8 +8,8 @@ use indexmap::IndexSet;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::Program;
+use super::store::{StepRecord, Store, StoreError};
 use crate::data::Scalar;
-use crate::store::{StepRecord, Store, StoreError};
 
 /// How many outputs of one node a person reads first.
 const MOST_OF_A_NODE: usize = 4;

@@ -1,4 +1,4 @@
-//! What hears of a module while it runs: keeps its log and times, and tells the observer.
+//! The reporter of one run of a module: keeps its log and times, and tells the observer.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -6,8 +6,8 @@ use std::time::Instant;
 use indexmap::IndexMap;
 
 use super::{EventKind, PROGRESS_PAUSE, Runner};
-use crate::cache::LogLine;
 use crate::control::Reporter;
+use crate::node_outputs::LogLine;
 use crate::plan::PlanNode;
 
 /// Hears of one run of a module.

@@ -6,7 +6,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::collapse::{Collapsing, Proposal};
+use crate::geometry::simplify::collapse::{Batch, WorkingMesh};
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "EdgeLength",
@@ -20,10 +20,11 @@ pub static COST: Entry<MakeCost> = Entry {
 pub struct EdgeLength;
 
 impl Cost for EdgeLength {
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            *price =
-                state.position(proposal.ends.kept).distance(state.position(proposal.ends.gone));
+            *price = mesh
+                .position(proposal.contraction.kept)
+                .distance(mesh.position(proposal.contraction.gone));
         }
     }
 }

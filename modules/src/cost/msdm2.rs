@@ -12,7 +12,7 @@ use mve_core::Entry;
 use super::{Cost, MakeCost};
 use crate::geometry::perception::msdm2::Msdm2Error;
 use crate::geometry::perception::msdm2::collapse::{CollapsePrices, Counting};
-use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal, Reach};
+use crate::geometry::simplify::collapse::{Batch, Collapse, Reach, WorkingMesh};
 use crate::prelude::*;
 use mve_core::{Cancelled, Control};
 
@@ -27,7 +27,7 @@ impl Enumeration for Counting {
 const LEVELS: Param<i64> =
     Param::integer("levels", "How many sizes of windows, from the smallest.", 3).between((1, 3));
 const COUNTING: Param<Counting> =
-    Param::one_of("counting", "How the vertices of the mesh in the making count.", "Merged");
+    Param::one_of("counting", "How the vertices of the working mesh count.", "Merged");
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "Msdm2",
@@ -61,7 +61,7 @@ impl Msdm2 {
 }
 
 impl Cost for Msdm2 {
-    fn begin(&mut self, _state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+    fn begin(&mut self, _mesh: &WorkingMesh, control: Control) -> Result<(), Cancelled> {
         let Some(mesh) = self.input.take() else { return Ok(()) };
         match CollapsePrices::new(&mesh, self.n_levels, self.counting, control) {
             Ok(prices) => self.prices = Some(prices),
@@ -71,15 +71,15 @@ impl Cost for Msdm2 {
         Ok(())
     }
 
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         if let Some(all) = &self.prices {
-            all.price(state, batch, prices);
+            all.price(mesh, batch, prices);
         }
     }
 
-    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
         if let Some(all) = &mut self.prices {
-            all.collapsed(state, collapse);
+            all.collapsed(mesh, collapse);
         }
     }
 

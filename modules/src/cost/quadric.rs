@@ -10,7 +10,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::collapse::{Collapsing, Ends, Proposal, QuadricOptions};
+use crate::geometry::simplify::collapse::{Batch, Contraction, QuadricOptions, WorkingMesh};
 use crate::prelude::*;
 
 const BOUNDARY_WEIGHT: Param<f64> = Param::number(
@@ -35,7 +35,7 @@ pub static COST: Entry<MakeCost> = Entry {
 /// Weight of the term that orders collapses of equal error, relative to the quadric's weight.
 const TIE: f64 = 1e-10;
 
-/// See the file's header. The quadrics themselves live in the engine's state.
+/// See the file's header. The quadrics themselves live in the engine's mesh.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quadric {
     /// Which planes the quadrics sum.
@@ -43,10 +43,10 @@ pub struct Quadric {
 }
 
 impl Cost for Quadric {
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let Ends { kept, gone, quadric } = &proposal.ends;
-            let (kept, gone) = (state.position(*kept), state.position(*gone));
+            let Contraction { kept, gone, quadric, .. } = &proposal.contraction;
+            let (kept, gone) = (mesh.position(*kept), mesh.position(*gone));
             let tie = TIE * quadric.weight() * kept.distance_squared(gone);
             // Rounding below zero would put noise before the order that the tie term gives.
             *price = quadric.at(proposal.position - kept).max(0.0) + tie;

@@ -44,6 +44,12 @@ impl Image {
         Self { name: name.to_owned(), width, height, kind, bytes }
     }
 
+    /// Whether there are as many bytes as the size asks for.
+    pub fn is_whole(&self) -> bool {
+        let n_pixels = self.width.checked_mul(self.height);
+        n_pixels.and_then(|n| n.checked_mul(self.kind.n_bytes())) == Some(self.bytes.len())
+    }
+
     /// The bytes of the pixel in column `x` of row `y`.
     ///
     /// # Panics
@@ -82,11 +88,7 @@ impl Data for Images {
     }
 
     fn check(&self) -> Result<(), String> {
-        let is_whole = |image: &Image| {
-            let n_pixels = image.width.checked_mul(image.height);
-            n_pixels.and_then(|n| n.checked_mul(image.kind.n_bytes())) == Some(image.bytes.len())
-        };
-        match self.0.iter().find(|image| !is_whole(image)) {
+        match self.0.iter().find(|image| !image.is_whole()) {
             None => Ok(()),
             Some(image) => Err(format!(
                 "image \"{}\" is {} × {} but has {} bytes",

@@ -10,6 +10,7 @@ use mve_core::{Data, DataType};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::material::{self, Material, Texture};
 use super::{Domain, Layer, NO_VALUE};
 
 /// Index of a vertex in [`TriMesh::positions`].
@@ -50,19 +51,8 @@ pub struct TriMesh {
     /// Values beside the positions; names are unique.
     pub layers: Vec<Layer>,
     /// Definitions for the names in the layer [`Layer::MATERIAL`].
+    #[serde(with = "super::material::stored")]
     pub materials: Vec<Material>,
-}
-
-/// A surface material as the MTL format writes it.
-///
-/// The statements are kept as they stand in the file, in order and without their `newmtl` line,
-/// so that a material survives a round trip whatever it says.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Material {
-    /// The name that faces refer to.
-    pub name: String,
-    /// `(keyword, arguments)`, such as `("Kd", "0.8 0.8 0.8")`.
-    pub statements: Vec<(String, String)>,
 }
 
 /// Why a [`TriMesh`] is not well formed.
@@ -99,6 +89,18 @@ pub enum MeshFault {
         value: u32,
         /// How many there are.
         n_values: usize,
+    },
+    /// A texture has too few or too many bytes for its size.
+    #[error("texture \"{texture}\" is {width} × {height} but has {n_bytes} bytes")]
+    TextureSize {
+        /// Name of the texture.
+        texture: String,
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Bytes that there are.
+        n_bytes: usize,
     },
 }
 
@@ -181,7 +183,8 @@ impl TriMesh {
         self.bounds().map_or(0.0, |(low, high)| (high - low).length())
     }
 
-    /// Tests what must hold for every mesh: indices in range, layers as long as their domain.
+    /// Tests what must hold for every mesh: indices in range, layers as long as their domain,
+    /// textures with a byte for each value of each pixel.
     pub fn check(&self) -> Result<(), MeshFault> {
         let n_vertices = self.positions.len();
         for (face, corners) in self.faces.iter().enumerate() {
@@ -189,7 +192,8 @@ impl TriMesh {
                 return Err(MeshFault::VertexOutOfRange { face, vertex: v.0, n_vertices });
             }
         }
-        self.layers.iter().try_for_each(|layer| self.check_layer(layer))
+        self.layers.iter().try_for_each(|layer| self.check_layer(layer))?;
+        self.materials.iter().flat_map(|material| &material.textures).try_for_each(check_texture)
     }
 
     fn check_layer(&self, layer: &Layer) -> Result<(), MeshFault> {
@@ -212,6 +216,18 @@ impl TriMesh {
     }
 }
 
+fn check_texture(texture: &Texture) -> Result<(), MeshFault> {
+    match texture.image.as_ref().map(|image| image.pixels()).filter(|pixels| !pixels.is_whole()) {
+        None => Ok(()),
+        Some(pixels) => Err(MeshFault::TextureSize {
+            texture: texture.name.clone(),
+            width: pixels.width,
+            height: pixels.height,
+            n_bytes: pixels.bytes.len(),
+        }),
+    }
+}
+
 impl Data for TriMesh {
     const TYPE: DataType = DataType {
         id: "TriMesh",
@@ -221,12 +237,11 @@ impl Data for TriMesh {
 
     fn byte_size(&self) -> usize {
         let layers: usize = self.layers.iter().map(Layer::byte_size).sum();
-        let materials = self.materials.iter().flat_map(|material| &material.statements);
         size_of::<Self>()
             + size_of_val(self.positions.as_slice())
             + size_of_val(self.faces.as_slice())
             + layers
-            + materials.map(|(key, text)| key.len() + text.len()).sum::<usize>()
+            + material::byte_size(&self.materials)
     }
 
     fn summary(&self) -> String {

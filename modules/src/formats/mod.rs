@@ -6,6 +6,7 @@ pub mod plain_file;
 pub mod ply;
 pub mod png;
 mod save;
+pub mod texture_file;
 
 pub use file_error::{FileAction, FileError};
 pub use save::save_atomic;

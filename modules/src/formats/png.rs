@@ -1,6 +1,6 @@
 //! PNG files.
 //!
-//! The bytes of a picture depend on nothing but its pixels. Reading stands any bytes: they give a
+//! The bytes of a picture depend on nothing but its pixels. Any bytes may be read: they give a
 //! picture or an error, within limits of size.
 
 use std::io::{self, Cursor, Write};
@@ -46,7 +46,7 @@ pub fn write_png(image: &Image, out: &mut dyn Write, control: Control) -> io::Re
     let n_pieces = image.bytes.len().div_ceil(PIECE);
     for (place, piece) in image.bytes.chunks(PIECE).enumerate() {
         let cancelled = control.at(place as f64 / n_pieces as f64);
-        cancelled.map_err(|cancelled| io::Error::other(cancelled.to_string()))?;
+        cancelled.map_err(io::Error::other)?;
         stream.write_all(piece)?;
     }
     stream.finish()?;
@@ -59,11 +59,7 @@ pub fn write_png(image: &Image, out: &mut dyn Write, control: Control) -> io::Re
 /// # Errors
 /// What is wrong with the file, in a sentence.
 pub fn read_png(bytes: &[u8], name: &str) -> Result<Image, String> {
-    let mut limits = Limits::no_limits();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
-    let picture = PngDecoder::with_limits(Cursor::new(bytes), limits)
+    let picture = PngDecoder::with_limits(Cursor::new(bytes), limits())
         .and_then(DynamicImage::from_decoder)
         .map_err(|error| match error {
             ImageError::Limits(_) => {
@@ -71,13 +67,27 @@ pub fn read_png(bytes: &[u8], name: &str) -> Result<Image, String> {
             }
             other => format!("it is not a PNG file that can be read: {other}"),
         })?;
+    Ok(eight_bit(picture, name))
+}
+
+/// How large a picture may be that is read.
+pub(super) fn limits() -> Limits {
+    let mut limits = Limits::no_limits();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    limits
+}
+
+/// A decoded picture, with 8 bits a sample and without transparency.
+pub(super) fn eight_bit(picture: DynamicImage, name: &str) -> Image {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let (kind, bytes) = if picture.color().has_color() {
         (PixelKind::Rgb, picture.into_rgb8().into_raw())
     } else {
         (PixelKind::Gray, picture.into_luma8().into_raw())
     };
-    Ok(Image { name: name.to_owned(), width, height, kind, bytes })
+    Image { name: name.to_owned(), width, height, kind, bytes }
 }
 
 #[cfg(test)]

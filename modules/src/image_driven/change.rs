@@ -4,7 +4,7 @@ use glam::DVec3;
 use wide::i32x8;
 
 use crate::data::{FaceId, VertexId};
-use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal};
+use crate::geometry::simplify::collapse::{Collapse, Proposal, WorkingMesh};
 use crate::picture::render::{LANES, NO_FACE, normal};
 
 /// A face before or after a collapse.
@@ -27,8 +27,8 @@ impl Patched {
     }
 
     /// A face of the mesh as it is.
-    pub fn of(state: &Collapsing, face: FaceId) -> Option<Self> {
-        Some(Self::new(face, state.face(face)?, |v| state.position(v)))
+    pub fn of(mesh: &WorkingMesh, face: FaceId) -> Option<Self> {
+        Some(Self::new(face, mesh.face(face)?, |v| mesh.position(v)))
     }
 }
 
@@ -64,16 +64,16 @@ impl Change {
     }
 
     /// The change that a proposal would be.
-    pub fn proposed(state: &Collapsing, proposal: &Proposal) -> Self {
-        let (kept, gone) = (proposal.ends.kept, proposal.ends.gone);
+    pub fn proposed(mesh: &WorkingMesh, proposal: &Proposal) -> Self {
+        let (kept, gone) = (proposal.contraction.kept, proposal.contraction.gone);
         let mut change = Self::at(kept, proposal.position);
-        for face in state.faces_around(kept).chain(state.faces_around(gone)) {
-            let Some(old) = Patched::of(state, face) else { continue };
+        for face in mesh.faces_around(kept).chain(mesh.faces_around(gone)) {
+            let Some(old) = Patched::of(mesh, face) else { continue };
             change.old.push(old);
             let has = |v: VertexId| old.vertices.contains(&v.0);
             if !(has(kept) && has(gone)) {
                 let moved = old.vertices.map(|v| VertexId(if v == gone.0 { kept.0 } else { v }));
-                let point = |v| if v == kept { proposal.position } else { state.position(v) };
+                let point = |v| if v == kept { proposal.position } else { mesh.position(v) };
                 change.new.push(Patched::new(face, moved, point));
             }
         }
@@ -82,7 +82,7 @@ impl Change {
 
     /// The change that a collapse was; `face_before` gives the faces as they were.
     pub fn made(
-        state: &Collapsing,
+        mesh: &WorkingMesh,
         collapse: &Collapse,
         face_before: impl Fn(u32) -> [u32; 3],
     ) -> Self {
@@ -91,13 +91,13 @@ impl Change {
         let point_before = |v: VertexId| match v {
             v if v == kept => collapse.before[0],
             v if v == collapse.gone => collapse.before[1],
-            v => state.position(v),
+            v => mesh.position(v),
         };
-        for face in state.faces_around(kept) {
-            change.new.extend(Patched::of(state, face));
+        for face in mesh.faces_around(kept) {
+            change.new.extend(Patched::of(mesh, face));
         }
         let left = change.new.iter().map(|new| FaceId(new.face));
-        for face in left.chain(collapse.dead_faces.iter().copied()) {
+        for face in left.chain(collapse.dying_faces.iter().map(|dying| dying.face)) {
             let vertices = face_before(face.0).map(VertexId);
             change.old.push(Patched::new(face, vertices, point_before));
         }

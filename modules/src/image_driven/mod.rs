@@ -41,8 +41,7 @@ pub use structure::Structure;
 use view::View;
 
 use crate::data::TriMesh;
-use crate::geometry::simplify::collapse::Cost;
-use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal, Reach, Renewal};
+use crate::geometry::simplify::collapse::{Batch, Collapse, Cost, Reach, Renewal, WorkingMesh};
 use crate::picture::render::{CameraSet, Lens, Sides};
 use mve_core::{Cancelled, Control};
 
@@ -121,7 +120,7 @@ struct Asked<'a, D: Difference> {
     watched: &'a mut Watched<D>,
     scratch: &'a mut Scratch<D>,
     /// The mesh, if whole pictures are to be drawn.
-    state: Option<&'a Collapsing>,
+    mesh: Option<&'a WorkingMesh>,
     changes: &'a [Change],
 }
 
@@ -132,7 +131,7 @@ impl<D: Difference> WithSimd for Asked<'_, D> {
     /// picture differ more.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<i64> {
-        let Self { cost, watched, scratch, state, changes } = self;
+        let Self { cost, watched, scratch, mesh, changes } = self;
         let Watched { view, kept, n_seen } = watched;
         let Scratch { canvas, patch, difference: buffers } = scratch;
         let (difference, pending) = (&cost.difference, &cost.pending[*n_seen..]);
@@ -140,10 +139,10 @@ impl<D: Difference> WithSimd for Asked<'_, D> {
         // One loop over both, so that what it calls has one caller and is inlined.
         for (at, change) in pending.iter().chain(changes).enumerate() {
             let is_made = at < pending.len();
-            let differs = match state.filter(|_| !is_made) {
+            let differs = match mesh.filter(|_| !is_made) {
                 None => view.redraw(change, canvas, patch),
-                Some(state) => {
-                    view.redraw_whole(state, change, canvas, patch);
+                Some(mesh) => {
+                    view.redraw_whole(mesh, change, canvas, patch);
                     true
                 }
             };
@@ -194,20 +193,20 @@ impl<D: Difference> ImageDriven<D> {
     fn watch(
         &self,
         lens: Lens,
-        state: &Collapsing,
+        mesh: &WorkingMesh,
         control: Control,
     ) -> Result<Watched<D>, Cancelled> {
-        let view = View::new(lens, self.options.sides, self.options.background, state, control)?;
+        let view = View::new(lens, self.options.sides, self.options.background, mesh, control)?;
         let kept = self.difference.keep(&view.picture);
         Ok(Watched { view, kept, n_seen: 0 })
     }
 
     /// By how much each change makes the picture of a camera differ more.
-    fn ask(&self, camera: usize, state: &Collapsing, changes: &[Change]) -> Vec<i64> {
-        let state = (self.options.areas == Areas::Whole).then_some(state);
+    fn ask(&self, camera: usize, mesh: &WorkingMesh, changes: &[Change]) -> Vec<i64> {
+        let mesh = (self.options.areas == Areas::Whole).then_some(mesh);
         let mut scratch = lock(&self.scratch).pop().unwrap_or_default();
         let watched = &mut *lock(&self.cameras[camera]);
-        let asked = Asked { cost: self, watched, scratch: &mut scratch, state, changes };
+        let asked = Asked { cost: self, watched, scratch: &mut scratch, mesh, changes };
         let growths = Arch::new().dispatch(asked);
         lock(&self.scratch).push(scratch);
         growths
@@ -221,26 +220,27 @@ impl<D: Difference> Default for Scratch<D> {
 }
 
 impl<D: Difference> Cost for ImageDriven<D> {
-    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
+    fn begin(&mut self, mesh: &WorkingMesh, control: Control) -> Result<(), Cancelled> {
         let n = self.lenses.len().max(1) as f64;
         let numbered = self.lenses.par_iter().enumerate();
         let watched = numbered.map(|(k, &lens)| {
-            self.watch(lens, state, control.part(k as f64 / n, (k + 1) as f64 / n)).map(Mutex::new)
+            self.watch(lens, mesh, control.part(k as f64 / n, (k + 1) as f64 / n)).map(Mutex::new)
         });
         self.cameras = watched.collect::<Result<_, _>>()?;
-        self.faces = state.face_ids().fold(Vec::new(), |mut faces, face| {
+        self.faces = mesh.face_ids().fold(Vec::new(), |mut faces, face| {
             faces.resize(face.idx(), [0; 3]);
-            faces.push(state.face(face).map_or([0; 3], |vertices| vertices.map(|v| v.0)));
+            faces.push(mesh.face(face).map_or([0; 3], |vertices| vertices.map(|v| v.0)));
             faces
         });
         Ok(())
     }
 
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         // Threads that have had something to do just before are awake for the cameras.
-        let proposed = |proposal| Change::proposed(state, proposal);
-        let changes: Vec<Change> = batch.par_iter().with_min_len(8).map(proposed).collect();
-        let of_camera = |camera| self.ask(camera, state, &changes);
+        let proposed = |proposal| Change::proposed(mesh, proposal);
+        let changes: Vec<Change> =
+            batch.proposals.par_iter().with_min_len(8).map(proposed).collect();
+        let of_camera = |camera| self.ask(camera, mesh, &changes);
         let growths: Vec<Vec<i64>> =
             (0..self.cameras.len()).into_par_iter().map(of_camera).collect();
         let (n_cameras, size) = (self.cameras.len(), self.options.resolution);
@@ -250,7 +250,7 @@ impl<D: Difference> Cost for ImageDriven<D> {
         }
     }
 
-    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
         let is_seen = |watched: &mut Mutex<Watched<D>>| {
             watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen == self.pending.len()
         };
@@ -260,7 +260,7 @@ impl<D: Difference> Cost for ImageDriven<D> {
                 watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen = 0;
             }
         }
-        let change = Change::made(state, collapse, |face| self.faces[face as usize]);
+        let change = Change::made(mesh, collapse, |face| self.faces[face as usize]);
         for new in &change.new {
             self.faces[new.face as usize] = new.vertices;
         }

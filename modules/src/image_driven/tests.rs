@@ -5,9 +5,10 @@ use glam::DVec3;
 use super::*;
 use crate::cost::Squares;
 use crate::geometry::generate::{VaseOptions, vase};
-use crate::geometry::simplify::collapse::Placement;
-use crate::geometry::simplify::collapse::{Candidates, Ends, SimplifyOptions, Stop, simplify};
-use crate::picture::render::{NO_FACE, Side, Visible, luminance, normal};
+use crate::geometry::simplify::collapse::{
+    Candidates, Contraction, Placement, SimplifyOptions, Stop, simplify,
+};
+use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
 
 /// Prices by active areas, and checks some of them against whole pictures.
@@ -26,25 +27,29 @@ impl<D: Difference> Checked<D> {
 }
 
 impl<D: Difference> Cost for Checked<D> {
-    fn begin(&mut self, state: &Collapsing, control: Control) -> Result<(), Cancelled> {
-        self.active.begin(state, control)?;
-        self.whole.begin(state, control)
+    fn begin(&mut self, mesh: &WorkingMesh, control: Control) -> Result<(), Cancelled> {
+        self.active.begin(mesh, control)?;
+        self.whole.begin(mesh, control)
     }
 
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
-        self.active.price(state, batch, prices);
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
+        self.active.price(mesh, batch, prices);
         // One of the batch is checked, another one each time.
         let mut n_checked = lock(&self.n_checked);
         let at = (*n_checked * 7) % batch.len();
         let mut expected = [0.0];
-        self.whole.price(state, &batch[at..=at], &mut expected);
-        assert_eq!(prices[at], expected[0], "price {} of {:?}", *n_checked, batch[at].ends);
+        self.whole.price(mesh, Batch::new(&batch.proposals[at..=at]), &mut expected);
+        assert_eq!(
+            prices[at], expected[0],
+            "price {} of {:?}",
+            *n_checked, batch.proposals[at].contraction
+        );
         *n_checked += 1;
     }
 
-    fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
-        self.active.collapsed(state, collapse);
-        self.whole.collapsed(state, collapse);
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
+        self.active.collapsed(mesh, collapse);
+        self.whole.collapsed(mesh, collapse);
     }
 
     fn reach(&self) -> Reach {
@@ -81,8 +86,8 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
         let corners = mesh.corners(crate::data::FaceId(face));
         let normal = normal(corners);
         // Which side is seen follows from the sides' rule: only the lit one is not black here.
-        let front = luminance(normal, lens.camera.forward, Side::Front);
-        front.max(luminance(normal, lens.camera.forward, Side::Back))
+        let front = luminance(normal, lens.camera.forward, FaceSide::Front);
+        front.max(luminance(normal, lens.camera.forward, FaceSide::Back))
     };
     seen.faces.iter().map(value).collect()
 }
@@ -91,8 +96,8 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
 fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     let mut scratch = Scratch::default();
     let watched = &mut *lock(&cost.cameras[camera]);
-    let (state, changes) = (None, &[][..]);
-    Asked { cost, watched, scratch: &mut scratch, state, changes }.with_simd(pulp::Scalar);
+    let (mesh, changes) = (None, &[][..]);
+    Asked { cost, watched, scratch: &mut scratch, mesh, changes }.with_simd(pulp::Scalar);
     watched.view.picture.clone()
 }
 
@@ -157,12 +162,12 @@ fn a_mesh_in_no_picture_has_prices_of_zero() {
 struct Anywhere;
 
 impl Placement for Anywhere {
-    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
-        for (ends, out) in batch.iter().zip(out) {
-            let from = state.position(ends.kept);
-            let toward = from.cross(state.position(ends.gone)).normalize_or(DVec3::Y);
+    fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
+        for (at, ends) in batch.iter().enumerate() {
+            let from = mesh.position(ends.kept);
+            let toward = from.cross(mesh.position(ends.gone)).normalize_or(DVec3::Y);
             let far = [0.01, 0.3, 3.0, 40.0, 1e7, 1e300][ends.gone.idx() % 6];
-            out.push(from + far * toward);
+            out.push(at, from + far * toward);
         }
     }
 }

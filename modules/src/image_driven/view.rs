@@ -7,7 +7,7 @@ use super::change::{Change, Patched};
 use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
-use crate::geometry::simplify::collapse::Collapsing;
+use crate::geometry::simplify::collapse::WorkingMesh;
 use crate::picture::render::{
     Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, luminance, may_be_seen,
 };
@@ -34,18 +34,18 @@ impl View {
         lens: Lens,
         sides: Sides,
         background: u8,
-        state: &Collapsing,
+        mesh: &WorkingMesh,
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let n_vertices = 0..state.n_vertices() as u32;
-        let corners = n_vertices.map(|v| lens.corner(state.position(VertexId(v)))).collect();
+        let n_vertices = 0..mesh.n_vertices() as u32;
+        let corners = n_vertices.map(|v| lens.corner(mesh.position(VertexId(v)))).collect();
         let stride = lens.size + LANES;
         let layers = Layers::new(stride * lens.size, background);
         let picture = Picture { size: lens.size, original: Vec::new(), now: Vec::new() };
         let mut view = Self { lens, sides, background, corners, stride, layers, picture };
-        for face in state.face_ids() {
-            control.item(face.idx(), state.n_faces())?;
-            Patched::of(state, face).iter().for_each(|face| view.insert(face));
+        for face in mesh.face_ids() {
+            control.item(face.idx(), mesh.n_faces())?;
+            Patched::of(mesh, face).iter().for_each(|face| view.insert(face));
         }
         let rows = view.layers.values.chunks_exact(stride);
         view.picture.now = rows.flat_map(|row| &row[..lens.size]).copied().collect();
@@ -254,7 +254,7 @@ impl View {
     /// changed. What [`View::redraw`] must agree with.
     pub fn redraw_whole(
         &self,
-        state: &Collapsing,
+        mesh: &WorkingMesh,
         change: &Change,
         canvas: &mut Canvas,
         patch: &mut Patch,
@@ -269,10 +269,10 @@ impl View {
                 canvas.draw(face.face, triangle, value);
             });
         };
-        for face in state.face_ids() {
+        for face in mesh.face_ids() {
             let FaceId(number) = face;
             if !change.removes(number) {
-                Patched::of(state, face).iter().for_each(&mut draw);
+                Patched::of(mesh, face).iter().for_each(&mut draw);
             } else if let Ok(at) = change.new.binary_search_by_key(&number, |new| new.face) {
                 draw(&change.new[at]);
             }

@@ -22,11 +22,11 @@ impl EdgeId {
     }
 }
 
-/// One side of one face: from corner `side` to the next.
+/// One side of one face: from a corner to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Side(u32);
+pub struct HalfEdge(u32);
 
-impl Side {
+impl HalfEdge {
     /// The face.
     pub fn face(self) -> FaceId {
         FaceId(self.0 / 3)
@@ -47,7 +47,7 @@ pub struct Adjacency {
     edges: Vec<[VertexId; 2]>,
     /// Sides of each edge, from `side_starts[e]` to `side_starts[e + 1]`.
     side_starts: Vec<u32>,
-    sides: Vec<Side>,
+    sides: Vec<HalfEdge>,
     face_edges: Vec<[EdgeId; 3]>,
 }
 
@@ -89,7 +89,7 @@ impl Adjacency {
                     adjacency.edges.push([VertexId(low as u32), high]);
                     last = Some(high);
                 }
-                adjacency.sides.push(Side(corner));
+                adjacency.sides.push(HalfEdge(corner));
                 let edge = EdgeId(adjacency.edges.len() as u32 - 1);
                 adjacency.face_edges[corner as usize / 3][corner as usize % 3] = edge;
             }
@@ -110,7 +110,7 @@ impl Adjacency {
 
     /// The sides of faces that lie on an edge, by face: one at a border, two where the mesh is
     /// manifold, more elsewhere. A face that names three vertices has each edge once.
-    pub fn sides_of(&self, edge: EdgeId) -> &[Side] {
+    pub fn sides_of(&self, edge: EdgeId) -> &[HalfEdge] {
         &self.sides
             [self.side_starts[edge.idx()] as usize..self.side_starts[edge.idx() + 1] as usize]
     }
@@ -146,7 +146,7 @@ impl Adjacency {
     /// How many sides run along the edge from its lower end, less those from its higher end.
     pub fn winding(&self, mesh: &TriMesh, edge: EdgeId) -> i64 {
         let low = self.edges[edge.idx()][0];
-        let sign = |side: &Side| if start_of(mesh, *side) == low { 1 } else { -1 };
+        let sign = |side: &HalfEdge| if start_of(mesh, *side) == low { 1 } else { -1 };
         self.sides_of(edge).iter().map(sign).sum()
     }
 
@@ -197,7 +197,7 @@ impl Fans {
 }
 
 /// The vertex that a side starts from.
-fn start_of(mesh: &TriMesh, side: Side) -> VertexId {
+fn start_of(mesh: &TriMesh, side: HalfEdge) -> VertexId {
     mesh.faces[side.face().idx()][side.corner()]
 }
 

@@ -68,9 +68,15 @@ pub fn sort_by_code(keys: &mut Vec<(u64, u32)>, control: Control) -> Result<(), 
     Ok(())
 }
 
-/// Interleaves the bits of the integer parts; `as` saturates what is out of range.
+/// The code of integer parts; `as` saturates what is out of range.
 fn code(cell: DVec3) -> u64 {
-    spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
+    interleave(cell.to_array().map(|c| c as u64))
+}
+
+/// Interleaves the lowest 21 bits of three numbers, those of the first the lowest.
+pub fn interleave(cell: [u64; 3]) -> u64 {
+    let [x, y, z] = cell.map(spread);
+    x | y << 1 | z << 2
 }
 
 /// Moves bit `i` to bit `3 i`, for the lowest 21 bits.
@@ -94,6 +100,12 @@ mod tests {
         points.insert(0, DVec3::NAN);
         let order = morton_order(&points, Control::none()).unwrap();
         assert_eq!(order, [8, 7, 6, 5, 4, 3, 2, 1, 0]);
+    }
+
+    #[test]
+    fn bits_of_three_numbers_alternate() {
+        assert_eq!(interleave([0b101, 0b011, 0b110]), 0b101_110_011);
+        assert_eq!(interleave([u64::MAX; 3]), (1 << 63) - 1);
     }
 
     #[test]

@@ -29,10 +29,18 @@ impl UnionFind {
         at
     }
 
-    /// Merges the sets of two members.
-    pub fn union(&mut self, a: u32, b: u32) {
+    /// Adds a set of one new member, which it returns.
+    pub fn add(&mut self) -> u32 {
+        let member = self.parent.len() as u32;
+        self.parent.push(member);
+        member
+    }
+
+    /// Merges the sets of two members; whether they were two.
+    pub fn union(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);
+        a != b
     }
 }
 
@@ -42,10 +50,12 @@ mod tests {
 
     #[test]
     fn sets_are_named_by_their_smallest_member() {
-        let mut sets = UnionFind::new(6);
+        let mut sets = UnionFind::new(5);
+        assert_eq!(sets.add(), 5);
         for (a, b) in [(5, 3), (3, 4), (2, 1)] {
-            sets.union(a, b);
+            assert!(sets.union(a, b));
         }
+        assert!(!sets.union(4, 5));
         let names: Vec<u32> = (0..6).map(|m| sets.find(m)).collect();
         assert_eq!(names, [0, 1, 1, 3, 3, 3]);
     }

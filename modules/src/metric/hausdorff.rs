@@ -7,7 +7,7 @@ use mve_core::Entry;
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::distance::hausdorff::{
-    Directed, Hausdorff, HausdorffError, HausdorffOptions, Side, hausdorff,
+    Directed, Hausdorff, HausdorffError, HausdorffOptions, MeshRole, hausdorff,
 };
 use crate::prelude::*;
 use mve_core::Control;
@@ -125,8 +125,8 @@ fn scalars(found: &Hausdorff) -> Vec<Measure> {
 
 fn warnings(found: &Hausdorff) -> Vec<String> {
     let sides = [
-        (Side::Original, found.n_left_out_original, found.from_original.n_samples),
-        (Side::Simplified, found.n_left_out_simplified, found.from_simplified.n_samples),
+        (MeshRole::Original, found.n_left_out_original, found.from_original.n_samples),
+        (MeshRole::Simplified, found.n_left_out_simplified, found.from_simplified.n_samples),
     ];
     let mut warnings = Vec::new();
     for (side, n_left_out, n_samples) in sides {

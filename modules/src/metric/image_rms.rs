@@ -11,23 +11,15 @@
 
 use mve_core::Entry;
 
+use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure};
-use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
+use crate::picture::view::View;
 use crate::prelude::*;
 use mve_core::Control;
 
 /// Unit of luminance.
 const LUMINANCE: &str = "of 255";
-
-/// The view of both metrics on pictures.
-pub(super) const VIEW: ViewParams = ViewParams::new(ViewDefaults {
-    cameras: "Rhombicuboctahedron",
-    resolution: 512,
-    shading: "Flat",
-    sides: "Both",
-    background: 0,
-});
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageRms",
@@ -84,34 +76,6 @@ impl Metric for ImageRmsMetric {
     }
 }
 
-/// Pictures of both meshes, and warnings about what is not in them.
-pub(super) fn take_pair(
-    view: &View,
-    original: &TriMesh,
-    simplified: &TriMesh,
-    control: Control,
-) -> Result<(Pair, Vec<String>), MetricError> {
-    let pair = view.pair(original, simplified, control)?.ok_or_else(|| {
-        let message = "the original mesh has no finite extent, so no camera can look at it; a mesh \
-                       with a box of some size is expected";
-        MetricError::Input(message.to_owned())
-    })?;
-    let mut warnings = Vec::new();
-    for (name, mesh) in [("original", original), ("simplified", simplified)] {
-        match (mesh.faces.len(), n_unseen(mesh)) {
-            (0, _) => {
-                warnings.push(format!("the {name} mesh has no faces; its pictures are empty"))
-            }
-            (_, 0) => {}
-            (_, n) => warnings.push(format!(
-                "{n} faces of the {name} mesh have coordinates that are not finite and are in no \
-                 picture"
-            )),
-        }
-    }
-    Ok((pair, warnings))
-}
-
 fn difference(a: &Image, b: &Image) -> Image {
     let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b)).collect();
     Image { bytes, ..a.clone() }
@@ -123,4 +87,4 @@ fn sum_of_squares(image: &Image) -> u64 {
 
 #[cfg(test)]
 #[path = "image_rms_tests.rs"]
-pub(super) mod tests;
+mod tests;

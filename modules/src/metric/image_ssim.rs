@@ -1,11 +1,12 @@
 //! How similar pictures of the two meshes are: SSIM.
 //!
-//! See [`crate::picture::ssim`] for the index, and `image_rms` for how pictures are taken and why.
+//! See [`crate::picture::ssim`] for the index, and [`crate::metric::ImageRmsMetric`] for how
+//! pictures are taken and why.
 
 use mve_core::Entry;
 use rayon::prelude::*;
 
-use super::image_rms::{VIEW, take_pair};
+use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure};
 use crate::picture::render::to_byte;
@@ -106,7 +107,7 @@ fn scalars(found: &[Index]) -> Vec<Measure> {
 mod tests {
     use super::*;
     use crate::mesh::fixtures::torus;
-    use crate::metric::image_rms::tests::{check_contract, small};
+    use crate::metric::pictures::tests::{check_contract, small};
 
     #[test]
     fn equal_meshes_are_1_and_the_map_is_white() {

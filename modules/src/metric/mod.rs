@@ -4,6 +4,9 @@
 //! on either mesh and images, whichever of them it has. A new metric is a file with a
 //! `pub static METRIC`, and its name in the list below.
 
+mod perception;
+mod pictures;
+
 use thiserror::Error;
 
 pub use hausdorff::HausdorffMetric;

@@ -4,6 +4,7 @@
 
 use mve_core::Entry;
 
+use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::perception::msdm::{MsdmOptions, msdm};
@@ -73,7 +74,7 @@ impl Metric for MsdmMetric {
         ];
         Ok(Comparison {
             scalars,
-            warnings: super::msdm2::warnings(&both, original, simplified),
+            warnings: warnings(&both, original, simplified),
             original_fields: vec![both.from_original.local],
             simplified_fields: vec![both.from_simplified.local],
             ..Comparison::default()

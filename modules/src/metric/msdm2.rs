@@ -4,11 +4,10 @@
 
 use mve_core::Entry;
 
+use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
-use crate::geometry::perception::msdm2::{
-    MAX_LEVELS, Msdm2, Msdm2Error, Msdm2Options, Variant, msdm2,
-};
+use crate::geometry::perception::msdm2::{MAX_LEVELS, Msdm2Options, Variant, msdm2};
 use crate::prelude::*;
 use mve_core::Control;
 
@@ -83,39 +82,6 @@ impl Metric for Msdm2Metric {
             ..Comparison::default()
         })
     }
-}
-
-impl From<Msdm2Error> for MetricError {
-    fn from(error: Msdm2Error) -> Self {
-        match error {
-            Msdm2Error::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Input(other.to_string()),
-        }
-    }
-}
-
-/// What of both meshes does not count.
-pub(super) fn warnings(found: &Msdm2, original: &TriMesh, simplified: &TriMesh) -> Vec<String> {
-    let sides = [
-        ("original", original, &found.from_original, found.n_left_out_original),
-        ("simplified", simplified, &found.from_simplified, found.n_left_out_simplified),
-    ];
-    let mut warnings = Vec::new();
-    for (side, mesh, one_sided, n_left_out) in sides {
-        if n_left_out > 0 {
-            warnings.push(format!(
-                "{n_left_out} faces of the {side} mesh are not finite or name a vertex twice and \
-                 were left out"
-            ));
-        }
-        let n_alone = mesh.positions.len() - one_sided.n_vertices;
-        if n_alone > 0 {
-            warnings.push(format!(
-                "{n_alone} vertices of the {side} mesh have no usable face and do not count"
-            ));
-        }
-    }
-    warnings
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Pictures of meshes: the rasteriser, colors, captions, sheets, and how alike two pictures are.
 
+pub mod cameras;
 pub mod color_map;
 pub mod color_scale;
 pub mod contact_sheet;

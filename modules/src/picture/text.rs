@@ -15,6 +15,7 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
 
 use crate::data::{Image, PixelKind};
+use crate::picture::render::NTSC_THOUSANDTHS;
 
 /// The font's measures in pixels.
 pub struct Font;
@@ -77,7 +78,8 @@ impl DrawTarget for Canvas<'_> {
 
 /// The luma of a display color by the NTSC weights, rounded.
 pub fn luminance([r, g, b]: [u8; 3]) -> u8 {
-    let sum = 299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b);
+    let [red, green, blue] = NTSC_THOUSANDTHS;
+    let sum = red * u32::from(r) + green * u32::from(g) + blue * u32::from(b);
     ((sum + 500) / 1000) as u8
 }
 

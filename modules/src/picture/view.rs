@@ -5,51 +5,14 @@
 //! of who declares; `&VIEW.specs()` goes into the list of parameters, and `VIEW.read(settings)`
 //! gives the [`View`].
 
-use mve_core::{
-    ChoiceParam, Choices, Entry, Enumeration, Listed, ModuleError, Param, ParamSpec, Settings,
-};
+use mve_core::{ChoiceParam, Enumeration, ModuleError, Param, ParamSpec, Settings};
 
 use crate::data::{Images, PixelKind, TriMesh};
+use crate::picture::cameras::{CAMERA_SETS, MakeCameras};
 use crate::picture::render::{
     CameraSet, Frame, NormalSource, Paint, PictureOptions, Shading, Sides, Surface,
 };
 use mve_core::{Cancelled, Control};
-
-/// Makes a set of cameras from its parameters.
-pub type MakeCameras = fn(&Settings) -> Result<CameraSet, ModuleError>;
-
-/// All sets of cameras. The hash of an entry's source is part of that of all shared sources.
-pub static CAMERA_SETS: Choices<MakeCameras> = Choices {
-    entries: &[
-        Listed { item: &DODECAHEDRON, source: 0 },
-        Listed { item: &FIBONACCI, source: 0 },
-        Listed { item: &RHOMBICUBOCTAHEDRON, source: 0 },
-    ],
-};
-
-static DODECAHEDRON: Entry<MakeCameras> = Entry {
-    id: "Dodecahedron",
-    summary: "The 20 vertices of a dodecahedron.",
-    params: &[],
-    build: |_| Ok(CameraSet::Dodecahedron),
-};
-
-static RHOMBICUBOCTAHEDRON: Entry<MakeCameras> = Entry {
-    id: "Rhombicuboctahedron",
-    summary: "The 24 vertices of a rhombicuboctahedron; none is one of the dodecahedron's.",
-    params: &[],
-    build: |_| Ok(CameraSet::Rhombicuboctahedron),
-};
-
-const N_CAMERAS: Param<i64> =
-    Param::integer("n", "How many cameras.", 32).between((1, 10_000)).mostly((4, 128));
-
-static FIBONACCI: Entry<MakeCameras> = Entry {
-    id: "Fibonacci",
-    summary: "Any number of cameras, about evenly spread, on a spiral from pole to pole.",
-    params: &[N_CAMERAS.spec()],
-    build: |settings| Ok(CameraSet::Fibonacci(settings.get(&N_CAMERAS)? as usize)),
-};
 
 impl Enumeration for Shading {
     const NAMES: &'static [(&'static str, &'static str)] = &[

@@ -5,7 +5,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::geometry::simplify::collapse::{Candidates, Collapsing, Ends};
+use crate::geometry::simplify::collapse::{Candidates, Contraction, WorkingMesh};
 
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Endpoint",
@@ -19,10 +19,10 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
 pub struct Endpoint;
 
 impl Placement for Endpoint {
-    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
-        for (ends, out) in batch.iter().zip(out) {
-            out.push(state.position(ends.kept));
-            out.push(state.position(ends.gone));
+    fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
+        for (at, Contraction { kept, gone, .. }) in batch.iter().enumerate() {
+            out.push(at, mesh.position(*kept));
+            out.push(at, mesh.position(*gone));
         }
     }
 }

@@ -9,7 +9,7 @@
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
-use crate::geometry::simplify::collapse::{Candidates, Collapsing, Ends, QuadricOptions};
+use crate::geometry::simplify::collapse::{Candidates, Contraction, QuadricOptions, WorkingMesh};
 use crate::prelude::*;
 
 const STIFFNESS: Param<f64> = Param::number(
@@ -31,7 +31,7 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
     },
 };
 
-/// See the file's header. The quadrics themselves live in the engine's state.
+/// See the file's header. The quadrics themselves live in the engine's mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Optimal {
     /// The share of the sum of eigenvalues below which a direction counts as undetermined.
@@ -54,11 +54,11 @@ impl Default for Optimal {
 }
 
 impl Placement for Optimal {
-    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]) {
-        for (ends, out) in batch.iter().zip(out) {
-            let (from, to) = (state.position(ends.kept), state.position(ends.gone));
+    fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
+        for (at, Contraction { kept, gone, quadric, .. }) in batch.iter().enumerate() {
+            let (from, to) = (mesh.position(*kept), mesh.position(*gone));
             let middle = 0.5 * (to - from);
-            out.push(from + ends.quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
+            out.push(at, from + quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, ViewportCommand};
-use mve_core::{Kind, NodeMode};
+use mve_core::NodeMode;
 use serde_json::Value as Json;
 
 use super::dialogs::Purpose;
@@ -203,7 +203,8 @@ impl Editor {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let reader = self.shared.registry.modules().iter().find_map(|info| {
             let param = info.module.params.iter().find(|spec| {
-                matches!(spec.kind, Kind::InputFile { extensions, .. } if extensions.contains(&extension.as_str()))
+                let file = spec.input_file();
+                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
             })?;
             Some((info.module.id, param.name))
         });

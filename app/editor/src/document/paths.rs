@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf, absolute};
 
-use mve_core::{Kind, Map, Registry};
+use mve_core::{Map, Registry, all_given, declared_at};
 use serde_json::Value as Json;
 
 use super::edit::Edit;
@@ -23,17 +23,18 @@ pub fn move_paths(map: &Map, registry: &Registry, from: &Path, to: &Path) -> Vec
         let is_moved = old.is_relative() && file.is_file();
         is_moved.then(|| Json::from(written_path(&file, Some(to)))).filter(|new| new != json)
     };
+    let specs = |module: &str| registry.find(module).map_or(&[][..], |info| info.module.params);
     let is_input = |node: &str, param: &str| {
-        let info = map.nodes.get(node).and_then(|node| registry.find(&node.module));
-        let spec = info.and_then(|info| info.module.params.iter().find(|spec| spec.name == param));
-        spec.is_some_and(|spec| matches!(spec.kind, Kind::InputFile { .. }))
+        let node = map.nodes.get(node);
+        let spec = node.and_then(|n| declared_at(specs(&n.module), Some(&n.params), param));
+        spec.is_some_and(|spec| spec.input_file().is_some())
     };
     let mut edits = Vec::new();
     for (node, content) in &map.nodes {
-        for (path, json) in content.params.iter().filter(|(param, _)| is_input(node, param)) {
+        let given = all_given(specs(&content.module), &content.params).into_iter();
+        for (path, _, json) in given.filter(|(_, spec, _)| spec.input_file().is_some()) {
             if let Some(value) = moved(json) {
-                let (node, path, value) = (node.clone(), path.clone(), Some(value));
-                edits.push(Edit::SetParam { node, path, value });
+                edits.push(Edit::SetParam { node: node.clone(), path, value: Some(value) });
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use indexmap::IndexMap;
-use mve_core::{Kind, Link, Map, ProgramSpec, Registry};
+use mve_core::{Link, Map, ParamSpec, ProgramSpec, Registry, all_given, declared_at, given_at_mut};
 use serde_json::Value as Json;
 
 use super::extras::Extras;
@@ -41,9 +41,14 @@ impl Renaming {
         }
         for node in map.nodes.values_mut() {
             let info = registry.find(&node.module);
-            for (name, value) in &mut node.params {
-                let spec = info.and_then(|i| i.module.params.iter().find(|p| p.name == name));
-                if spec.is_none_or(|spec| matches!(spec.kind, Kind::OutputFile { .. })) {
+            let specs = info.map_or(&[][..], |info| info.module.params);
+            let is_declared = |name: &String| specs.iter().any(|spec| spec.name == name);
+            let unknown = node.params.keys().filter(|name| !is_declared(name)).cloned();
+            let files = all_given(specs, &node.params).into_iter();
+            let files = files.filter(|(_, spec, _)| spec.output_file().is_some());
+            let paths: Vec<String> = unknown.chain(files.map(|(path, ..)| path)).collect();
+            for path in paths {
+                if let Some(value) = given_at_mut(&mut node.params, &path) {
                     self.templates(value);
                 }
             }
@@ -157,12 +162,12 @@ impl Renaming {
 /// Whether the values of a parameter may name output files: those that are known to be something
 /// else may not.
 fn is_template(nodes: &IndexMap<String, mve_core::Node>, registry: &Registry, path: &str) -> bool {
-    let kind = || {
+    let spec = || -> Option<ParamSpec> {
         let (node, param) = path.split_once('.')?;
-        let info = registry.find(&nodes.get(node)?.module)?;
-        Some(info.module.params.iter().find(|spec| spec.name == param)?.kind)
+        let node = nodes.get(node)?;
+        declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
     };
-    kind().is_none_or(|kind| matches!(kind, Kind::OutputFile { .. }))
+    spec().is_none_or(|spec| spec.output_file().is_some())
 }
 
 /// Changes every text of a value.

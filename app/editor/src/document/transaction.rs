@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
-use mve_core::{Kind, Link, Map, Node, ParamSpec, Registry, assign};
+use mve_core::{Link, MODULE, Map, Node, ParamSpec, Registry, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::arrange::{self, Area};
@@ -16,9 +16,6 @@ use super::rename::Renaming;
 
 /// No place on a canvas lies farther out.
 const FARTHEST: f64 = 1e7;
-
-/// The path that stands for the module of a node.
-const MODULE: &str = "module";
 
 /// A map in the making.
 pub(super) struct Transaction<'a> {
@@ -480,13 +477,10 @@ fn unset(params: &mut JsonMap<String, Json>, specs: &[ParamSpec], path: &str) {
         params.shift_remove(path);
         return;
     };
-    let kind = specs.iter().find(|spec| spec.name == name).map(|spec| spec.kind);
-    let Some(Json::Object(choice)) = params.get_mut(name) else { return };
-    let Some((id, Json::Object(inner))) = choice.iter_mut().next() else { return };
-    let entry = match kind {
-        Some(Kind::Choice { default, list }) => list.find(id).map(|entry| (entry, default)),
-        _ => None,
-    };
+    let choice = specs.iter().find(|spec| spec.name == name).and_then(ParamSpec::choice);
+    let Some(Json::Object(value)) = params.get_mut(name) else { return };
+    let Some((id, Json::Object(inner))) = value.iter_mut().next() else { return };
+    let entry = choice.and_then(|choice| Some((choice.list.find(id)?, choice.default)));
     unset(inner, entry.map_or(&[][..], |(entry, _)| entry.params), nested);
     if inner.is_empty() {
         let id = id.clone();

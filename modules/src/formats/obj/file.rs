@@ -1,37 +1,80 @@
-//! OBJ files with their material files on the disk.
+//! OBJ files with their material files and textures on the disk.
 
+use std::collections::HashSet;
 use std::ffi::OsStr;
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::cursor::{Comments, Cursor};
-use super::{ObjError, Warning, materials, parse, write_mtl, write_obj};
-use crate::data::TriMesh;
+use super::parse::parse_with;
+use super::textures::{self, Pictures, Placed, placed};
+use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
+use crate::data::{Material, TriMesh};
 use crate::formats::plain_file::read_plain;
+use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
 use mve_core::Control;
 
 /// Bytes of the largest material file that is read; real ones have a few thousand.
 const MAX_MTL_BYTES: u64 = 64 << 20;
 
-/// Reads an OBJ file and the material files that it names, which are relative to its folder.
+/// What follows the stem of a mesh's file in the name of the folder with its textures.
+pub const TEXTURE_FOLDER: &str = "-textures";
+
+/// Reads an OBJ file, the material files that it names, which are relative to its folder, and the
+/// pictures that these name. What is missing of material files and pictures is a warning.
 ///
 /// # Errors
 /// [`ObjError::File`] with the path when the file cannot be read, and those of
 /// [`parse`](super::parse()).
 pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     let bytes = read_plain(path, u64::MAX).map_err(|source| FileError::read(path, source))?;
-    let folder = folder_of(path);
-    parse(&bytes, &mut |name| read_plain(&folder.join(name), MAX_MTL_BYTES), control)
+    let mut disk = Disk { folder: folder_of(path), pictures: Pictures::default(), control };
+    let loaded = parse_with(&bytes, &mut disk, control)?;
+    control.at(1.0).map_err(|_| ObjError::Cancelled)?;
+    Ok(loaded)
+}
+
+/// The files beside an OBJ file.
+struct Disk<'a> {
+    folder: PathBuf,
+    pictures: Pictures,
+    control: Control<'a>,
+}
+
+impl Companions for Disk<'_> {
+    fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        read_plain(&self.folder.join(name), MAX_MTL_BYTES)
+    }
+
+    fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings) {
+        let folders = texture_folders(&self.folder, library);
+        self.pictures.read_all(materials, &folders, warnings, self.control);
+    }
+}
+
+/// Where the pictures are looked for that a material file names: beside it, then beside the mesh.
+fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
+    let mut folders = vec![folder_of(&folder.join(library))];
+    if folders[0] != folder {
+        folders.push(folder.to_owned());
+    }
+    folders
 }
 
 /// Writes `mesh` as an OBJ file, and its materials, if there are any, as an MTL file of the same
-/// stem beside it. The MTL file comes first, so that no OBJ file names one that is not there; each
+/// stem beside it. Their pictures go into a folder beside both, its name the stem and
+/// [`TEXTURE_FOLDER`]: as the files that they were read from, byte for byte, or else as PNG files.
+/// Names that two pictures share get a number. What else lies in that folder stays. A texture whose
+/// picture was not read keeps the name that it came with.
+///
+/// Pictures come first and the OBJ file last, so that no file names one that is not there; each
 /// file is replaced whole or not at all.
 ///
 /// # Errors
-/// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in the format (see
-/// [`write_obj`]).
+/// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
+/// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
         write_obj(mesh, &mut Watched { out, control }, mtl_name)
@@ -50,7 +93,20 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    save_atomic(&mtl_path, |out| write_mtl(&mesh.materials, out))?;
+    let mut folder_name = path.file_stem().unwrap_or_default().to_owned();
+    folder_name.push(TEXTURE_FOLDER);
+    let folder = path.with_file_name(&folder_name);
+    let Placed { materials, files } = placed(&mesh.materials, &folder_name.to_string_lossy());
+    if !files.is_empty() {
+        fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
+    }
+    for (name, image) in &files {
+        save_atomic(&folder.join(name), |out| match image.encoded() {
+            Some(bytes) => Watched { out, control }.write_all(bytes),
+            None => write_png(image.pixels(), out, control),
+        })?;
+    }
+    save_atomic(&mtl_path, |out| write_mtl(&materials, out))?;
     save_atomic(path, |out| write(out, Some(&mtl_name)))
 }
 
@@ -71,15 +127,16 @@ impl Write for Watched<'_> {
     }
 }
 
-/// The material files that reading an OBJ file may open, whether they exist or not, without
-/// repeats and in the order of the file. Their contents decide with that of the OBJ file what is
-/// read. Where one of the statements can be understood as one name with blanks or as several
-/// names, all of them are listed. An unreadable file has none.
+/// The files that reading an OBJ file may open, whether they exist or not, without repeats: the
+/// material files in the order of the file, each with the pictures that it names behind it. Their
+/// contents decide with that of the OBJ file what is read. Where one of the statements can be
+/// understood as one name with blanks or as several names, all of them are listed. An unreadable
+/// file has none.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
     const STATEMENT: &[u8] = b"mtllib";
     let Ok(bytes) = read_plain(path, u64::MAX) else { return Vec::new() };
     let folder = folder_of(path);
-    let mut paths = Vec::new();
+    let (mut paths, mut known) = (Vec::new(), HashSet::new());
     for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')) {
         // Almost no line gets beyond the first test.
         if !line.contains(&b'm') {
@@ -92,8 +149,18 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
         }
         for name in materials::candidates(&cursor.text(Comments::Cut)) {
             let path = folder.join(&name);
-            if !name.is_empty() && !paths.contains(&path) {
-                paths.push(path);
+            if name.is_empty() || !known.insert(path.clone()) {
+                continue;
+            }
+            let bytes = read_plain(&path, MAX_MTL_BYTES).unwrap_or_default();
+            paths.push(path);
+            let folders = texture_folders(&folder, &name);
+            let materials = parse_mtl(&bytes).0;
+            for texture in materials.iter().flat_map(|material| &material.textures) {
+                let (path, _) = textures::find(&texture.name, &folders);
+                if known.insert(path.clone()) {
+                    paths.push(path);
+                }
             }
         }
     }

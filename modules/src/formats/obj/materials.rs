@@ -1,7 +1,9 @@
-//! Material files (MTL): statements are kept word for word, so that they survive a round trip.
+//! Material files (MTL): statements are kept word for word, so that they survive a round trip;
+//! those that name pictures as textures.
 
 use super::cursor::{Comments, Cursor, quoted};
-use super::{MtlSource, Warning, Warnings};
+use super::textures::texture_of;
+use super::{Companions, Warning, Warnings};
 use crate::data::Material;
 
 /// Reads an MTL file. Any text can be read; what belongs to no material is left out and warned
@@ -18,9 +20,9 @@ pub fn parse_mtl(bytes: &[u8]) -> (Vec<Material>, Vec<Warning>) {
             let text = cursor.text(if is_name { Comments::Cut } else { Comments::Keep });
             match materials.last_mut() {
                 _ if is_name => {
-                    materials.push(Material { name: text, statements: Vec::new() });
+                    materials.push(Material { name: text, ..Material::default() });
                 }
-                Some(material) => material.statements.push((keyword, text)),
+                Some(material) => add_statement(material, keyword, text),
                 None => {
                     let found = quoted(keyword.as_bytes());
                     warnings.add(line, &format!("{found} before the first `newmtl` is left out"));
@@ -30,6 +32,13 @@ pub fn parse_mtl(bytes: &[u8]) -> (Vec<Material>, Vec<Warning>) {
         cursor.next_line();
     }
     (materials, warnings.into_list())
+}
+
+fn add_statement(material: &mut Material, keyword: String, text: String) {
+    match texture_of(&keyword, &text, material.statements.len()) {
+        Some(texture) => material.textures.push(texture),
+        None => material.statements.push((keyword, text)),
+    }
 }
 
 /// The file names that a `mtllib` statement may mean, in the order in which to try them: its
@@ -51,7 +60,7 @@ pub(super) fn candidates(text: &str) -> Vec<String> {
 pub(super) fn read_all(
     libraries: &[String],
     used: &[String],
-    mtl: &mut MtlSource,
+    companions: &mut dyn Companions,
     warnings: &mut Warnings,
 ) -> Vec<Material> {
     let mut materials: Vec<Material> = Vec::new();
@@ -59,10 +68,12 @@ pub(super) fn read_all(
     for library in libraries {
         let names = candidates(library);
         let (whole, words) = names.split_at(1);
-        let mut found = whole.iter().filter_map(|name| Some((name, mtl(name).ok()?))).collect();
-        if Vec::is_empty(&found) {
+        let found =
+            whole.iter().filter_map(|name| Some((name, companions.material_file(name).ok()?)));
+        let mut found: Vec<_> = found.collect();
+        if found.is_empty() {
             for name in if words.is_empty() { whole } else { words } {
-                match mtl(name) {
+                match companions.material_file(name) {
                     Ok(bytes) => found.push((name, bytes)),
                     Err(error) => {
                         is_complete = false;
@@ -77,6 +88,7 @@ pub(super) fn read_all(
             let known = materials.len();
             materials.extend(more);
             drop_repeated(&mut materials, known);
+            companions.pictures(name, &mut materials[known..], warnings);
             for problem in problems {
                 warnings.add_general(format!("{name}, {problem}"));
             }

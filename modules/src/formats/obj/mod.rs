@@ -14,6 +14,8 @@
 //! display attributes. Left out with a warning: points, lines, free-form curves and surfaces, the
 //! weight `w` of a vertex, the third texture coordinate.
 //!
+//! Pictures that materials name are read with them ([`load`]) and written beside them ([`save`]).
+//!
 //! The crate tobj reads OBJ too and is the peer in the tests. It is not used because it gives one
 //! mesh a group with vertices renumbered, duplicated and dropped, errors without a line, and fans
 //! for concave polygons.
@@ -24,6 +26,7 @@ mod file;
 mod materials;
 mod number;
 mod parse;
+mod textures;
 mod triangulate;
 mod write;
 
@@ -32,14 +35,25 @@ use std::io;
 use thiserror::Error;
 
 use super::FileError;
+use crate::data::Material;
 
-pub use file::{companions, load, save};
+pub use file::{TEXTURE_FOLDER, companions, load, save};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};
 
 /// Gives the content of the MTL file of this name, as the OBJ file names it.
 pub type MtlSource<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
+
+/// What reading the text of an OBJ file asks for: the material files that it names, and the pictures
+/// that these name.
+trait Companions {
+    /// The content of the material file of this name, as the OBJ file says it.
+    fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>>;
+
+    /// Gives the textures of the materials of that file their pictures.
+    fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings);
+}
 
 /// Something in a file that is left out or doubtful; the rest was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -128,6 +142,13 @@ impl Warnings {
         self.push(None, text);
     }
 
+    /// Adds one about the whole file that may come up again and again.
+    pub fn add_once(&mut self, text: String) {
+        if !self.list.iter().any(|warning| warning.text == text) {
+            self.add_general(text);
+        }
+    }
+
     fn push(&mut self, line: Option<usize>, text: String) {
         const MORE: &str = "more kinds of lines are left out";
         if self.list.len() < Self::MOST {
@@ -153,3 +174,5 @@ mod fuzz_tests;
 mod model_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

@@ -4,14 +4,16 @@
 //! one over the vertices and one over the faces. Time and memory are linear in the length of the
 //! file, apart from concave polygons of many corners.
 
+use std::io;
+
 use glam::{DVec2, DVec3};
 
 use super::builder::{Corner, MeshBuilder};
 use super::cursor::{Comments, Cursor, quoted};
 use super::number::{finite, integer, numbers};
 use super::triangulate::{Cut, Triangulator};
-use super::{MtlSource, ObjError, Warning, Warnings, materials};
-use crate::data::{NO_VALUE, TriMesh};
+use super::{Companions, MtlSource, ObjError, Warning, Warnings, materials};
+use crate::data::{Material, NO_VALUE, TriMesh};
 use mve_core::Control;
 
 /// Bytes between two calls of the control.
@@ -59,13 +61,34 @@ const PASSED_OVER: [&[u8]; 23] = [
 
 /// Reads an OBJ file.
 ///
-/// `mtl` is asked for the material files that it names; one that is missing is a warning.
+/// `mtl` is asked for the material files that it names; one that is missing is a warning. Textures
+/// have the names that stand there, and no pictures.
 ///
 /// # Errors
 /// See [`ObjError`]; none of them leaves anything behind.
 pub fn parse(
     bytes: &[u8],
     mtl: &mut MtlSource,
+    control: Control,
+) -> Result<(TriMesh, Vec<Warning>), ObjError> {
+    parse_with(bytes, &mut MaterialsOnly(mtl), control)
+}
+
+/// Material files without the pictures that they name.
+struct MaterialsOnly<'a, 'b>(&'a mut MtlSource<'b>);
+
+impl Companions for MaterialsOnly<'_, '_> {
+    fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        (self.0)(name)
+    }
+
+    fn pictures(&mut self, _: &str, _: &mut [Material], _: &mut Warnings) {}
+}
+
+/// Reads an OBJ file and what it names.
+pub(super) fn parse_with(
+    bytes: &[u8],
+    companions: &mut dyn Companions,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     check_kind(bytes)?;
@@ -90,7 +113,8 @@ pub fn parse(
         let message = "the last line has no end; the file may have been cut there";
         warnings.add_general(message.to_owned());
     }
-    let materials = materials::read_all(&libraries, mesh.material.labels(), mtl, &mut warnings);
+    let used = mesh.material.labels();
+    let materials = materials::read_all(&libraries, used, companions, &mut warnings);
     let mut mesh = mesh.finish();
     mesh.materials = materials;
     Ok((mesh, warnings.into_list()))

@@ -211,19 +211,21 @@ fn files_with_materials_come_back_as_they_were() {
     );
     std::fs::write(&path, text).expect("write");
     let (mesh, warnings) = load(&path, Control::none()).expect("load");
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert!(warnings[0].text.contains("./gone.mtl"), "{warnings:?}");
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert_eq!(warnings[0].text, "texture my picture.png is not there");
+    assert!(warnings[1].text.contains("./gone.mtl"), "{warnings:?}");
     assert_eq!(mesh.materials[0].statements[0], ("Kd".into(), "1 0 0 # bright".into()));
     assert_eq!(mesh.materials[1].name, "blue");
-    let names = ["two words.mtl", "two", "words.mtl", "./gone.mtl"];
+    let names = ["two words.mtl", "my picture.png", "two", "words.mtl", "./gone.mtl"];
     assert_eq!(companions(&path), names.map(|name| folder.path().join(name)));
 
     let copy = folder.path().join("copy.obj");
     save(&mesh, &copy, Control::none()).expect("save");
-    assert_eq!(companions(&copy), [folder.path().join("copy.mtl")]);
+    let names = ["copy.mtl", "my picture.png"];
+    assert_eq!(companions(&copy), names.map(|name| folder.path().join(name)));
     let (again, warnings) = load(&copy, Control::none()).expect("load");
     assert_eq!(again, mesh);
-    assert!(warnings[0].text.contains("no material file defines \"x\""), "{warnings:?}");
+    assert!(warnings[1].text.contains("no material file defines \"x\""), "{warnings:?}");
 }
 
 #[test]

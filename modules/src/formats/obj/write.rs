@@ -8,7 +8,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
-use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh};
+use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, Texture, TriMesh};
 
 /// Bytes that are gathered before they go to the writer.
 const CHUNK: usize = 1 << 16;
@@ -46,7 +46,7 @@ pub fn write_obj(mesh: &TriMesh, out: &mut dyn Write, mtl_name: Option<&str>) ->
     text.flush()
 }
 
-/// Writes materials as MTL text, their statements word for word.
+/// Writes materials as MTL text, their statements word for word and textures by their names.
 ///
 /// # Errors
 /// Whatever the writer reports.
@@ -57,10 +57,16 @@ pub fn write_mtl(materials: &[Material], out: &mut dyn Write) -> io::Result<()> 
             text.buffer.push(b'\n');
         }
         text.name_line("newmtl", Some(&material.name))?;
-        for (keyword, arguments) in &material.statements {
-            let line: String = format!("{keyword} {arguments}").chars().map(plain_char).collect();
-            text.buffer.extend_from_slice(line_that_ends(&line).as_bytes());
-            text.end_line()?;
+        let n_statements = material.statements.len();
+        for place in 0..=n_statements {
+            let is_here = |texture: &&Texture| texture.place.min(n_statements) == place;
+            for texture in material.textures.iter().filter(is_here) {
+                let Texture { keyword, options, name, .. } = texture;
+                text.statement(keyword, &format!("{options}{name}"))?;
+            }
+            if let Some((keyword, arguments)) = material.statements.get(place) {
+                text.statement(keyword, arguments)?;
+            }
         }
     }
     text.flush()
@@ -173,6 +179,12 @@ impl Text<'_> {
         self.out.write_all(&self.buffer)?;
         self.buffer.clear();
         Ok(())
+    }
+
+    fn statement(&mut self, keyword: &str, arguments: &str) -> io::Result<()> {
+        let line: String = format!("{keyword} {arguments}").chars().map(plain_char).collect();
+        self.buffer.extend_from_slice(line_that_ends(&line).as_bytes());
+        self.end_line()
     }
 
     fn name_line(&mut self, keyword: &str, name: Option<&str>) -> io::Result<()> {

@@ -11,10 +11,8 @@
 
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::bvh_build;
 use super::point_triangle::PreparedTriangle;
-use crate::data::{FaceId, TriMesh};
-use mve_core::{Cancelled, Control};
+use crate::data::FaceId;
 
 /// A child that is not there.
 pub(super) const EMPTY: u32 = u32::MAX;
@@ -62,13 +60,13 @@ struct QueryBox {
 
 /// The frame of the boxes: the mesh within about -1 to 1.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct BoxFrame {
     pub center: DVec3,
     /// A power of two, so that scaling is exact.
     pub scale: f64,
 }
 
-impl Frame {
+impl BoxFrame {
     /// An `f32` box around a point's image, wider on each side by far more than the rounding of
     /// the subtraction and of the conversion, so that distances between boxes are never too long.
     #[inline]
@@ -110,18 +108,11 @@ pub struct Bvh {
     pub(super) triangles: Vec<PreparedTriangle>,
     /// The face of each triangle.
     pub(super) faces: Vec<FaceId>,
-    pub(super) frame: Frame,
+    pub(super) frame: BoxFrame,
     pub(super) n_left_out: usize,
 }
 
 impl Bvh {
-    /// Arranges the faces, O(n log n). Faces with a corner that is not finite, or beyond 1e150, or
-    /// not there are left out and counted; degenerate faces are kept as the segment or point that
-    /// they are.
-    pub fn build(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
-        bvh_build::build(mesh, control)
-    }
-
     /// How many faces can be found.
     pub fn n_faces(&self) -> usize {
         self.triangles.len()
@@ -330,7 +321,7 @@ impl Spread {
         Self { low, high, radius: radius_sq.sqrt() }
     }
 
-    fn query(&self, frame: &Frame) -> QueryBox {
+    fn query(&self, frame: &BoxFrame) -> QueryBox {
         QueryBox::new(frame.around(self.low).0, frame.around(self.high).1)
     }
 }

@@ -4,7 +4,7 @@
 
 use glam::{DVec3, Vec3A};
 
-use super::bvh::{Bvh, EMPTY, Frame, LEAF, Node, is_usable};
+use super::bvh::{BoxFrame, Bvh, EMPTY, LEAF, Node, is_usable};
 use super::point_triangle::PreparedTriangle;
 use crate::data::{FaceId, TriMesh};
 use mve_core::{Cancelled, Control};
@@ -69,44 +69,52 @@ impl Part {
     }
 }
 
-pub(super) fn build(mesh: &TriMesh, control: Control) -> Result<Bvh, Cancelled> {
-    control.at(0.0)?;
-    let corners_of = |face: usize| -> Option<[DVec3; 3]> {
-        let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
-        let corners = [a?, b?, c?];
-        corners.iter().all(|&p| is_usable(p)).then_some(corners)
-    };
-    let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
-    let mut items = Vec::with_capacity(mesh.faces.len());
-    for face in 0..mesh.faces.len() {
-        if face % STRIDE == 0 {
-            control.at(0.0)?;
-        }
-        if let Some(corners) = corners_of(face) {
-            let mut bounds = Bounds::EMPTY;
-            for corner in corners {
-                let (low, high) = frame.around(corner);
-                bounds.add(low, high);
+impl Bvh {
+    /// Arranges the faces, O(n log n). Faces with a corner that is not finite, or beyond 1e150, or
+    /// not there are left out and counted; degenerate faces are kept as the segment or point that
+    /// they are.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn build(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
+        control.at(0.0)?;
+        let corners_of = |face: usize| -> Option<[DVec3; 3]> {
+            let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
+            let corners = [a?, b?, c?];
+            corners.iter().all(|&p| is_usable(p)).then_some(corners)
+        };
+        let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
+        let mut items = Vec::with_capacity(mesh.faces.len());
+        for face in 0..mesh.faces.len() {
+            if face % STRIDE == 0 {
+                control.at(0.0)?;
             }
-            items.push(Item { low: bounds.low, high: bounds.high, face: face as u32 });
+            if let Some(corners) = corners_of(face) {
+                let mut bounds = Bounds::EMPTY;
+                for corner in corners {
+                    let (low, high) = frame.around(corner);
+                    bounds.add(low, high);
+                }
+                items.push(Item { low: bounds.low, high: bounds.high, face: face as u32 });
+            }
         }
+        let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
+        let main = control.part(0.0, 0.9);
+        let mut builder =
+            Builder { nodes: Vec::new(), n_items: items.len(), n_placed: 0, control: main };
+        let whole = Part { start: 0, end: items.len(), bounds };
+        builder.node(&mut items, whole, 0)?;
+        let nodes = builder.nodes;
+        let mut triangles = Vec::with_capacity(items.len());
+        let mut faces = Vec::with_capacity(items.len());
+        for chunk in items.chunks(STRIDE) {
+            control.at(0.9 + 0.1 * (faces.len() as f64 / items.len() as f64))?;
+            let prepared = |item: &Item| corners_of(item.face as usize).map(PreparedTriangle::new);
+            triangles.extend(chunk.iter().filter_map(prepared));
+            faces.extend(chunk.iter().map(|item| FaceId(item.face)));
+        }
+        Ok(Self { nodes, triangles, faces, frame, n_left_out: mesh.faces.len() - items.len() })
     }
-    let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
-    let main = control.part(0.0, 0.9);
-    let mut builder =
-        Builder { nodes: Vec::new(), n_items: items.len(), n_placed: 0, control: main };
-    let whole = Part { start: 0, end: items.len(), bounds };
-    builder.node(&mut items, whole, 0)?;
-    let nodes = builder.nodes;
-    let mut triangles = Vec::with_capacity(items.len());
-    let mut faces = Vec::with_capacity(items.len());
-    for chunk in items.chunks(STRIDE) {
-        control.at(0.9 + 0.1 * (faces.len() as f64 / items.len() as f64))?;
-        let prepared = |item: &Item| corners_of(item.face as usize).map(PreparedTriangle::new);
-        triangles.extend(chunk.iter().filter_map(prepared));
-        faces.extend(chunk.iter().map(|item| FaceId(item.face)));
-    }
-    Ok(Bvh { nodes, triangles, faces, frame, n_left_out: mesh.faces.len() - items.len() })
 }
 
 /// The middle of the faces' corners, and the power of two that brings them within -1 to 1.
@@ -114,7 +122,7 @@ fn frame_of(
     n_faces: usize,
     corners_of: impl Fn(usize) -> Option<[DVec3; 3]>,
     control: Control,
-) -> Result<Frame, Cancelled> {
+) -> Result<BoxFrame, Cancelled> {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for face in 0..n_faces {
@@ -129,9 +137,9 @@ fn frame_of(
     let radius = ((high - low) * 0.5).max_element();
     if !(radius > 1e-150 && radius.is_finite()) {
         let center = if low.is_finite() { low } else { DVec3::ZERO };
-        return Ok(Frame { center, scale: 1.0 });
+        return Ok(BoxFrame { center, scale: 1.0 });
     }
-    Ok(Frame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() })
+    Ok(BoxFrame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() })
 }
 
 fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {

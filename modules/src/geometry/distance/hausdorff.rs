@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::bvh::{Bvh, Hit};
-use super::hausdorff_max::{Found, MaxSearch, search};
+use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
 use super::sample::{SurfaceSampler, sample_edges};
 use crate::data::{Domain, Field, TriMesh};
 use crate::mesh::morton::{morton_order, sort_by_code};
@@ -123,16 +123,16 @@ impl Hausdorff {
     }
 }
 
-/// Which of the two meshes.
+/// Which of the two meshes that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum MeshRole {
     /// The mesh before.
     Original,
     /// The mesh after.
     Simplified,
 }
 
-impl std::fmt::Display for Side {
+impl std::fmt::Display for MeshRole {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
             Self::Original => "original",
@@ -146,10 +146,10 @@ impl std::fmt::Display for Side {
 pub enum HausdorffError {
     /// A mesh without faces is no surface.
     #[error("the {0} mesh has no faces; a distance needs a surface on both sides")]
-    NoFaces(Side),
+    NoFaces(MeshRole),
     /// No face has three finite corners.
     #[error("the {0} mesh has {1} faces but none with finite coordinates")]
-    NothingFinite(Side, usize),
+    NothingFinite(MeshRole, usize),
     /// The caller ended it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -166,12 +166,13 @@ pub fn hausdorff(
     control: Control,
 ) -> Result<Hausdorff, HausdorffError> {
     let (a, b) = rayon::join(
-        || surface(original, Side::Original, control.part(0.0, 0.05)),
-        || surface(simplified, Side::Simplified, control.part(0.05, 0.1)),
+        || surface(original, MeshRole::Original, control.part(0.0, 0.05)),
+        || surface(simplified, MeshRole::Simplified, control.part(0.05, 0.1)),
     );
     let (a, b) = (a?, b?);
     let diagonal = a.diagonal;
-    let from = |from: &Surface, to: &Surface, part| directed(from, to, diagonal, options, part);
+    let from =
+        |from: &MeasuredMesh, to: &MeasuredMesh, part| directed(from, to, diagonal, options, part);
     let (from_original, original_distance) = from(&a, &b, control.part(0.1, 0.55))?;
     let (from_simplified, simplified_distance) = from(&b, &a, control.part(0.55, 1.0))?;
     Ok(Hausdorff {
@@ -186,7 +187,7 @@ pub fn hausdorff(
 }
 
 /// A mesh with its tree.
-struct Surface<'a> {
+struct MeasuredMesh<'a> {
     mesh: &'a TriMesh,
     bvh: Bvh,
     /// Of the box around the faces in the tree.
@@ -195,9 +196,9 @@ struct Surface<'a> {
 
 fn surface<'a>(
     mesh: &'a TriMesh,
-    side: Side,
+    side: MeshRole,
     control: Control,
-) -> Result<Surface<'a>, HausdorffError> {
+) -> Result<MeasuredMesh<'a>, HausdorffError> {
     if mesh.faces.is_empty() {
         return Err(HausdorffError::NoFaces(side));
     }
@@ -214,13 +215,13 @@ fn surface<'a>(
             high = high.max(mesh.positions[v.idx()]);
         }
     }
-    Ok(Surface { mesh, bvh, diagonal: (high - low).length() })
+    Ok(MeasuredMesh { mesh, bvh, diagonal: (high - low).length() })
 }
 
 /// Everything seen from one side.
 fn directed(
-    from: &Surface,
-    to: &Surface,
+    from: &MeasuredMesh,
+    to: &MeasuredMesh,
     diagonal: f64,
     options: &HausdorffOptions,
     control: Control,
@@ -297,7 +298,7 @@ struct Sums {
     distance: f64,
     distance_sq: f64,
     n: usize,
-    most: Found,
+    most: FarthestPoint,
 }
 
 fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<Sums, Cancelled> {
@@ -313,7 +314,7 @@ fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<S
             Ok(sums)
         })
         .collect::<Result<_, Cancelled>>()?;
-    let zero = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: Found::NONE };
+    let zero = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
     Ok(chunks.into_iter().fold(zero, |mut sums, chunk| {
         sums.distance += chunk.distance;
         sums.distance_sq += chunk.distance_sq;
@@ -324,7 +325,7 @@ fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<S
 }
 
 fn chunk_sums(mut points: impl Iterator<Item = DVec3>, to: &Bvh) -> Sums {
-    let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: Found::NONE };
+    let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
     let mut walker = to.walker();
     let mut batch = Vec::with_capacity(BATCH);
     let mut found = Vec::with_capacity(BATCH);
@@ -346,9 +347,9 @@ fn chunk_sums(mut points: impl Iterator<Item = DVec3>, to: &Bvh) -> Sums {
 
 /// Sums over the vertices that faces use, where there is no area to sum over.
 fn vertex_sums(
-    from: &Surface,
+    from: &MeasuredMesh,
     hits: &[Option<Hit>],
-    most: Found,
+    most: FarthestPoint,
     control: Control,
 ) -> Result<Sums, Cancelled> {
     let mut is_counted = vec![false; hits.len()];
@@ -369,10 +370,10 @@ fn vertex_sums(
 
 /// Looks along the edges for a larger maximum.
 fn offer_edges(
-    from: &Surface,
-    to: &Surface,
+    from: &MeasuredMesh,
+    to: &MeasuredMesh,
     options: &HausdorffOptions,
-    most: &mut Found,
+    most: &mut FarthestPoint,
     control: Control,
 ) -> Result<(), Cancelled> {
     if options.n_edge_samples == 0 {

@@ -38,12 +38,12 @@ const SLACK: f64 = 1e-10;
 
 /// The farthest point so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found {
+pub(super) struct FarthestPoint {
     pub distance_sq: f64,
     pub point: DVec3,
 }
 
-impl Found {
+impl FarthestPoint {
     /// Nearer than every point.
     pub const NONE: Self = Self { distance_sq: -1.0, point: DVec3::NAN };
 
@@ -83,7 +83,7 @@ struct Part {
 /// Raises `most` to the largest distance within the tolerance, and returns an upper bound.
 pub(super) fn search(
     task: &MaxSearch,
-    most: &mut Found,
+    most: &mut FarthestPoint,
     control: Control,
 ) -> Result<f64, Cancelled> {
     let mut round = merged(
@@ -135,13 +135,17 @@ pub(super) fn search(
 struct Round {
     /// Parts that may hold the maximum.
     open: Vec<Part>,
-    found: Found,
+    found: FarthestPoint,
     /// The largest bound of the parts that were let go.
     closed_sq: f64,
 }
 
 /// Puts the chunks of a round together.
-fn merged(chunks: Vec<Round>, most: &mut Found, control: Control) -> Result<Round, Cancelled> {
+fn merged(
+    chunks: Vec<Round>,
+    most: &mut FarthestPoint,
+    control: Control,
+) -> Result<Round, Cancelled> {
     let n_open = chunks.iter().map(|chunk| chunk.open.len()).sum();
     let mut round = Round { open: Vec::with_capacity(n_open), found: *most, closed_sq: 0.0 };
     for chunk in chunks {
@@ -154,13 +158,13 @@ fn merged(chunks: Vec<Round>, most: &mut Found, control: Control) -> Result<Roun
 }
 
 /// Parts up to this squared bound need no closer look.
-fn limit_sq(task: &MaxSearch, most: &Found) -> f64 {
+fn limit_sq(task: &MaxSearch, most: &FarthestPoint) -> f64 {
     let limit = most.distance_sq.max(0.0).sqrt() * (1.0 + 1e-12) + task.tolerance;
     limit * limit
 }
 
 /// Bounds faces as they are.
-fn first_parts(task: &MaxSearch, faces: &[FaceId], most: Found) -> Round {
+fn first_parts(task: &MaxSearch, faces: &[FaceId], most: FarthestPoint) -> Round {
     let mut splitter = Splitter::new(task, most);
     for face in faces {
         let hits = task.mesh.faces[face.idx()].map(|v| task.vertex_hits[v.idx()]);
@@ -172,7 +176,7 @@ fn first_parts(task: &MaxSearch, faces: &[FaceId], most: Found) -> Round {
 }
 
 /// Splits parts.
-fn split_all(task: &MaxSearch, parts: &[Part], most: Found) -> Round {
+fn split_all(task: &MaxSearch, parts: &[Part], most: FarthestPoint) -> Round {
     let mut splitter = Splitter::new(task, most);
     for part in parts {
         if !splitter.cover(part) {
@@ -192,7 +196,7 @@ struct Splitter<'a> {
 }
 
 impl<'a> Splitter<'a> {
-    fn new(task: &MaxSearch<'a>, most: Found) -> Self {
+    fn new(task: &MaxSearch<'a>, most: FarthestPoint) -> Self {
         Self {
             walker: task.to.walker(),
             limit_sq: limit_sq(task, &most),

@@ -107,10 +107,10 @@ fn meshes_without_a_surface_are_errors() {
     let none = Control::none();
     let options = HausdorffOptions::default();
     let empty = hausdorff(&TriMesh::default(), &tetrahedron(), &options, none);
-    assert_eq!(empty, Err(HausdorffError::NoFaces(Side::Original)));
+    assert_eq!(empty, Err(HausdorffError::NoFaces(MeshRole::Original)));
     let bad = mesh_of(&[[f64::NAN; 3]], &[[0, 0, 0]]);
     let found = hausdorff(&tetrahedron(), &bad, &options, none);
-    assert_eq!(found, Err(HausdorffError::NothingFinite(Side::Simplified, 1)));
+    assert_eq!(found, Err(HausdorffError::NothingFinite(MeshRole::Simplified, 1)));
 }
 
 #[test]

@@ -7,10 +7,16 @@
 
 use glam::DVec3;
 
-use super::raster::Side;
+use super::raster::FaceSide;
 
-/// The parts of red, green and blue in the luminance (NTSC, 1953; ITU-R BT.601).
-pub const NTSC: DVec3 = DVec3::new(0.299, 0.587, 0.114);
+/// Thousandths of red, green and blue in the luminance (NTSC, 1953; ITU-R BT.601).
+pub const NTSC_THOUSANDTHS: [u32; 3] = [299, 587, 114];
+/// The parts of red, green and blue in the luminance.
+pub const NTSC: DVec3 = DVec3::new(
+    NTSC_THOUSANDTHS[0] as f64 / 1000.0,
+    NTSC_THOUSANDTHS[1] as f64 / 1000.0,
+    NTSC_THOUSANDTHS[2] as f64 / 1000.0,
+);
 
 /// The unit normal of a triangle, counter-clockwise from its front; zero where it has none.
 #[inline]
@@ -23,14 +29,14 @@ pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
 /// The cosine between this unit normal, on this side of its surface, and the way back to the light,
 /// which shines along `forward`.
 #[inline]
-pub fn cosine(normal: DVec3, forward: DVec3, side: Side) -> f64 {
+pub fn cosine(normal: DVec3, forward: DVec3, side: FaceSide) -> f64 {
     let along = normal.dot(forward);
-    if side == Side::Front { -along } else { along }
+    if side == FaceSide::Front { -along } else { along }
 }
 
 /// The luminance of a surface with this unit normal, seen from this side along `forward`.
 #[inline]
-pub fn luminance(normal: DVec3, forward: DVec3, side: Side) -> u8 {
+pub fn luminance(normal: DVec3, forward: DVec3, side: FaceSide) -> u8 {
     to_byte(cosine(normal, forward, side))
 }
 

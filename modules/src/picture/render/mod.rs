@@ -17,9 +17,9 @@ mod tests;
 mod visible;
 
 pub use camera::{Camera, CameraSet};
-pub use luminance::{NTSC, cosine, luminance, normal, to_byte};
+pub use luminance::{NTSC, NTSC_THOUSANDTHS, cosine, luminance, normal, to_byte};
 pub use pictures::{Frame, PictureOptions, picture, pictures};
 pub use project::{Corner, Lens, MAX_SIZE};
-pub use raster::{LANES, Rect, Row, Side, Sides, Triangle};
+pub use raster::{FaceSide, LANES, Rect, Row, Sides, Triangle};
 pub use shade::{NormalSource, Paint, Shading, Surface};
 pub use visible::{NO_FACE, Visible, corners, face_triangles, is_placed, may_be_seen, side_seen};

@@ -82,14 +82,14 @@ pub enum Sides {
 impl Sides {
     /// Whether this side of a face is drawn.
     #[inline]
-    pub fn show(self, side: Side) -> bool {
-        self == Self::Both || side == Side::Front
+    pub fn show(self, side: FaceSide) -> bool {
+        self == Self::Both || side == FaceSide::Front
     }
 }
 
 /// Which side of a triangle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum FaceSide {
     /// Its corners are counter-clockwise.
     Front,
     /// Its corners are clockwise.
@@ -100,7 +100,7 @@ pub enum Side {
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     /// Which side is seen.
-    pub side: Side,
+    pub side: FaceSide,
     /// The pixels that it may cover.
     pub bounds: Rect,
     /// `(step in x, step in y)` of the three edge functions, from pixel to pixel.
@@ -229,7 +229,7 @@ impl Triangle {
         };
         // Rows count downward, so what is counter-clockwise for the eye is negative here.
         let mut area = -across(a, b, [c.x, c.y]);
-        let side = if area > 0 { Side::Front } else { Side::Back };
+        let side = if area > 0 { FaceSide::Front } else { FaceSide::Back };
         if area == 0 || !sides.show(side) {
             return None;
         }

@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 
 use super::luminance::{NTSC, cosine, normal, to_byte};
 use super::project::{Corner, Lens};
-use super::raster::{Side, Sides};
+use super::raster::{FaceSide, Sides};
 use super::visible::{NO_FACE, Visible, side_seen};
 use crate::data::{Domain, FaceId, Image, Layer, LayerValues, PixelKind, TriMesh};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
@@ -224,7 +224,7 @@ impl<'a> Surface<'a> {
         let id = FaceId(face);
         let points = self.mesh.corners(id);
         let side = match sides {
-            Sides::Front => Side::Front,
+            Sides::Front => FaceSide::Front,
             Sides::Both => {
                 side_seen(lens, self.mesh.faces[id.idx()].map(|v| placed[v.idx()]), points)
             }
@@ -302,7 +302,7 @@ impl<'a> Surface<'a> {
 
 /// The light on a surface with this normal, 0 to 1.
 #[inline]
-fn lit(normal: DVec3, lens: &Lens, side: Side) -> f64 {
+fn lit(normal: DVec3, lens: &Lens, side: FaceSide) -> f64 {
     cosine(normal, lens.camera.forward, side).clamp(0.0, 1.0)
 }
 

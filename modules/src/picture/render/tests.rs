@@ -33,14 +33,14 @@ fn a_triangle_of_few_pixels_by_hand() {
     // so the long side is a right one and its centers do not belong to it.
     let [a, b, c] = [corner(0, 0), corner(0, 4 * STEPS), corner(4 * STEPS, 4 * STEPS)];
     let lower = Triangle::new([a, b, c], Sides::Both).unwrap();
-    assert_eq!(lower.side, Side::Front);
+    assert_eq!(lower.side, FaceSide::Front);
     let found: Vec<_> = pixels(&lower, &Rect::whole(8)).iter().map(|p| (p.0, p.1)).collect();
     assert_eq!(found, [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]);
     let upper = Triangle::new([a, c, corner(4 * STEPS, 0)], Sides::Both).unwrap();
     let found: Vec<_> = pixels(&upper, &Rect::whole(8)).iter().map(|p| (p.0, p.1)).collect();
     let expected = [(0, 0), (1, 0), (2, 0), (3, 0), (1, 1), (2, 1), (3, 1), (2, 2), (3, 2), (3, 3)];
     assert_eq!(found, expected);
-    assert_eq!(Triangle::new([a, c, b], Sides::Both).unwrap().side, Side::Back);
+    assert_eq!(Triangle::new([a, c, b], Sides::Both).unwrap().side, FaceSide::Back);
     assert!(Triangle::new([a, c, corner(2 * STEPS, 2 * STEPS)], Sides::Both).is_none(), "no area");
 }
 
@@ -59,11 +59,11 @@ fn a_picture_of_few_pixels_by_hand() {
     assert_eq!(seen.faces, [n, n, n, n, n, n, 0, n, n, 0, 0, n, n, n, n, n]);
     assert_eq!(seen.inv_depths[6], 0.5);
     let forward = lens.camera.forward;
-    assert_eq!(luminance(normal([DVec3::ZERO, DVec3::X, DVec3::Y]), forward, Side::Front), 255);
+    assert_eq!(luminance(normal([DVec3::ZERO, DVec3::X, DVec3::Y]), forward, FaceSide::Front), 255);
     let tilted = DVec3::new(3f64.sqrt() / 2.0, 0.0, 0.5);
-    assert_eq!(luminance(tilted, forward, Side::Front), 128);
-    assert_eq!(luminance(tilted, forward, Side::Back), 0);
-    assert_eq!(luminance(-tilted, forward, Side::Back), 128);
+    assert_eq!(luminance(tilted, forward, FaceSide::Front), 128);
+    assert_eq!(luminance(tilted, forward, FaceSide::Back), 0);
+    assert_eq!(luminance(-tilted, forward, FaceSide::Back), 128);
 }
 
 /// A sphere of radius 1 as a lattice of latitudes and longitudes.
@@ -115,7 +115,7 @@ fn a_sphere_has_its_silhouette_and_shading() {
                 let lit = luminance(
                     normal(mesh.corners(crate::data::FaceId(face))),
                     camera.forward,
-                    Side::Front,
+                    FaceSide::Front,
                 );
                 // A face of the lattice turns by at most 0.8°, which is 3 of 255 steps.
                 assert!((f64::from(lit) - 255.0 * hit.z).abs() < 4.0, "pixel ({x}, {y})");
@@ -154,7 +154,7 @@ proptest! {
         for (k, &from) in rim.iter().enumerate() {
             let to = rim[(k + 1) % rim.len()];
             if let Some(triangle) = Triangle::new([center, from, to], Sides::Both) {
-                prop_assume!(triangle.side == Side::Front);
+                prop_assume!(triangle.side == FaceSide::Front);
                 pixels(&triangle, &whole).iter().for_each(|p| drawn[(p.1 * 16 + p.0) as usize] += 1);
             }
         }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::project::{Corner, Lens};
-use super::raster::{Rect, Row, Side, Sides, Triangle};
+use super::raster::{FaceSide, Rect, Row, Sides, Triangle};
 use crate::data::{FaceId, TriMesh};
 
 /// Where no face is.
@@ -141,14 +141,14 @@ fn turns([a, b, c]: [Corner; 3]) -> i64 {
 /// Which side of a face is seen, of a face that is seen; `placed` are its corners, `points` where
 /// they are in space.
 #[inline]
-pub fn side_seen(lens: &Lens, placed: [Corner; 3], points: [DVec3; 3]) -> Side {
+pub fn side_seen(lens: &Lens, placed: [Corner; 3], points: [DVec3; 3]) -> FaceSide {
     let is_front = if is_placed(placed) {
         turns(placed) < 0
     } else {
         let [a, b, c] = points;
         (b - a).cross(c - a).dot(lens.camera.eye - a) > 0.0
     };
-    if is_front { Side::Front } else { Side::Back }
+    if is_front { FaceSide::Front } else { FaceSide::Back }
 }
 
 /// Calls `each` with the triangles that a face is on the grid, if it shows a side that is drawn:

@@ -1,11 +1,11 @@
 //! Parts of an axis's table: its head, the handles of its rows, and lists to be made.
 
 use eframe::egui::{self, DragValue, Id, RichText, Ui};
-use mve_core::{Kind, ParamSpec, ProgramSpec};
+use mve_core::{ParamSpec, ProgramSpec, chosen};
 use serde_json::Value as Json;
 
 use crate::programs::Scene;
-use crate::programs::setup::declare::{Declared, chosen_id, current, declared, paths, second};
+use crate::programs::setup::declare::{Declared, current, declared, paths, second};
 use crate::programs::setup::edit::{Axis, Edit, axis_of, is_even, n_rows};
 use crate::programs::setup::generate::{self, Range, Spacing};
 use crate::programs::widgets::{count, named, small_button};
@@ -62,7 +62,7 @@ pub fn add_value(scene: &Scene, place: usize, axis: &Axis) -> Edit {
 fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json> {
     let options = declared.options();
     if !options.is_empty() {
-        let is_free = |id: &Json| list.iter().all(|known| chosen_id(known) != id.as_str());
+        let is_free = |id: &Json| list.iter().all(|known| !names(known, id));
         return options.iter().map(|option| Json::from(option.id)).find(is_free);
     }
     let last = list.last()?;
@@ -72,7 +72,7 @@ fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json>
             let is_geometric = x * y > 0.0 && !(0.7..1.5).contains(&(y / x));
             let next = if is_geometric { y * y / x } else { y + (y - x) };
             let range = Range { from: next, to: next, count: 1, spacing: Spacing::Linear };
-            range.values(&spec.kind).pop()?
+            range.values(spec).pop()?
         }
         _ => second(declared, last, &scene.folder),
     };
@@ -201,8 +201,13 @@ pub fn show_row_buttons(ui: &mut Ui, axis: usize, row: usize, n: usize, edits: &
 /// Whether a list of a parameter's values can be made.
 pub fn can_generate(declared: &Declared) -> bool {
     declared.spec().is_some_and(|spec| {
-        !matches!(spec.kind, Kind::Flag { .. } | Kind::Text { .. } | Kind::OutputFile { .. })
+        spec.range().is_some() || spec.input_file().is_some() || !spec.options().is_empty()
     })
+}
+
+/// Whether a value names the option of this id.
+fn names(value: &Json, id: &Json) -> bool {
+    chosen(value).is_some_and(|(named, _)| id.as_str() == Some(named))
 }
 
 /// Every name that a value may have, those that are there already first and as they are.
@@ -211,7 +216,7 @@ pub fn every(declared: &Declared, list: &[Json]) -> Vec<Json> {
     let missing = options
         .iter()
         .map(|option| Json::from(option.id))
-        .filter(|id| list.iter().all(|known| chosen_id(known) != id.as_str()));
+        .filter(|id| list.iter().all(|known| !names(known, id)));
     list.iter().cloned().chain(missing).collect()
 }
 
@@ -233,7 +238,7 @@ impl Draft {
         let values = match self {
             Self::Range(range) => {
                 show_range(ui, range);
-                Ok(range.values(&spec.kind))
+                Ok(range.values(spec))
             }
             Self::Files { folder, pattern, found } => {
                 let mut is_changed = false;

@@ -2,13 +2,10 @@
 
 use std::path::Path;
 
-use mve_core::{Kind, Link, Map, ParamSpec, Registry};
-use serde_json::{Map as JsonMap, Value as Json};
+use mve_core::{Link, MODULE, Map, OptionSpec, ParamSpec, Registry, chosen, declared_at, given_at};
+use serde_json::Value as Json;
 
 use crate::programs::setup::generate;
-
-/// What stands for a node's module among its parameters.
-const MODULE: &str = "module";
 
 /// What a path may be set to.
 #[derive(Clone, Copy)]
@@ -21,40 +18,27 @@ pub enum Declared<'a> {
     Unknown,
 }
 
-/// An entry of a choice, or a module: what a value of several parts may name.
-#[derive(Clone, Copy)]
-pub struct Named {
-    /// Its id.
-    pub id: &'static str,
-    /// What it is.
-    pub summary: &'static str,
-    /// Its own parameters.
-    pub params: &'static [ParamSpec],
-}
-
 impl Declared<'_> {
     /// What a value may name; empty where it names nothing.
-    pub fn options(&self) -> Vec<Named> {
+    pub fn options(&self) -> Vec<OptionSpec> {
         match self {
-            Self::Param(ParamSpec { kind: Kind::Choice { list, .. }, .. }) => (0..list.len())
-                .map(|place| list.spec(place))
-                .map(|entry| Named { id: entry.id, summary: entry.summary, params: entry.params })
-                .collect(),
-            Self::Param(ParamSpec { kind: Kind::Enumeration { names, .. }, .. }) => {
-                let option = |&(id, summary)| Named { id, summary, params: &[] };
-                names.iter().map(option).collect()
-            }
+            Self::Param(spec) => spec.options(),
             Self::Module(registry) => {
                 let modules = registry.modules().iter().map(|info| info.module);
-                modules.map(|m| Named { id: m.id, summary: m.summary, params: m.params }).collect()
+                let option = |m: &mve_core::Module| OptionSpec {
+                    id: m.id,
+                    summary: m.summary,
+                    params: m.params,
+                };
+                modules.map(option).collect()
             }
-            _ => Vec::new(),
+            Self::Unknown => Vec::new(),
         }
     }
 
     /// The parameters that stand under what a value names.
     pub fn nested(&self, value: &Json) -> &'static [ParamSpec] {
-        let id = chosen_id(value).unwrap_or_default();
+        let id = chosen(value).map_or("", |(id, _)| id);
         self.options().iter().find(|option| option.id == id).map_or(&[], |option| option.params)
     }
 
@@ -75,26 +59,8 @@ pub fn declared<'a>(map: &Map, registry: &'a Registry, path: &str) -> Declared<'
     }
     let Some(node) = map.nodes.get(node) else { return Declared::Unknown };
     let specs = registry.find(&node.module).map(|info| info.module.params);
-    let found = specs.and_then(|specs| find(specs, Some(&node.params), param));
+    let found = specs.and_then(|specs| declared_at(specs, Some(&node.params), param));
     found.map_or(Declared::Unknown, Declared::Param)
-}
-
-/// The declaration at a dotted path below some parameters.
-fn find(
-    specs: &'static [ParamSpec],
-    given: Option<&JsonMap<String, Json>>,
-    path: &str,
-) -> Option<ParamSpec> {
-    let (name, nested) = path.split_once('.').map_or((path, None), |(n, rest)| (n, Some(rest)));
-    let spec = specs.iter().find(|spec| spec.name == name)?;
-    let Some(nested) = nested else { return Some(*spec) };
-    let Kind::Choice { default, list } = spec.kind else { return None };
-    let value = given.and_then(|given| given.get(name));
-    let id = value.and_then(chosen_id).unwrap_or(default);
-    let inner = value.and_then(|value| value.get(id)).and_then(Json::as_object);
-    let of_map = list.find(id).and_then(|entry| find(entry.params, inner, nested));
-    // The program may choose another entry than the map does.
-    of_map.or_else(|| (0..list.len()).find_map(|place| find(list.spec(place).params, None, nested)))
 }
 
 /// The value that a path has in the map.
@@ -104,80 +70,36 @@ pub fn current(map: &Map, registry: &Registry, path: &str) -> Json {
     if param == MODULE {
         return Json::from(node.module.as_str());
     }
-    let mut given = Some(&node.params);
-    let mut value = None;
-    for name in param.split('.') {
-        value = given.and_then(|given| given.get(name));
-        let inner = value.and_then(|value| value.get(chosen_id(value)?));
-        given = inner.and_then(Json::as_object);
-    }
-    let spec = declared(map, registry, path);
-    value.cloned().or_else(|| spec.spec().map(default_of)).unwrap_or_default()
+    let given = given_at(&node.params, param).cloned();
+    given.unwrap_or_else(|| match declared(map, registry, path).spec() {
+        Some(spec) => default_of(spec),
+        // Below a parameter that is not known nothing is understood; the value stands as it is.
+        None => Json::Null,
+    })
 }
 
-/// What a parameter is where a map says nothing, as a file would say it.
+/// What a parameter is where a map says nothing, as a file would say it; a file is not named then.
 pub fn default_of(spec: &ParamSpec) -> Json {
-    match spec.kind {
-        Kind::Flag { default } => Json::from(default),
-        Kind::Integer { default, .. } => default.map_or(Json::Null, Json::from),
-        Kind::Number { default, .. } => default.map_or(Json::Null, Json::from),
-        Kind::Seed { default } => Json::from(default),
-        Kind::Text { default }
-        | Kind::Enumeration { default, .. }
-        | Kind::Choice { default, .. } => Json::from(default),
-        Kind::InputFile { .. } | Kind::OutputFile { .. } => Json::from(""),
-    }
-}
-
-/// A number for a parameter that was off.
-pub fn some_number(spec: &ParamSpec) -> Json {
-    match spec.kind {
-        Kind::Integer { default, hard, soft } => {
-            let (from, to) = soft.unwrap_or((hard.0.max(1), hard.1.min(1000)));
-            Json::from(default.unwrap_or(from + (to - from) / 2))
-        }
-        Kind::Number { default, hard, soft } => {
-            let (from, to) = soft.unwrap_or((hard.0.max(0.0), hard.1.min(1.0)));
-            Json::from(default.unwrap_or(from + (to - from) / 2.0))
-        }
-        _ => default_of(spec),
-    }
+    spec.default_json().unwrap_or_else(|| Json::from(""))
 }
 
 /// A second value worth comparing with a first: the double, the next name, another file.
 pub fn second(declared: &Declared, first: &Json, map_folder: &Path) -> Json {
     let options = declared.options();
-    if let Some(id) = chosen_id(first).filter(|_| !options.is_empty()) {
+    if let Some((id, _)) = chosen(first).filter(|_| !options.is_empty()) {
         let place = options.iter().position(|option| option.id == id);
         let next = place.map_or(0, |place| (place + 1) % options.len());
         return Json::from(options[next].id);
     }
     let Some(spec) = declared.spec() else { return first.clone() };
-    match (spec.kind, first) {
-        (Kind::Integer { .. } | Kind::Number { .. }, Json::Null) => some_number(spec),
-        (Kind::Flag { .. }, _) => Json::from(!first.as_bool().unwrap_or_default()),
-        (Kind::Integer { hard, .. }, _) => {
-            let number = first.as_i64().unwrap_or_default();
-            let double = if number == 0 { 1 } else { number.saturating_mul(2) };
-            let is_allowed = (hard.0..=hard.1).contains(&double);
-            Json::from(if is_allowed { double } else { (number / 2).clamp(hard.0, hard.1) })
-        }
-        (Kind::Number { hard, .. }, _) => {
-            let number = first.as_f64().unwrap_or_default();
-            let double = if number == 0.0 { 1.0 } else { number * 2.0 };
-            let is_allowed = (hard.0..=hard.1).contains(&double);
-            Json::from(if is_allowed { double } else { (number / 2.0).clamp(hard.0, hard.1) })
-        }
-        (Kind::Seed { .. }, _) => Json::from(first.as_u64().unwrap_or_default() + 1),
-        (Kind::InputFile { .. }, _) => {
-            let text = first.as_str().unwrap_or_default();
-            let folder = text.rsplit_once('/').map_or("", |(folder, _)| folder);
-            let all = generate::files(map_folder, folder, &generate::pattern_of(spec));
-            let other = all.unwrap_or_default().into_iter().find(|file| file != first);
-            other.unwrap_or_else(|| first.clone())
-        }
-        _ => first.clone(),
+    if spec.input_file().is_none() {
+        return spec.another(first);
     }
+    let text = first.as_str().unwrap_or_default();
+    let folder = text.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let all = generate::files(map_folder, folder, &generate::pattern_of(spec));
+    let other = all.unwrap_or_default().into_iter().find(|file| file != first);
+    other.unwrap_or_else(|| first.clone())
 }
 
 /// All paths that a program of this map can vary, in the order of the map.
@@ -197,39 +119,16 @@ pub fn paths(map: &Map, registry: &Registry) -> Vec<String> {
 }
 
 fn add_paths(spec: &ParamSpec, given: Option<&Json>, path: &str, all: &mut Vec<String>) {
-    if matches!(spec.kind, Kind::OutputFile { .. }) {
+    if spec.output_file().is_some() {
         return;
     }
     all.push(path.to_owned());
-    let Kind::Choice { default, list } = spec.kind else { return };
-    let id = given.and_then(chosen_id).unwrap_or(default);
-    let Some(entry) = list.find(id) else { return };
+    let Some(choice) = spec.choice() else { return };
+    let (id, inner) = given.and_then(chosen).unwrap_or((choice.default, None));
+    let Some(entry) = choice.list.find(id) else { return };
     for spec in entry.params {
-        let given = given.and_then(|given| given.get(id)).and_then(|inner| inner.get(spec.name));
+        let given = inner.and_then(|inner| inner.get(spec.name));
         add_paths(spec, given, &format!("{path}.{}", spec.name), all);
-    }
-}
-
-/// The id in the JSON of a choice or a module.
-pub fn chosen_id(json: &Json) -> Option<&str> {
-    match json {
-        Json::String(id) => Some(id),
-        Json::Object(object) if object.len() == 1 => object.keys().next().map(String::as_str),
-        _ => None,
-    }
-}
-
-/// A choice's JSON with one parameter of its entry set, or left to its default.
-pub fn with_nested(choice: &Json, name: &str, value: Option<Json>) -> Json {
-    let Some(id) = chosen_id(choice) else { return choice.clone() };
-    let mut params = choice.get(id).and_then(Json::as_object).cloned().unwrap_or_default();
-    match value {
-        Some(value) => drop(params.insert(name.to_owned(), value)),
-        None => drop(params.shift_remove(name)),
-    }
-    match params.is_empty() {
-        true => Json::from(id),
-        false => Json::Object(JsonMap::from_iter([(id.to_owned(), Json::Object(params))])),
     }
 }
 
@@ -278,15 +177,8 @@ mod tests {
             let spec = found.spec().unwrap_or_else(|| panic!("{path}"));
             let first = current(&map, &registry, path);
             let other = second(&found, &first, Path::new("."));
-            let is_text = matches!(spec.kind, Kind::Text { .. } | Kind::InputFile { .. });
+            let is_text = spec.is_text() || spec.input_file().is_some();
             assert!(is_text || first != other, "{path}: {first}");
         }
-    }
-
-    #[test]
-    fn nested_parameters_leave_no_empty_objects() {
-        let set = with_nested(&json!("A"), "x", Some(json!(1)));
-        assert_eq!(set, json!({"A": {"x": 1}}));
-        assert_eq!(with_nested(&set, "x", None), json!("A"));
     }
 }

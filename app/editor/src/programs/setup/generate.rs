@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use mve_core::{Kind, ParamSpec};
+use mve_core::ParamSpec;
 use serde_json::Value as Json;
 
 /// No list that a person reads is longer.
@@ -58,20 +58,10 @@ impl Range {
 
     /// Its numbers as values of a parameter: whole where it wants whole ones, within its range, and
     /// each once.
-    pub fn values(&self, kind: &Kind) -> Vec<Json> {
-        let numbers = self.numbers().into_iter();
-        let mut values: Vec<Json> = match *kind {
-            Kind::Integer { hard, .. } => {
-                numbers.map(|x| Json::from((x.round() as i64).clamp(hard.0, hard.1))).collect()
-            }
-            Kind::Seed { .. } => numbers
-                .map(|x| Json::from(x.round().clamp(0.0, f64::from(u32::MAX)) as u32))
-                .collect(),
-            Kind::Number { hard, .. } => {
-                numbers.map(|x| Json::from(tidy(x).clamp(hard.0, hard.1))).collect()
-            }
-            _ => Vec::new(),
-        };
+    pub fn values(&self, spec: &ParamSpec) -> Vec<Json> {
+        let Some(range) = spec.range() else { return Vec::new() };
+        let tidied = |x: f64| range.nearest(if range.is_whole { x } else { tidy(x) });
+        let mut values: Vec<Json> = self.numbers().into_iter().map(tidied).collect();
         values.dedup();
         values
     }
@@ -122,17 +112,14 @@ fn is_match(pattern: &str, name: &str) -> bool {
 
 /// The pattern of the files that a parameter takes.
 pub fn pattern_of(spec: &ParamSpec) -> String {
-    match spec.kind {
-        Kind::InputFile { extensions, .. } if !extensions.is_empty() => {
-            let patterns = extensions.iter().map(|extension| format!("*.{extension}"));
-            patterns.collect::<Vec<_>>().join(" ")
-        }
-        _ => "*".to_owned(),
-    }
+    let extensions = spec.input_file().map_or(&[][..], |file| file.extensions);
+    let patterns: Vec<_> = extensions.iter().map(|extension| format!("*.{extension}")).collect();
+    if patterns.is_empty() { "*".to_owned() } else { patterns.join(" ") }
 }
 
 #[cfg(test)]
 mod tests {
+    use mve_core::Param;
     use serde_json::json;
 
     use super::*;
@@ -145,17 +132,17 @@ mod tests {
     fn ranges_include_both_ends() {
         let linear = range(0.0, 1.0, 5, Spacing::Linear).numbers();
         assert_eq!(linear, [0.0, 0.25, 0.5, 0.75, 1.0]);
-        let faces = Kind::Integer { default: None, hard: (1, 100_000), soft: None };
+        let faces = Param::integer("n", "", 1).between((1, 100_000)).spec();
         let geometric = range(1000.0, 10.0, 5, Spacing::Geometric).values(&faces);
         assert_eq!(json!(geometric), json!([1000, 316, 100, 32, 10]));
     }
 
     #[test]
     fn values_are_tidy_within_range_and_each_once() {
-        let number = Kind::Number { default: None, hard: (0.0, 0.25), soft: None };
+        let number = Param::number("x", "", 0.0).within((0.0, 0.25)).spec();
         let values = range(0.0, 0.3, 4, Spacing::Linear).values(&number);
         assert_eq!(json!(values), json!([0.0, 0.1, 0.2, 0.25]));
-        let whole = Kind::Integer { default: None, hard: (0, 9), soft: None };
+        let whole = Param::integer("n", "", 0).between((0, 9)).spec();
         assert_eq!(json!(range(1.0, 2.0, 9, Spacing::Linear).values(&whole)), json!([1, 2]));
     }
 

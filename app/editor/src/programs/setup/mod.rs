@@ -8,7 +8,7 @@ mod steps;
 mod value;
 
 use eframe::egui::{self, Frame, Grid, Id, RichText, ScrollArea, Ui};
-use mve_core::{Kind, ProgramSpec};
+use mve_core::ProgramSpec;
 use serde_json::Value as Json;
 
 use crate::programs::setup::axis::{
@@ -214,24 +214,20 @@ impl SetupState {
         edits: &mut Vec<Edit>,
     ) {
         let Some(spec) = declared.spec() else { return };
-        let draft = match spec.kind {
-            Kind::Enumeration { .. } | Kind::Choice { .. } => {
-                // There is nothing to ask: all names, those that are there already as they are.
-                edits.push(Edit::SetList {
-                    axis,
-                    path: path.to_owned(),
-                    values: every(declared, list),
-                });
-                return;
-            }
-            Kind::InputFile { .. } => {
-                let first = list.first().and_then(Json::as_str).unwrap_or_default();
-                let folder = first.rsplit_once('/').map_or(".", |(folder, _)| folder).to_owned();
-                let pattern = generate::pattern_of(spec);
-                let found = generate::files(&scene.folder, &folder, &pattern);
-                Draft::Files { folder, pattern, found }
-            }
-            _ => Draft::Range(range_of(list)),
+        if !spec.options().is_empty() {
+            // There is nothing to ask: all names, those that are there already as they are.
+            let values = every(declared, list);
+            edits.push(Edit::SetList { axis, path: path.to_owned(), values });
+            return;
+        }
+        let draft = if spec.input_file().is_some() {
+            let first = list.first().and_then(Json::as_str).unwrap_or_default();
+            let folder = first.rsplit_once('/').map_or(".", |(folder, _)| folder).to_owned();
+            let pattern = generate::pattern_of(spec);
+            let found = generate::files(&scene.folder, &folder, &pattern);
+            Draft::Files { folder, pattern, found }
+        } else {
+            Draft::Range(range_of(list))
         };
         let is_open = matches!(&self.opened, Some(Opened::Generator { axis: a, path: p, .. })
             if (*a, p.as_str()) == (axis, path));

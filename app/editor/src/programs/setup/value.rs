@@ -1,14 +1,12 @@
 //! Fields that edit one value of a parameter, drawn from its declaration.
 
-use eframe::egui::{self, ComboBox, DragValue, Id, TextEdit, Ui};
-use mve_core::{Kind, ParamSpec, brief_value};
+use eframe::egui::{self, Id, Ui};
+use mve_core::{ParamSpec, brief_value, chosen, with_param};
 use serde_json::Value as Json;
 
-use crate::programs::setup::declare::{Declared, chosen_id, default_of, some_number, with_nested};
+use crate::forms::{CELL_WIDTH, Field, FormEvent, Look, line, pick};
+use crate::programs::setup::declare::{Declared, default_of};
 use crate::programs::widgets::{named, small_button};
-
-/// Width of a field, in points.
-pub const FIELD_WIDTH: f32 = 128.0;
 
 /// Shows the field of a value; what it was changed to. `name` is what a screen reader says, `id`
 /// tells the field from others.
@@ -17,104 +15,56 @@ pub fn field(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json)
         let mut is_on = !value.is_null();
         let switch = named(ui.checkbox(&mut is_on, ""), &format!("{name} is on"));
         if switch.on_hover_text("whether it is on").changed() {
-            return Some(if is_on { some_number(spec) } else { Json::Null });
+            return Some(spec.value_when_on().filter(|_| is_on).unwrap_or_default());
         }
         if value.is_null() {
             ui.weak("off");
             return None;
         }
     }
-    if !declared.options().is_empty() && chosen_id(value).is_some() {
-        return options(ui, id, name, declared, value);
+    let Some(spec) = declared.spec() else { return unknown(ui, id, name, declared, value) };
+    if !is_drawn(spec, value) {
+        return raw(ui, id, name, value);
     }
-    let Some(spec) = declared.spec() else { return raw(ui, id, name, value) };
-    match (spec.kind, value) {
-        (Kind::Flag { .. }, Json::Bool(flag)) => {
-            let mut changed = *flag;
-            let response = ui.checkbox(&mut changed, if *flag { "yes" } else { "no" });
-            named(response, name).changed().then(|| Json::from(changed))
-        }
-        (Kind::Integer { hard, .. }, Json::Number(number)) if number.is_i64() => {
-            let speed = (number.as_f64().unwrap_or_default().abs() / 100.0).max(0.05);
-            let mut changed = number.as_i64().unwrap_or_default();
-            let before = changed;
-            let drag = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed);
-            add_number(ui, drag, name, spec);
-            (changed != before).then(|| Json::from(changed))
-        }
-        (Kind::Number { hard, .. }, Json::Number(number)) => {
-            let before = number.as_f64().unwrap_or_default();
-            let mut changed = before;
-            let drag = DragValue::new(&mut changed).range(hard.0..=hard.1);
-            let drag = drag.speed((before.abs() / 100.0).max(1e-3)).max_decimals(12);
-            add_number(ui, drag, name, spec);
-            (changed.to_bits() != before.to_bits() && changed.is_finite())
-                .then(|| Json::from(changed))
-        }
-        (Kind::Seed { .. }, Json::Number(number)) if number.is_u64() => {
-            let mut changed = number.as_u64().unwrap_or_default();
-            let before = changed;
-            let drag = DragValue::new(&mut changed).range(0..=u64::from(u32::MAX));
-            add_number(ui, drag, name, spec);
-            (changed != before).then(|| Json::from(changed))
-        }
-        (
-            Kind::Text { .. } | Kind::InputFile { .. } | Kind::OutputFile { .. },
-            Json::String(text),
-        ) => line(ui, id, name, text).map(Json::from),
-        _ => raw(ui, id, name, value),
-    }
+    let (mut events, look) = (Vec::new(), Look::Cell);
+    let name = name.to_owned();
+    Field { spec, name, path: "", given: Some(value), look, events: &mut events }.show(ui, id);
+    events.into_iter().find_map(|event| match event {
+        FormEvent::Set { value, .. } => value,
+        _ => None,
+    })
 }
 
-fn add_number(ui: &mut Ui, drag: DragValue, name: &str, spec: &ParamSpec) {
-    let suffix = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
-    // What a file says outside of the range stays until a person changes it; the check tells.
-    let drag = drag.clamp_existing_to_range(false).suffix(suffix);
-    named(ui.add(drag), name).on_hover_text("drag, or click to type");
+/// Whether the field of a parameter can show a value; else it is shown as it stands.
+fn is_drawn(spec: &ParamSpec, value: &Json) -> bool {
+    let is_number = |whole: bool| if whole { value.is_i64() } else { value.is_number() };
+    spec.read(value).is_ok()
+        || spec.range().is_some_and(|range| is_number(range.is_whole))
+        || (value.is_string() && (spec.is_text() || spec.default_json().is_none()))
+        || (!spec.options().is_empty() && chosen(value).is_some())
 }
 
-/// The entry that a value names, out of a list.
-fn options(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -> Option<Json> {
-    let current = chosen_id(value).unwrap_or_default();
-    let mut chosen = None;
+/// What is not the value of a parameter: a module out of the list of them, or any JSON.
+fn unknown(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -> Option<Json> {
+    let options = declared.options();
+    let Some((current, _)) = chosen(value).filter(|_| !options.is_empty()) else {
+        return raw(ui, id, name, value);
+    };
     let text = brief_value(value);
-    let combo = ComboBox::from_id_salt(id).selected_text(&text).width(FIELD_WIDTH).truncate();
-    let shown = combo.show_ui(ui, |ui| {
-        for option in declared.options() {
-            let label = ui.selectable_label(option.id == current, option.id);
-            if label.on_hover_text(option.summary).clicked() && option.id != current {
-                chosen = Some(Json::from(option.id));
-            }
-        }
-    });
-    named(shown.response, &format!("{name}: {current}")).on_hover_text(&text);
-    chosen
-}
-
-/// A line of text, which counts once the field is left or Enter is pressed.
-fn line(ui: &mut Ui, id: Id, name: &str, text: &str) -> Option<String> {
-    let draft = ui.data(|data| data.get_temp::<String>(id));
-    let mut draft = draft.unwrap_or_else(|| text.to_owned());
-    let edit = TextEdit::singleline(&mut draft).id(id).desired_width(FIELD_WIDTH);
-    let response = named(ui.add(edit), name).on_hover_text(text);
-    if response.has_focus() {
-        ui.data_mut(|data| data.insert_temp(id, draft));
-        return None;
-    }
-    ui.data_mut(|data| data.remove::<String>(id));
-    (response.lost_focus() && draft != text).then_some(draft)
+    let picked = pick(ui, id, name, (current, &text, CELL_WIDTH), &options);
+    picked.filter(|id| *id != current).map(Json::from)
 }
 
 /// A value that no declaration fits, as JSON.
 fn raw(ui: &mut Ui, id: Id, name: &str, value: &Json) -> Option<Json> {
-    let text = line(ui, id, name, &value.to_string())?;
+    let text = line(ui, id, name, &value.to_string(), ("", CELL_WIDTH)).0?;
     // What is no JSON is meant as a text.
     Some(serde_json::from_str(&text).unwrap_or(Json::String(text)))
 }
 
 /// The parameters of the entry that a value names, a row each; what the value was changed to.
 pub fn nested(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -> Option<Json> {
-    let given = chosen_id(value).and_then(|chosen| value.get(chosen));
+    let given = chosen(value).and_then(|(_, params)| params);
     let mut changed = None;
     egui::Grid::new(id).num_columns(3).show(ui, |ui| {
         for spec in declared.nested(value) {
@@ -132,12 +82,12 @@ pub fn nested(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json
                     .then(|| nested(ui, own_id.with("nested"), &own_name, &own, &current))
                     .flatten();
                 if let Some(set) = set.or(deep) {
-                    changed = Some(with_nested(value, spec.name, Some(set)));
+                    changed = Some(with_param(value, spec.name, Some(set)));
                 }
             });
             let reset = format!("{own_name}: back to the default");
             if said.is_some() && small_button(ui, "\u{27f2}", &reset).clicked() {
-                changed = Some(with_nested(value, spec.name, None));
+                changed = Some(with_param(value, spec.name, None));
             }
             ui.end_row();
         }

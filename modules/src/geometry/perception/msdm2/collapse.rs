@@ -1,6 +1,6 @@
 //! What a collapse does to MSDM2: the prices of the cost of that name.
 //!
-//! The reference is the input of the simplification, the degraded mesh is the one in the making.
+//! The reference is the input of the simplification, the degraded mesh is the working mesh.
 //! The price is the change of Σ n local³ over the merged vertex, its neighbors and theirs, where n
 //! is how many vertices of the input have merged into a vertex: so the sum runs, as it were, over
 //! the vertices of the input, each seen from the vertex that stands for it, as the other direction
@@ -22,8 +22,8 @@ use super::surface::{Surface, common_scale};
 use super::window::{Sample, Sums};
 use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
-use crate::geometry::distance::hausdorff::Side;
-use crate::geometry::simplify::collapse::{Collapse, Collapsing, Proposal};
+use crate::geometry::distance::hausdorff::MeshRole;
+use crate::geometry::simplify::collapse::{Batch, Collapse, Proposal, WorkingMesh};
 use mve_core::Control;
 
 /// Faces at a vertex beyond which it is left out; bounds the time of one price.
@@ -34,7 +34,7 @@ const CHUNK: usize = 4;
 /// nothing, and nothing else.
 const TIE: f64 = 1e-9;
 
-/// How often each vertex of the mesh in the making counts.
+/// How often each vertex of the working mesh counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Counting {
     /// Each as often as vertices have merged into it.
@@ -55,7 +55,7 @@ pub struct CollapsePrices {
     vertices: Vec<Known>,
 }
 
-/// What is known of a vertex of the mesh in the making.
+/// What is known of a vertex of the working mesh.
 #[derive(Clone, Copy, Debug)]
 struct Known {
     sample: Sample,
@@ -68,22 +68,22 @@ struct Known {
 #[derive(Debug, Default)]
 struct Star {
     members: Vec<Member>,
-    spokes: Vec<Spoke>,
+    edges: Vec<StarEdge>,
 }
 
 /// A vertex of the star; the first is the merged one.
 #[derive(Clone, Copy, Debug)]
 struct Member {
     vertex: VertexId,
-    /// Its spokes in [`Star::spokes`]; none where it is left out.
-    spokes: (usize, usize),
+    /// Its edges in [`Star::edges`]; none where it is left out.
+    edges: (usize, usize),
     sample: Sample,
     local: f64,
 }
 
 /// An edge at a member, with the normals of up to two of its faces.
 #[derive(Clone, Copy, Debug)]
-struct Spoke {
+struct StarEdge {
     other: VertexId,
     along: DVec3,
     length: f64,
@@ -115,7 +115,7 @@ impl CollapsePrices {
         control: Control,
     ) -> Result<Self, Msdm2Error> {
         let scale = common_scale([mesh, mesh]);
-        let (side, variant) = (Side::Original, Variant::Published);
+        let (side, variant) = (MeshRole::Original, Variant::Published);
         let reference = Surface::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
         let levels = Levels::new(reference.longest_side, n_levels);
         let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;
@@ -128,26 +128,26 @@ impl CollapsePrices {
     }
 
     /// The price of each proposal; see the head of the file.
-    pub fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
-        let pieces = prices.par_chunks_mut(CHUNK).zip(batch.par_chunks(CHUNK));
+    pub fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
+        let pieces = prices.par_chunks_mut(CHUNK).zip(batch.proposals.par_chunks(CHUNK));
         pieces.for_each_init(Star::default, |star, (prices, batch)| {
             for (price, proposal) in prices.iter_mut().zip(batch) {
-                *price = self.price_of(state, proposal, star);
+                *price = self.price_of(mesh, proposal, star);
             }
         });
     }
 
-    fn price_of(&self, state: &Collapsing, proposal: &Proposal, star: &mut Star) -> f64 {
-        let [kept, gone] = [proposal.ends.kept, proposal.ends.gone];
-        let length_sq = self.position(state, kept).distance_squared(self.position(state, gone));
+    fn price_of(&self, mesh: &WorkingMesh, proposal: &Proposal, star: &mut Star) -> f64 {
+        let [kept, gone] = [proposal.contraction.kept, proposal.contraction.gone];
+        let length_sq = self.position(mesh, kept).distance_squared(self.position(mesh, gone));
         let tie = TIE * length_sq / (self.levels.size * self.levels.size);
         let position = proposal.position * self.scale;
         let merge = Merge { kept, gone: Some(gone), position };
-        if !self.look(state, merge, star) {
+        if !self.look(mesh, merge, star) {
             return f64::INFINITY;
         }
         let cube = |local: f64| local * local * local;
-        let [kept, gone] = [kept, gone].map(|v| self.known(state, v));
+        let [kept, gone] = [kept, gone].map(|v| self.known(mesh, v));
         let merged = &star.members[0];
         let mut change = match self.counting {
             Counting::Once => cube(merged.local),
@@ -155,90 +155,90 @@ impl CollapsePrices {
         };
         change -= kept.n * cube(kept.local) + gone.n * cube(gone.local);
         for member in &star.members[1..] {
-            let before = self.known(state, member.vertex);
+            let before = self.known(mesh, member.vertex);
             change += before.n * (cube(member.local) - cube(before.local));
         }
         change + tie
     }
 
     /// Takes note of a collapse that was made.
-    pub fn collapsed(&mut self, state: &Collapsing, collapse: &Collapse) {
+    pub fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
         let mut star = Star::default();
         let position = collapse.position * self.scale;
         let merge = Merge { kept: collapse.kept, gone: None, position };
-        let [kept, gone] = [collapse.kept, collapse.gone].map(|v| state.input_vertex(v).idx());
+        let [kept, gone] = [collapse.kept, collapse.gone].map(|v| mesh.input_vertex(v).idx());
         if self.counting == Counting::Merged {
             self.vertices[kept].n += self.vertices[gone].n;
         }
-        if !self.look(state, merge, &mut star) {
+        if !self.look(mesh, merge, &mut star) {
             self.vertices[kept].sample.point = position;
             return;
         }
         for member in &star.members {
-            let known = &mut self.vertices[state.input_vertex(member.vertex).idx()];
+            let known = &mut self.vertices[mesh.input_vertex(member.vertex).idx()];
             known.sample = member.sample;
             known.local = member.local;
         }
     }
 
-    fn position(&self, state: &Collapsing, vertex: VertexId) -> DVec3 {
-        state.position(vertex) * self.scale
+    fn position(&self, mesh: &WorkingMesh, vertex: VertexId) -> DVec3 {
+        mesh.position(vertex) * self.scale
     }
 
-    fn known(&self, state: &Collapsing, vertex: VertexId) -> &Known {
-        &self.vertices[state.input_vertex(vertex).idx()]
+    fn known(&self, mesh: &WorkingMesh, vertex: VertexId) -> &Known {
+        &self.vertices[mesh.input_vertex(vertex).idx()]
     }
 
     /// Finds the star after a merge, with new curvatures and local values; `false` where it is
     /// too large.
-    fn look(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
-        if !self.find_members(state, merge, star) {
+    fn look(&self, mesh: &WorkingMesh, merge: Merge, star: &mut Star) -> bool {
+        if !self.find_members(mesh, merge, star) {
             return false;
         }
         for at in 0..star.members.len() {
-            let spokes = self.find_spokes(state, merge, star.members[at].vertex, &mut star.spokes);
-            if at == 0 && spokes.0 == spokes.1 {
+            let edges = self.list_edges(mesh, merge, star.members[at].vertex, &mut star.edges);
+            if at == 0 && edges.0 == edges.1 {
                 return false;
             }
-            star.members[at].spokes = spokes;
-            if spokes.0 < spokes.1 {
-                star.members[at].sample.own = self.curvature_of(&star.spokes[spokes.0..spokes.1]);
+            star.members[at].edges = edges;
+            if edges.0 < edges.1 {
+                star.members[at].sample.own = self.curvature_of(&star.edges[edges.0..edges.1]);
             }
         }
         // Farther vertices bend as before, but see the change in their windows.
-        for at in 0..star.spokes.len() {
-            let vertex = star.spokes[at].other;
+        for at in 0..star.edges.len() {
+            let vertex = star.edges[at].other;
             if !star.members.iter().any(|member| member.vertex == vertex) {
-                let Known { sample, local, .. } = *self.known(state, vertex);
-                let spokes = self.find_spokes(state, merge, vertex, &mut star.spokes);
-                star.members.push(Member { vertex, spokes, sample, local });
+                let Known { sample, local, .. } = *self.known(mesh, vertex);
+                let edges = self.list_edges(mesh, merge, vertex, &mut star.edges);
+                star.members.push(Member { vertex, edges, sample, local });
             }
         }
         for at in 0..star.members.len() {
-            if star.members[at].spokes.0 < star.members[at].spokes.1 {
-                star.members[at].local = self.local_of(state, star, at);
+            if star.members[at].edges.0 < star.members[at].edges.1 {
+                star.members[at].local = self.local_of(mesh, star, at);
             }
         }
         true
     }
 
     /// Lists the merged vertex and its neighbors; `false` where they are too many.
-    fn find_members(&self, state: &Collapsing, merge: Merge, star: &mut Star) -> bool {
+    fn find_members(&self, mesh: &WorkingMesh, merge: Merge, star: &mut Star) -> bool {
         let carried = self.carry(merge.position);
         let Merge { kept, gone, position } = merge;
-        let known = self.known(state, kept);
+        let known = self.known(mesh, kept);
         star.members.clear();
-        star.spokes.clear();
+        star.edges.clear();
         let sample = Sample::new(position, known.sample.own, &carried);
-        star.members.push(Member { vertex: kept, spokes: (0, 0), sample, local: 0.0 });
+        star.members.push(Member { vertex: kept, edges: (0, 0), sample, local: 0.0 });
         let mut n_faces = 0;
-        for face in [Some(kept), gone].into_iter().flatten().flat_map(|v| state.faces_around(v)) {
+        for face in [Some(kept), gone].into_iter().flatten().flat_map(|v| mesh.faces_around(v)) {
             n_faces += 1;
-            for vertex in state.face(face).into_iter().flatten() {
+            for vertex in mesh.face(face).into_iter().flatten() {
                 let is_known = star.members.iter().any(|member| member.vertex == vertex);
                 if !is_known && Some(vertex) != gone {
-                    let Known { sample, local, .. } = *self.known(state, vertex);
-                    star.members.push(Member { vertex, spokes: (0, 0), sample, local });
+                    let Known { sample, local, .. } = *self.known(mesh, vertex);
+                    star.members.push(Member { vertex, edges: (0, 0), sample, local });
                 }
             }
             if n_faces > 2 * MOST_FACES {
@@ -254,25 +254,25 @@ impl CollapsePrices {
     }
 
     /// Lists the edges at a vertex after a merge: none where it has too many faces.
-    fn find_spokes(
+    fn list_edges(
         &self,
-        state: &Collapsing,
+        mesh: &WorkingMesh,
         merge: Merge,
         vertex: VertexId,
-        spokes: &mut Vec<Spoke>,
+        edges: &mut Vec<StarEdge>,
     ) -> (usize, usize) {
-        let first = spokes.len();
+        let first = edges.len();
         let Merge { kept, gone, position } = merge;
         let also = gone.filter(|_| vertex == kept);
         let limit = if vertex == kept { 2 * MOST_FACES } else { MOST_FACES };
-        let place = |v: VertexId| if v == kept { position } else { self.position(state, v) };
-        let faces = [Some(vertex), also].into_iter().flatten().flat_map(|v| state.faces_around(v));
+        let place = |v: VertexId| if v == kept { position } else { self.position(mesh, v) };
+        let faces = [Some(vertex), also].into_iter().flatten().flat_map(|v| mesh.faces_around(v));
         for (n, face) in faces.enumerate() {
             if n >= limit {
-                spokes.truncate(first);
+                edges.truncate(first);
                 break;
             }
-            let Some(corners) = state.face(face) else { continue };
+            let Some(corners) = mesh.face(face) else { continue };
             let corners = corners.map(|v| if Some(v) == gone { kept } else { v });
             let [a, b, c] = corners;
             if a == b || b == c || c == a {
@@ -285,14 +285,14 @@ impl CollapsePrices {
             };
             let normal = normal(corners.map(place));
             for (other, is_left) in [(after, true), (before, false)] {
-                match spokes[first..].iter_mut().find(|spoke| spoke.other == other) {
-                    Some(spoke) => {
-                        spoke.n_faces += 1;
-                        spoke.normals[1] = normal;
+                match edges[first..].iter_mut().find(|edge| edge.other == other) {
+                    Some(edge) => {
+                        edge.n_faces += 1;
+                        edge.normals[1] = normal;
                     }
                     None => {
                         let along = place(other) - place(vertex);
-                        spokes.push(Spoke {
+                        edges.push(StarEdge {
                             other,
                             along,
                             length: along.length(),
@@ -304,19 +304,19 @@ impl CollapsePrices {
                 }
             }
         }
-        (first, spokes.len())
+        (first, edges.len())
     }
 
-    /// The curvature at the center of these spokes.
-    fn curvature_of(&self, spokes: &[Spoke]) -> [f64; MAX_LEVELS] {
+    /// The curvature at the center of these edges.
+    fn curvature_of(&self, edges: &[StarEdge]) -> [f64; MAX_LEVELS] {
         let mut sums = [Bend::default(); MAX_LEVELS];
-        let shortest = spokes.iter().fold(f64::INFINITY, |least, spoke| least.min(spoke.length));
-        for spoke in spokes.iter().filter(|spoke| spoke.n_faces == 2 && spoke.length > 0.0) {
-            let [first, second] = spoke.normals;
-            let (left, right) = if spoke.is_first_left { (first, second) } else { (second, first) };
-            let bend = Bend::new(turn_rad(right, left, spoke.along), spoke.along);
+        let shortest = edges.iter().fold(f64::INFINITY, |least, edge| least.min(edge.length));
+        for edge in edges.iter().filter(|edge| edge.n_faces == 2 && edge.length > 0.0) {
+            let [first, second] = edge.normals;
+            let (left, right) = if edge.is_first_left { (first, second) } else { (second, first) };
+            let bend = Bend::new(turn_rad(right, left, edge.along), edge.along);
             for (sum, level) in sums.iter_mut().zip(self.levels.iter()) {
-                sum.add(&bend, (level.curvature_radius / spoke.length).min(1.0));
+                sum.add(&bend, (level.curvature_radius / edge.length).min(1.0));
             }
         }
         let mut found = [0.0; MAX_LEVELS];
@@ -324,7 +324,7 @@ impl CollapsePrices {
         for ((found, sum), level) in found.iter_mut().zip(&sums).zip(self.levels.iter()) {
             let radius = level.curvature_radius;
             *found = match first {
-                // As long as the sphere cuts every spoke the tensor grows as the radius does.
+                // As long as the sphere cuts every edge the tensor grows as the radius does.
                 Some((value, at)) if radius <= shortest => value * at / radius,
                 _ => self.levels.size * sum.two_largest() / (2.0 * PI * radius * radius),
             };
@@ -334,20 +334,20 @@ impl CollapsePrices {
     }
 
     /// The local value of a member.
-    fn local_of(&self, state: &Collapsing, star: &Star, at: usize) -> f64 {
+    fn local_of(&self, mesh: &WorkingMesh, star: &Star, at: usize) -> f64 {
         let center = &star.members[at];
         let mut sum = 0.0;
         for (place, level) in self.levels.iter().enumerate() {
             let radius = level.window_radius;
             let mut sums = Sums::new(&center.sample, place, half_as_wide(radius));
-            for spoke in &star.spokes[center.spokes.0..center.spokes.1] {
-                let within = star.members.iter().find(|member| member.vertex == spoke.other);
+            for edge in &star.edges[center.edges.0..center.edges.1] {
+                let within = star.members.iter().find(|member| member.vertex == edge.other);
                 let end = match within {
                     Some(member) => &member.sample,
-                    None => &self.known(state, spoke.other).sample,
+                    None => &self.known(mesh, edge.other).sample,
                 };
-                let part = (radius / spoke.length).min(1.0);
-                let reached = part * spoke.length;
+                let part = (radius / edge.length).min(1.0);
+                let reached = part * edge.length;
                 let ends = [&center.sample, end];
                 sums.add_between(&center.sample, ends, place, part, reached * reached);
             }

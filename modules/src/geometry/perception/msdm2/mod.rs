@@ -40,7 +40,7 @@ use surface::{Surface, common_scale};
 use window::{Kernel, Moments, Windows, local_values};
 
 use crate::data::{Domain, FaceId, Field, TriMesh};
-use crate::geometry::distance::hausdorff::Side;
+use crate::geometry::distance::hausdorff::MeshRole;
 use mve_core::{Cancelled, Control};
 
 /// Most levels that there are.
@@ -118,13 +118,13 @@ pub struct OneSided {
 pub enum Msdm2Error {
     /// A mesh without faces is no surface.
     #[error("the {0} mesh has no faces; a perceptual distance needs a surface on both sides")]
-    NoFaces(Side),
+    NoFaces(MeshRole),
     /// No face has three different vertices with finite coordinates.
     #[error("the {0} mesh has {1} faces but none of three different, finite vertices")]
-    NothingUsable(Side, usize),
+    NothingUsable(MeshRole, usize),
     /// All vertices lie in one place, compared with the other mesh.
     #[error("the {0} mesh has no extent; curvature needs a surface of some size")]
-    NoExtent(Side),
+    NoExtent(MeshRole),
     /// The caller ended it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -177,8 +177,8 @@ impl Pair {
         let scale = common_scale([original, simplified]);
         let ready = |mesh, side, part| Surface::new(mesh, side, scale, variant, part);
         let (original, simplified) = rayon::join(
-            || ready(original, Side::Original, control.part(0.0, 0.5)),
-            || ready(simplified, Side::Simplified, control.part(0.5, 1.0)),
+            || ready(original, MeshRole::Original, control.part(0.0, 0.5)),
+            || ready(simplified, MeshRole::Simplified, control.part(0.5, 1.0)),
         );
         Ok(Self { original: original?, simplified: simplified?, scale })
     }

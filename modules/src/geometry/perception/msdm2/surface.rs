@@ -1,4 +1,4 @@
-//! A mesh made ready for walks: clean faces, spokes around each vertex, the bend of each edge.
+//! A mesh made ready for walks: clean faces, half-edges around each vertex, the bend of each edge.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::curvature::{Bend, bends};
 use super::{Msdm2Error, Variant};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
-use crate::geometry::distance::hausdorff::Side;
+use crate::geometry::distance::hausdorff::MeshRole;
 use crate::mesh::adjacency::Adjacency;
 use mve_core::Control;
 
@@ -18,7 +18,7 @@ const LEAST_SIZE: f64 = 1e-100;
 
 /// An edge seen from one of its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::geometry) struct Spoke {
+pub(in crate::geometry) struct HalfEdge {
     /// The vertex at the other end.
     pub other: u32,
     /// The edge, an index of [`Surface::bends`].
@@ -31,9 +31,9 @@ pub(in crate::geometry) struct Surface {
     /// Positions as in the input, in scaled units, and the usable faces in their order.
     pub mesh: TriMesh,
     pub bvh: Bvh,
-    /// Spokes of vertex v: from `starts[v]` to `starts[v + 1]`, by edge.
+    /// Half-edges of vertex v: from `starts[v]` to `starts[v + 1]`, by edge.
     starts: Vec<u32>,
-    spokes: Vec<Spoke>,
+    half_edges: Vec<HalfEdge>,
     /// How the surface bends at each edge.
     pub bends: Vec<Bend>,
     /// The share of a full disc that the surface has at each vertex; empty where all are 1.
@@ -48,7 +48,7 @@ impl Surface {
     /// Prepares a mesh; `scale` is a power of two.
     pub fn new(
         mesh: &TriMesh,
-        side: Side,
+        side: MeshRole,
         scale: f64,
         variant: Variant,
         control: Control,
@@ -77,10 +77,10 @@ impl Surface {
             || Adjacency::new(&mesh, control.part(0.0, 0.3)),
         );
         let (bvh, adjacency) = (bvh?, adjacency?);
-        let (starts, spokes) = spokes(&adjacency, mesh.positions.len());
+        let (starts, half_edges) = half_edges(&adjacency, mesh.positions.len());
         control.at(0.6)?;
         let (bends, disc_shares) = bends(&mesh, &adjacency, variant, control.part(0.6, 1.0))?;
-        Ok(Self { mesh, bvh, starts, spokes, bends, disc_shares, longest_side, n_left_out })
+        Ok(Self { mesh, bvh, starts, half_edges, bends, disc_shares, longest_side, n_left_out })
     }
 
     /// How many vertices there are, used or not.
@@ -96,14 +96,14 @@ impl Surface {
 
     /// The edges at a vertex: none where no face uses it.
     #[inline]
-    pub fn spokes_of(&self, vertex: u32) -> &[Spoke] {
+    pub fn half_edges_of(&self, vertex: u32) -> &[HalfEdge] {
         let starts = &self.starts[vertex as usize..vertex as usize + 2];
-        &self.spokes[starts[0] as usize..starts[1] as usize]
+        &self.half_edges[starts[0] as usize..starts[1] as usize]
     }
 }
 
-/// The spokes of each vertex, by edge.
-fn spokes(adjacency: &Adjacency, n_vertices: usize) -> (Vec<u32>, Vec<Spoke>) {
+/// The half-edges of each vertex, by edge.
+fn half_edges(adjacency: &Adjacency, n_vertices: usize) -> (Vec<u32>, Vec<HalfEdge>) {
     let mut starts = vec![0u32; n_vertices + 1];
     for v in adjacency.edges().iter().flatten() {
         starts[v.idx() + 1] += 1;
@@ -112,14 +112,14 @@ fn spokes(adjacency: &Adjacency, n_vertices: usize) -> (Vec<u32>, Vec<Spoke>) {
         starts[v + 1] += starts[v];
     }
     let mut next = starts.clone();
-    let mut spokes = vec![Spoke { other: 0, edge: 0 }; 2 * adjacency.edges().len()];
+    let mut half_edges = vec![HalfEdge { other: 0, edge: 0 }; 2 * adjacency.edges().len()];
     for (edge, &[a, b]) in (0u32..).zip(adjacency.edges()) {
         for (from, to) in [(a, b), (b, a)] {
-            spokes[next[from.idx()] as usize] = Spoke { other: to.0, edge };
+            half_edges[next[from.idx()] as usize] = HalfEdge { other: to.0, edge };
             next[from.idx()] += 1;
         }
     }
-    (starts, spokes)
+    (starts, half_edges)
 }
 
 /// The power of two that brings the largest finite coordinate of the meshes to between 1/2 and 1,

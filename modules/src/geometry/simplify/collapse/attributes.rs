@@ -1,50 +1,41 @@
 //! What happens to attribute layers when vertices merge.
 //!
-//! A layer over vertices gets one value a vertex, a layer over corners one a *wedge*: the corners
-//! of a vertex with equal values (H. Hoppe, "Efficient implementation of progressive meshes",
-//! Computers & Graphics 22, 1998). When an edge collapses, each face that dies says which wedge of
+//! When an edge collapses, each face that dies says which wedge of
 //! one end meets which of the other; the two become one, interpolated by where the new vertex lies
 //! along the edge. A wedge that no dying face touches keeps its value.
 //!
-//! Layers of two numbers over corners are texture coordinates, whose seams must not tear: under
-//! [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and two
-//! such vertices do not merge. So charts keep their borders, which simplify only along themselves.
+//! What a layer means is its [`Role`], by name. The seams of texture coordinates must not tear:
+//! under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and
+//! two such vertices do not merge. So charts keep their borders, which simplify only along
+//! themselves.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::Seams;
-use super::pulse::Pulse;
-use super::state::{BEAT, Collapsing, next_in_face, previous_in_face};
+use super::complex::{Complex, next_in_face, previous_in_face};
+use super::options::Seams;
+use super::order::Order;
+use super::ticker::{CHUNK, Ticker};
+use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
 use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
+use crate::mesh::adjacency::EdgeId;
 use mve_core::Cancelled;
 
-/// How values of a layer mix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Number,
-    Vec2,
-    Vec3,
-    Normal,
-    Label,
-}
-
-/// A layer in the making. Every kind of value is held as three numbers.
+/// A layer of the working mesh. Every kind of value is held as three numbers.
 #[derive(Debug)]
-struct Working {
-    layer: usize,
-    kind: Kind,
-    domain: Domain,
+pub(super) struct WorkingLayer {
+    pub role: Role,
+    pub domain: Domain,
     /// Slot of each vertex, corner or face of the engine.
     slots: Vec<u32>,
     values: Vec<DVec3>,
 }
 
-/// All layers of a mesh in the making.
+/// All layers of the working mesh, in the input's order.
 #[derive(Debug, Default)]
 pub(super) struct Attributes {
-    layers: Vec<Working>,
+    pub layers: Vec<WorkingLayer>,
     /// Whether each vertex has several wedges in a layer whose seams are kept; empty when there
     /// is no such layer.
     on_seam: Vec<bool>,
@@ -63,20 +54,21 @@ pub(super) enum SeamRule {
 impl Attributes {
     pub fn new(
         mesh: &TriMesh,
-        state: &Collapsing,
+        complex: &Complex,
+        order: &Order,
         seams: Seams,
-        pulse: &mut Pulse,
+        ticker: &mut Ticker,
     ) -> Result<Self, Cancelled> {
-        let new = |layer| Working::new(mesh, layer, state, pulse);
-        let layers = (0..mesh.layers.len()).map(new).collect::<Result<Vec<_>, _>>()?;
+        let new = |layer| WorkingLayer::new(layer, complex, order, ticker);
+        let layers = mesh.layers.iter().map(new).collect::<Result<Vec<_>, _>>()?;
         let mut on_seam = Vec::new();
         for layer in layers.iter().filter(|layer| seams == Seams::Kept && layer.has_seams()) {
-            on_seam.resize(state.n_vertices(), false);
+            on_seam.resize(complex.vertices.len(), false);
             for (vertex, is_on_seam) in on_seam.iter_mut().enumerate() {
-                if vertex.is_multiple_of(BEAT) {
-                    pulse.beat(0)?;
+                if vertex.is_multiple_of(CHUNK) {
+                    ticker.tick(0)?;
                 }
-                let mut slots = state.corners_around(vertex as u32).map(|c| layer.slot(c));
+                let mut slots = complex.corners_around(vertex as u32).map(|c| layer.slot(c));
                 if let Some(first) = slots.next() {
                     *is_on_seam |= slots.any(|slot| slot != first);
                 }
@@ -94,26 +86,26 @@ impl Attributes {
     /// Whether each edge lies on a seam that is kept; empty when there is no such seam.
     pub fn seam_edges(
         &self,
-        state: &Collapsing,
-        pulse: &mut Pulse,
+        complex: &Complex,
+        ticker: &mut Ticker,
     ) -> Result<Vec<bool>, Cancelled> {
         let mut is_seam = Vec::new();
         for layer in
             self.layers.iter().filter(|layer| !self.on_seam.is_empty() && layer.has_seams())
         {
-            is_seam.resize(state.edges.len(), false);
-            let mut seen = pulse.fill(state.edges.len(), None)?;
-            for corner in 0..3 * state.faces.len() as u32 {
-                if (corner as usize).is_multiple_of(3 * BEAT) {
-                    pulse.beat(0)?;
+            is_seam.resize(complex.edges.len(), false);
+            let mut seen = ticker.fill(complex.edges.len(), None)?;
+            for corner in 0..3 * complex.faces.len() as u32 {
+                if (corner as usize).is_multiple_of(3 * CHUNK) {
+                    ticker.tick(0)?;
                 }
-                if state.face_at(corner).is_dead() {
+                if complex.face_at(corner).is_dead() {
                     continue;
                 }
-                let edge = state.edge_at(corner) as usize;
+                let edge = complex.edge_at(corner).idx();
                 let other = next_in_face(corner);
                 let mut slots = [layer.slot(corner), layer.slot(other)];
-                if state.vertex_at(corner) > state.vertex_at(other) {
+                if complex.vertex_at(corner) > complex.vertex_at(other) {
                     slots.swap(0, 1);
                 }
                 is_seam[edge] |= *seen[edge].get_or_insert(slots) != slots;
@@ -123,8 +115,8 @@ impl Attributes {
     }
 
     /// Where the ends of an edge may merge.
-    pub fn seam_rule(&self, state: &Collapsing, edge: u32) -> SeamRule {
-        let [kept, gone] = state.edges[edge as usize];
+    pub fn seam_rule(&self, complex: &Complex, edge: EdgeId) -> SeamRule {
+        let [kept, gone] = complex.ends(edge);
         let is_on_seam = |v: u32| self.on_seam.get(v as usize).copied().unwrap_or(false);
         if !is_on_seam(kept) && !is_on_seam(gone) {
             return SeamRule::Anywhere;
@@ -132,10 +124,10 @@ impl Attributes {
         let (mut pins_kept, mut pins_gone) = (false, false);
         let mut pairs = Vec::new();
         for layer in self.layers.iter().filter(|layer| layer.has_seams()) {
-            layer.find_pairs(state, edge, &mut pairs);
+            layer.find_pairs(complex, edge, &mut pairs);
             let is_paired = |slot, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == slot);
-            pins_kept |= state.corners_around(kept).any(|c| !is_paired(layer.slot(c), |p| p.0));
-            pins_gone |= state.corners_around(gone).any(|c| !is_paired(layer.slot(c), |p| p.1));
+            pins_kept |= complex.corners_around(kept).any(|c| !is_paired(layer.slot(c), |p| p.0));
+            pins_gone |= complex.corners_around(gone).any(|c| !is_paired(layer.slot(c), |p| p.1));
             // A seam that ends here ends in the wedge that meets both of its sides.
             for (i, p) in pairs.iter().enumerate() {
                 pins_kept |= pairs[..i].iter().any(|q| q.0 == p.0 && q.1 != p.1);
@@ -150,21 +142,32 @@ impl Attributes {
         }
     }
 
-    /// Mixes the values at the ends of an edge that is about to merge at `position`.
-    pub fn merge(&mut self, state: &Collapsing, edge: u32, position: DVec3) {
+    /// Mixes the values at the ends of an edge that is about to merge at `position`. A wedge that
+    /// `given` names takes the value from there.
+    pub fn merge(
+        &mut self,
+        complex: &Complex,
+        edge: EdgeId,
+        position: DVec3,
+        given: &[AttributeValue],
+    ) {
         if self.layers.is_empty() {
             return;
         }
-        let [kept, gone] = state.edges[edge as usize];
-        let [from, to] = [kept, gone].map(|v| state.vertices[v as usize].position);
+        let [kept, gone] = complex.ends(edge);
+        let [from, to] = [kept, gone].map(|v| complex.position(v));
         let at = parameter(from, to, position);
         if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
             *kept |= *gone;
         }
-        for layer in &mut self.layers {
+        for (id, layer) in (0u32..).zip(&mut self.layers) {
+            let given = |wedge: u32| {
+                let name = (LayerId(id), WedgeId(wedge));
+                given.iter().find(|given| (given.layer, given.wedge) == name).map(|v| v.value)
+            };
             match layer.domain {
-                Domain::Vertex => layer.merge_vertices(kept, gone, at),
-                Domain::Corner => layer.merge_wedges(state, edge, at, &mut self.pairs),
+                Domain::Vertex => layer.merge_vertices(kept, gone, at, given),
+                Domain::Corner => layer.merge_wedges(complex, edge, at, given, &mut self.pairs),
                 Domain::Face => {}
             }
         }
@@ -177,54 +180,40 @@ impl Attributes {
         mesh: &TriMesh,
         vertices: &[u32],
         faces: &[u32],
-        pulse: &mut Pulse,
+        ticker: &mut Ticker,
     ) -> Result<Vec<Layer>, Cancelled> {
-        let finish = |working: Working| {
-            let input = &mesh.layers[working.layer];
+        let finish = |(working, input): (WorkingLayer, &Layer)| {
             let corners = || faces.iter().flat_map(|&f| [3 * f, 3 * f + 1, 3 * f + 2]);
             match working.domain {
-                Domain::Vertex => working.finish(input, vertices, pulse),
-                Domain::Corner => working.finish(input, &corners().collect::<Vec<_>>(), pulse),
-                Domain::Face => working.finish(input, faces, pulse),
+                Domain::Vertex => working.finish(input, vertices, ticker),
+                Domain::Corner => working.finish(input, &corners().collect::<Vec<_>>(), ticker),
+                Domain::Face => working.finish(input, faces, ticker),
             }
         };
-        self.layers.into_iter().map(finish).collect()
+        self.layers.into_iter().zip(&mesh.layers).map(finish).collect()
     }
 }
 
-impl Working {
+impl WorkingLayer {
     fn new(
-        mesh: &TriMesh,
-        number: usize,
-        state: &Collapsing,
-        pulse: &mut Pulse,
+        layer: &Layer,
+        complex: &Complex,
+        order: &Order,
+        ticker: &mut Ticker,
     ) -> Result<Self, Cancelled> {
-        let layer = &mesh.layers[number];
-        let mut working = Self {
-            layer: number,
-            kind: match layer.values {
-                LayerValues::Number(_) => Kind::Number,
-                LayerValues::Vec2(_) => Kind::Vec2,
-                LayerValues::Vec3(_) if layer.name == Layer::NORMAL => Kind::Normal,
-                LayerValues::Vec3(_) => Kind::Vec3,
-                LayerValues::Label(_) => Kind::Label,
-            },
-            domain: layer.domain,
-            slots: Vec::new(),
-            values: Vec::new(),
-        };
+        let (role, domain) = (Role::of(layer), layer.domain);
+        let mut working = Self { role, domain, slots: Vec::new(), values: Vec::new() };
         match layer.domain {
             Domain::Vertex => {
                 let values = &mut working.values;
                 working.slots =
-                    pulse.collect(&state.order.vertices, |&v| values.add(layer, v as usize))?;
+                    ticker.collect(&order.vertices, |&v| values.add(layer, v as usize))?;
             }
             Domain::Face => {
                 let values = &mut working.values;
-                working.slots =
-                    pulse.collect(&state.order.faces, |&f| values.add(layer, f as usize))?;
+                working.slots = ticker.collect(&order.faces, |&f| values.add(layer, f as usize))?;
             }
-            Domain::Corner => working.make_wedges(layer, state, pulse)?,
+            Domain::Corner => working.make_wedges(layer, complex, order, ticker)?,
         }
         Ok(working)
     }
@@ -234,18 +223,19 @@ impl Working {
     fn make_wedges(
         &mut self,
         layer: &Layer,
-        state: &Collapsing,
-        pulse: &mut Pulse,
+        complex: &Complex,
+        order: &Order,
+        ticker: &mut Ticker,
     ) -> Result<(), Cancelled> {
-        self.slots = pulse.fill(3 * state.faces.len(), NO_VALUE)?;
+        self.slots = ticker.fill(3 * complex.faces.len(), NO_VALUE)?;
         let mut corners = Vec::new();
-        for vertex in 0..state.n_vertices() as u32 {
-            if (vertex as usize).is_multiple_of(BEAT) {
-                pulse.beat(0)?;
+        for vertex in 0..complex.vertices.len() as u32 {
+            if (vertex as usize).is_multiple_of(CHUNK) {
+                ticker.tick(0)?;
             }
             corners.clear();
-            corners.extend(state.corners_around(vertex).map(|corner| {
-                let input = 3 * state.order.faces[corner as usize / 3] + corner % 3;
+            corners.extend(complex.corners_around(vertex).map(|corner| {
+                let input = 3 * order.faces[corner as usize / 3] + corner % 3;
                 let value = value_of(layer, input as usize);
                 (value.map(|value| value.to_array().map(f64::to_bits)), corner, input)
             }));
@@ -262,21 +252,31 @@ impl Working {
     }
 
     fn has_seams(&self) -> bool {
-        self.domain == Domain::Corner && self.kind == Kind::Vec2
+        self.domain == Domain::Corner && self.role == Role::TexCoord
     }
 
     fn slot(&self, element: u32) -> u32 {
         self.slots[element as usize]
     }
 
+    /// The wedge of a vertex or corner, if it has a value.
+    pub fn wedge(&self, element: u32) -> Option<WedgeId> {
+        Some(self.slot(element)).filter(|&slot| slot != NO_VALUE).map(WedgeId)
+    }
+
+    /// The value of a wedge.
+    pub fn value(&self, wedge: WedgeId) -> DVec3 {
+        self.values[wedge.0 as usize]
+    }
+
     /// The wedges of the two ends that meet in a face at the edge, each pair once.
-    fn find_pairs(&self, state: &Collapsing, edge: u32, pairs: &mut Vec<(u32, u32)>) {
-        let [kept, gone] = state.edges[edge as usize];
+    fn find_pairs(&self, complex: &Complex, edge: EdgeId, pairs: &mut Vec<(u32, u32)>) {
+        let [kept, gone] = complex.ends(edge);
         pairs.clear();
-        for corner in state.corners_around(kept) {
+        for corner in complex.corners_around(kept) {
             let other = [next_in_face(corner), previous_in_face(corner)]
                 .into_iter()
-                .find(|&c| state.vertex_at(c) == gone);
+                .find(|&c| complex.vertex_at(c) == gone);
             let Some(other) = other else { continue };
             let pair = (self.slot(corner), self.slot(other));
             if !pairs.contains(&pair) {
@@ -285,25 +285,32 @@ impl Working {
         }
     }
 
-    fn merge_vertices(&mut self, kept: u32, gone: u32, at: f64) {
+    fn merge_vertices(
+        &mut self,
+        kept: u32,
+        gone: u32,
+        at: f64,
+        given: impl Fn(u32) -> Option<DVec3>,
+    ) {
         let (mine, other) = (self.slot(kept), self.slot(gone));
         if mine == NO_VALUE || other == NO_VALUE {
             // The value of the nearer end, or none if it has none.
             self.slots[kept as usize] = if at > 0.5 { other } else { mine };
         } else {
-            self.values[mine as usize] = self.mix(mine, other, at);
+            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
         }
     }
 
     fn merge_wedges(
         &mut self,
-        state: &Collapsing,
-        edge: u32,
+        complex: &Complex,
+        edge: EdgeId,
         at: f64,
+        given: impl Fn(u32) -> Option<DVec3>,
         pairs: &mut Vec<(u32, u32)>,
     ) {
-        let [kept, gone] = state.edges[edge as usize];
-        self.find_pairs(state, edge, pairs);
+        let [kept, gone] = complex.ends(edge);
+        self.find_pairs(complex, edge, pairs);
         pairs.retain(|&(mine, other)| mine != NO_VALUE && other != NO_VALUE);
         while let Some((mine, other)) = pairs.pop() {
             // Where one wedge meets several, they all take its value: a seam ends there.
@@ -314,11 +321,11 @@ impl Working {
                 (false, true) => 1.0,
                 _ => at,
             };
-            self.values[mine as usize] = self.mix(mine, other, at);
+            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
             let renamed = |slot: u32, pairs: &[(u32, u32)]| {
                 slot == other || pairs.iter().any(|p| p.1 == other && p.0 == slot)
             };
-            for corner in state.corners_around(kept).chain(state.corners_around(gone)) {
+            for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
                 if renamed(self.slot(corner), pairs) {
                     self.slots[corner as usize] = mine;
                 }
@@ -328,7 +335,7 @@ impl Working {
                     *pair = (mine, mine);
                 } else if pair.0 == mine {
                     // The rest of the fan takes the value that is there now.
-                    for corner in state.corners_around(gone) {
+                    for corner in complex.corners_around(gone) {
                         if self.slots[corner as usize] == pair.1 {
                             self.slots[corner as usize] = mine;
                         }
@@ -350,9 +357,9 @@ impl Working {
             return to;
         }
         let nearer = if at > 0.5 { to } else { from };
-        match self.kind {
-            Kind::Label => nearer,
-            Kind::Normal => from.lerp(to, at).try_normalize().unwrap_or(nearer),
+        match self.role {
+            Role::Label => nearer,
+            Role::Normal => from.lerp(to, at).try_normalize().unwrap_or(nearer),
             _ => from.lerp(to, at),
         }
     }
@@ -362,11 +369,11 @@ impl Working {
         self,
         input: &Layer,
         elements: &[u32],
-        pulse: &mut Pulse,
+        ticker: &mut Ticker,
     ) -> Result<Layer, Cancelled> {
         let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
         let mut values: Vec<DVec3> = Vec::new();
-        let index = pulse.collect(elements, |&element| {
+        let index = ticker.collect(elements, |&element| {
             let slot = self.slot(element);
             if slot == NO_VALUE {
                 return NO_VALUE;

@@ -6,25 +6,28 @@
 
 use mve_core::{Cancelled, Control};
 
-use super::{Collapse, Collapsing, Proposal, QuadricOptions, Reach, Renewal};
+use super::mesh::WorkingMesh;
+use super::observer::Collapse;
+use super::options::QuadricOptions;
+use super::proposal::{Batch, Reach, Renewal};
 
 /// What a collapse costs. The engine makes the cheapest collapse first.
 ///
 /// Prices are compared only with each other; a price that is not a number forbids the collapse.
 pub trait Cost: Send {
     /// Told of the mesh before anything else. What takes long reports to `control`.
-    fn begin(&mut self, _state: &Collapsing, _control: Control) -> Result<(), Cancelled> {
+    fn begin(&mut self, _mesh: &WorkingMesh, _control: Control) -> Result<(), Cancelled> {
         Ok(())
     }
 
-    /// Prices every proposal of the batch: `prices[i]` for `batch[i]`, equally long.
+    /// Prices every proposal of the batch: `prices[i]` for the `i`-th, equally long.
     ///
-    /// A pure function of the state and of each proposal alone, so that a batch may be split over
-    /// threads without changing a bit. The state is the mesh before the collapse.
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]);
+    /// A pure function of the mesh and of each proposal alone, so that a batch may be split over
+    /// threads without changing a bit. The mesh is that before the collapse.
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]);
 
-    /// Told of a collapse, with the state after it.
-    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+    /// Told of a collapse, with the mesh after it.
+    fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 
     /// How far from a collapse prices go stale.
     fn reach(&self) -> Reach {
@@ -48,7 +51,7 @@ pub trait Cost: Send {
         false
     }
 
-    /// The quadrics that the state must keep for this cost, if it reads any.
+    /// The quadrics that the working mesh must keep for this cost, if it reads any.
     fn quadrics(&self) -> Option<QuadricOptions> {
         None
     }

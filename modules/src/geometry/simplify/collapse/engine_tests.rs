@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
 
-use super::attributes::{Attributes, SeamRule};
-use super::connectivity::Marks;
-use super::pulse::Pulse;
+use super::attributes::SeamRule;
+use super::marks::VertexMarks;
 use super::tests::{grid, run_with, to_faces, torus};
+use super::ticker::Ticker;
 use super::*;
-use crate::data::{Domain, Layer, LayerValues};
+use crate::data::{Domain, Layer, LayerValues, VertexId};
+use crate::mesh::adjacency::EdgeId;
 use crate::placement::{Endpoint, Midpoint};
 
 /// Prices an edge by its length and by how many faces lie around the vertices within `rings` edges
@@ -22,19 +23,19 @@ struct Crowding {
 }
 
 impl Crowding {
-    fn at(state: &Collapsing, vertex: VertexId, rings: u32) -> f64 {
-        let faces = || state.faces_around(vertex).filter_map(|face| state.face(face));
-        let beyond = |v: VertexId| if rings > 1 { Self::at(state, v, rings - 1) } else { 0.0 };
-        let of = |v: &VertexId| state.position(vertex).distance(state.position(*v)) + beyond(*v);
+    fn at(mesh: &WorkingMesh, vertex: VertexId, rings: u32) -> f64 {
+        let faces = || mesh.faces_around(vertex).filter_map(|face| mesh.face(face));
+        let beyond = |v: VertexId| if rings > 1 { Self::at(mesh, v, rings - 1) } else { 0.0 };
+        let of = |v: &VertexId| mesh.position(vertex).distance(mesh.position(*v)) + beyond(*v);
         faces().flatten().filter(|v| *v != vertex).map(|v| of(&v)).sum()
     }
 }
 
 impl Cost for Crowding {
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
-        for (price, Proposal { ends, .. }) in prices.iter_mut().zip(batch) {
-            let length = state.position(ends.kept).distance(state.position(ends.gone));
-            let around = [ends.kept, ends.gone].map(|v| Self::at(state, v, self.rings));
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
+        for (price, Proposal { contraction: ends, .. }) in prices.iter_mut().zip(batch) {
+            let length = mesh.position(ends.kept).distance(mesh.position(ends.gone));
+            let around = [ends.kept, ends.gone].map(|v| Self::at(mesh, v, self.rings));
             *price = length * (around[0] + around[1]);
         }
     }
@@ -67,9 +68,9 @@ struct Counted {
 }
 
 impl Cost for Counted {
-    fn price(&self, state: &Collapsing, batch: &[Proposal], prices: &mut [f64]) {
+    fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         self.n_asked.fetch_add(batch.len(), Ordering::Relaxed);
-        self.cost.price(state, batch, prices);
+        self.cost.price(mesh, batch, prices);
     }
 
     fn reach(&self) -> Reach {
@@ -125,17 +126,18 @@ fn cut() -> TriMesh {
 #[test]
 fn seam_rules_at_its_end() {
     let mesh = cut();
-    let (mut marks, mut pulse) = (Marks::new(mesh.positions.len()), Pulse::new(Control::none()));
-    let state = Collapsing::link(&mesh, &mut marks, &mut pulse).unwrap();
-    let attributes = Attributes::new(&mesh, &state, Seams::Kept, &mut pulse).unwrap();
+    let (mut marks, mut ticker) =
+        (VertexMarks::new(mesh.positions.len()), Ticker::new(Control::none()));
+    let working = WorkingMesh::new(&mesh, Seams::Kept, &mut marks, &mut ticker).unwrap();
+    let complex = &working.complex;
     // The only place left to the edge between two points of the grid, or what else holds for it.
     let rule = |from: [f64; 2], to: [f64; 2]| {
-        let at = |v: u32| state.vertices[v as usize].position.truncate().to_array();
+        let at = |v: u32| complex.position(v).truncate().to_array();
         let is_edge = |[a, b]: [u32; 2]| [[from, to], [to, from]].contains(&[at(a), at(b)]);
-        let edge = state.edges.iter().position(|&ends| is_edge(ends)).unwrap();
-        match attributes.seam_rule(&state, edge as u32) {
-            SeamRule::OnlyAtKept => Ok(at(state.edges[edge][0])),
-            SeamRule::OnlyAtGone => Ok(at(state.edges[edge][1])),
+        let edge = complex.edges.iter().position(|&ends| is_edge(ends)).unwrap();
+        match working.attributes.seam_rule(complex, EdgeId(edge as u32)) {
+            SeamRule::OnlyAtKept => Ok(at(complex.edges[edge][0])),
+            SeamRule::OnlyAtGone => Ok(at(complex.edges[edge][1])),
             other => Err(other),
         }
     };

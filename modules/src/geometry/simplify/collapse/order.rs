@@ -8,10 +8,13 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::pulse::Pulse;
-use super::state::{BEAT, NONE};
+use super::ticker::{CHUNK, Ticker};
 use crate::data::TriMesh;
+use crate::mesh::morton::interleave;
 use mve_core::Cancelled;
+
+/// No vertex.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Levels of the octree that sort vertices into buckets; the rest is sorted within a bucket.
 const BUCKET_LEVELS: u32 = 5;
@@ -27,9 +30,9 @@ pub(super) struct Order {
 
 impl Order {
     /// Sorts vertices along the curve, then by position, and faces by their vertices. O(n log n).
-    pub fn along_curve(mesh: &TriMesh, pulse: &mut Pulse) -> Result<Self, Cancelled> {
+    pub fn along_curve(mesh: &TriMesh, ticker: &mut Ticker) -> Result<Self, Cancelled> {
         let points = &mesh.positions;
-        let keys = keys(points, pulse)?;
+        let keys = keys(points, ticker)?;
         let vertices = bucket_sort(
             points.len(),
             1 << (3 * BUCKET_LEVELS),
@@ -41,10 +44,10 @@ impl Order {
                     p.iter().zip(&q).map(by_coordinate).fold(Ordering::Equal, Ordering::then)
                 })
             },
-            pulse,
+            ticker,
         )?;
         drop(keys);
-        let new_ids = inverse(&vertices, pulse)?;
+        let new_ids = inverse(&vertices, ticker)?;
         let sorted_face = |f: usize| {
             let mut face = mesh.faces[f].map(|v| new_ids.get(v.idx()).copied().unwrap_or(NONE));
             face.sort_unstable();
@@ -55,17 +58,17 @@ impl Order {
             points.len() + 1,
             |f| (sorted_face(f)[0] as usize).min(points.len()),
             |f, g| sorted_face(f).cmp(&sorted_face(g)),
-            pulse,
+            ticker,
         )?;
         Ok(Self { vertices, faces })
     }
 }
 
 /// The place of each number in a list of `0..n` in some order.
-pub(super) fn inverse(list: &[u32], pulse: &mut Pulse) -> Result<Vec<u32>, Cancelled> {
+pub(super) fn inverse(list: &[u32], ticker: &mut Ticker) -> Result<Vec<u32>, Cancelled> {
     let mut places = vec![0; list.len()];
-    for (piece, first) in list.chunks(BEAT).zip((0u32..).step_by(BEAT)) {
-        pulse.beat(0)?;
+    for (piece, first) in list.chunks(CHUNK).zip((0u32..).step_by(CHUNK)) {
+        ticker.tick(0)?;
         for (&number, place) in piece.iter().zip(first..) {
             places[number as usize] = place;
         }
@@ -79,23 +82,23 @@ fn bucket_sort(
     n_buckets: usize,
     bucket_of: impl Fn(usize) -> usize,
     compare: impl Fn(usize, usize) -> Ordering,
-    pulse: &mut Pulse,
+    ticker: &mut Ticker,
 ) -> Result<Vec<u32>, Cancelled> {
     let mut starts = vec![0u32; n_buckets + 1];
     for item in 0..n {
-        if item.is_multiple_of(BEAT) {
-            pulse.beat(n)?;
+        if item.is_multiple_of(CHUNK) {
+            ticker.tick(n)?;
         }
         starts[bucket_of(item) + 1] += 1;
     }
-    pulse.beat(n)?;
+    ticker.tick(n)?;
     for bucket in 0..n_buckets {
         starts[bucket + 1] += starts[bucket];
     }
     let mut sorted = vec![0; n];
     for item in 0..n {
-        if item.is_multiple_of(BEAT) {
-            pulse.beat(n)?;
+        if item.is_multiple_of(CHUNK) {
+            ticker.tick(n)?;
         }
         let place = &mut starts[bucket_of(item)];
         sorted[*place as usize] = item as u32;
@@ -104,8 +107,8 @@ fn bucket_sort(
     // Each start has become the end of its bucket.
     let mut from = 0;
     for (bucket, &end) in starts[..n_buckets].iter().enumerate() {
-        if bucket.is_multiple_of(BEAT) || end as usize - from > BEAT {
-            pulse.beat(n)?;
+        if bucket.is_multiple_of(CHUNK) || end as usize - from > CHUNK {
+            ticker.tick(n)?;
         }
         sorted[from..end as usize]
             .sort_unstable_by(|&x, &y| compare(x as usize, y as usize).then(x.cmp(&y)));
@@ -115,10 +118,10 @@ fn bucket_sort(
 }
 
 /// The place of each point on the curve through the box around all that are finite.
-fn keys(points: &[DVec3], pulse: &mut Pulse) -> Result<Vec<u64>, Cancelled> {
+fn keys(points: &[DVec3], ticker: &mut Ticker) -> Result<Vec<u64>, Cancelled> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for piece in points.chunks(BEAT) {
-        pulse.beat(0)?;
+    for piece in points.chunks(CHUNK) {
+        ticker.tick(0)?;
         for &p in piece.iter().filter(|p| p.is_finite()) {
             (low, high) = (low.min(p), high.max(p));
         }
@@ -127,24 +130,14 @@ fn keys(points: &[DVec3], pulse: &mut Pulse) -> Result<Vec<u64>, Cancelled> {
     let last = (1u64 << LEVELS) - 1;
     let key = |p: &DVec3| {
         // A cast of what is not finite gives an end of the range.
-        let [x, y, z] = ((*p - low) * cells).to_array().map(|c| spread((c as u64).min(last)));
-        x | y << 1 | z << 2
+        interleave(((*p - low) * cells).to_array().map(|c| (c as u64).min(last)))
     };
     let mut keys = Vec::with_capacity(points.len());
-    for piece in points.chunks(BEAT) {
-        pulse.beat(0)?;
+    for piece in points.chunks(CHUNK) {
+        ticker.tick(0)?;
         keys.extend(piece.iter().map(key));
     }
     Ok(keys)
-}
-
-/// Puts two zeros between the 21 low bits.
-fn spread(mut bits: u64) -> u64 {
-    bits = (bits | bits << 32) & 0x001f_0000_0000_ffff;
-    bits = (bits | bits << 16) & 0x001f_0000_ff00_00ff;
-    bits = (bits | bits << 8) & 0x100f_00f0_0f00_f00f;
-    bits = (bits | bits << 4) & 0x10c3_0c30_c30c_30c3;
-    (bits | bits << 2) & 0x1249_2492_4924_9249
 }
 
 #[cfg(test)]
@@ -153,19 +146,12 @@ mod tests {
     use mve_core::Control;
 
     #[test]
-    fn spreading_puts_bits_three_apart() {
-        let expected = (0..LEVELS).fold(0, |all, bit| all | 1 << (3 * bit));
-        assert_eq!(spread((1 << LEVELS) - 1), expected);
-        assert_eq!(spread(0b101), 0b1_000_001);
-    }
-
-    #[test]
-    fn keys_follow_octants_and_stand_odd_numbers() {
+    fn keys_follow_octants_also_with_odd_numbers() {
         let points =
             [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::splat(f64::NAN)];
-        let mut pulse = Pulse::new(Control::none());
-        let keys = keys(&points, &mut pulse).unwrap();
+        let mut ticker = Ticker::new(Control::none());
+        let keys = keys(&points, &mut ticker).unwrap();
         assert!(keys[..5].is_sorted(), "{keys:?}");
-        assert_eq!(self::keys(&[DVec3::ONE; 2], &mut pulse).unwrap(), [0, 0]);
+        assert_eq!(self::keys(&[DVec3::ONE; 2], &mut ticker).unwrap(), [0, 0]);
     }
 }

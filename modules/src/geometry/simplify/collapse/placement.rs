@@ -3,17 +3,20 @@
 //! A placement proposes up to three positions; the cost prices each and the cheapest that passes
 //! the engine's tests wins, the first proposed among equals.
 
-use super::{Candidates, Collapse, Collapsing, Ends, QuadricOptions, Reach};
+use super::mesh::WorkingMesh;
+use super::observer::Collapse;
+use super::options::QuadricOptions;
+use super::proposal::{Candidates, Contraction, Reach};
 
 /// Proposes positions for the vertex that an edge becomes.
 pub trait Placement: Send {
-    /// Proposes where the vertex of each edge of the batch may go: `out[i]`, empty before, takes
-    /// the candidates of `batch[i]`, equally long. A pure function of the state and of each edge
+    /// Proposes where the vertex of each contraction of the batch may go: `out.push(i, position)`
+    /// for `batch[i]`, up to three times. A pure function of the mesh and of each edge
     /// alone, as prices are.
-    fn propose(&self, state: &Collapsing, batch: &[Ends], out: &mut [Candidates]);
+    fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates);
 
-    /// Told of a collapse, with the state after it.
-    fn collapsed(&mut self, _state: &Collapsing, _collapse: &Collapse) {}
+    /// Told of a collapse, with the mesh after it.
+    fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 
     /// How far from a collapse proposals go stale.
     fn reach(&self) -> Reach {
@@ -26,7 +29,7 @@ pub trait Placement: Send {
         false
     }
 
-    /// The quadrics that the state must keep for this placement, if it reads any. Where the cost
+    /// The quadrics that the working mesh must keep for this placement, if it reads any. Where the cost
     /// asks for quadrics too, the cost's options hold for both.
     fn quadrics(&self) -> Option<QuadricOptions> {
         None

@@ -13,8 +13,8 @@
 
 use std::collections::BinaryHeap;
 
-use super::pulse::Pulse;
-use super::state::BEAT;
+use super::ticker::{CHUNK, Ticker};
+use crate::mesh::adjacency::EdgeId;
 use mve_core::Cancelled;
 
 /// An edge on the queue.
@@ -24,8 +24,8 @@ pub(super) struct Entry {
     pub price: f64,
     /// Squared length of the edge, the order among equal prices; never NaN.
     pub length_squared: f32,
-    /// Number of the edge.
-    pub edge: u32,
+    /// The edge.
+    pub edge: EdgeId,
 }
 
 /// An entry in one number, the greater the earlier it comes.
@@ -38,14 +38,14 @@ impl Entry {
         let bits = (self.price + 0.0).to_bits();
         let ascending = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
         let length = (self.length_squared + 0.0).to_bits();
-        !(u128::from(ascending) << 64 | u128::from(length) << 32 | u128::from(self.edge))
+        !(u128::from(ascending) << 64 | u128::from(length) << 32 | u128::from(self.edge.0))
     }
 }
 
 /// The edge of a key.
 #[inline]
-fn edge_of(key: Key) -> u32 {
-    !(key as u32)
+fn edge_of(key: Key) -> EdgeId {
+    EdgeId(!(key as u32))
 }
 
 /// What the queue knows of an edge.
@@ -62,7 +62,7 @@ impl Slot {
     const ABSENT: Self = Self { price: f64::NAN, length_squared: 0.0, choice: 0, is_stale: false };
 
     #[inline]
-    fn entry(&self, edge: u32) -> Entry {
+    fn entry(&self, edge: EdgeId) -> Entry {
         Entry { price: self.price, length_squared: self.length_squared, edge }
     }
 }
@@ -96,9 +96,9 @@ pub(super) struct Queue {
 
 impl Queue {
     /// An empty queue for edges `0..n_edges`.
-    pub fn new(n_edges: usize, pulse: &mut Pulse) -> Result<Self, Cancelled> {
+    pub fn new(n_edges: usize, ticker: &mut Ticker) -> Result<Self, Cancelled> {
         Ok(Self {
-            slots: pulse.fill(n_edges, Slot::ABSENT)?,
+            slots: ticker.fill(n_edges, Slot::ABSENT)?,
             pool: Vec::new(),
             run: Vec::new(),
             late: BinaryHeap::new(),
@@ -108,7 +108,11 @@ impl Queue {
     }
 
     /// The first entry, which stays on the queue.
-    pub fn first(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<Option<Entry>, Cancelled> {
+    pub fn first(
+        &mut self,
+        n_faces: usize,
+        ticker: &mut Ticker,
+    ) -> Result<Option<Entry>, Cancelled> {
         loop {
             while self.run.last().is_some_and(|&key| !self.is_current(key)) {
                 self.run.pop();
@@ -118,46 +122,46 @@ impl Queue {
             }
             if let Some(&first) = self.run.last().max(self.late.peek()) {
                 let edge = edge_of(first);
-                return Ok(Some(self.slots[edge as usize].entry(edge)));
+                return Ok(Some(self.slots[edge.idx()].entry(edge)));
             }
-            if !self.refill(n_faces, pulse)? {
+            if !self.refill(n_faces, ticker)? {
                 return Ok(None);
             }
         }
     }
 
     /// The edges that probably follow the first, the next one first.
-    pub fn coming(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn coming(&self) -> impl Iterator<Item = EdgeId> + '_ {
         self.run.iter().rev().filter(|&&key| self.is_current(key)).map(|&key| edge_of(key))
     }
 
     /// Edges that were set below the end of the run, the earliest of them among the first.
-    pub fn coming_late(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn coming_late(&self) -> impl Iterator<Item = EdgeId> + '_ {
         self.late.iter().filter(|&&key| self.is_current(key)).map(|&key| edge_of(key))
     }
 
     /// Whether the edge is on the queue.
     #[inline]
-    pub fn contains(&self, edge: u32) -> bool {
-        !self.slots[edge as usize].price.is_nan()
+    pub fn contains(&self, edge: EdgeId) -> bool {
+        !self.slots[edge.idx()].price.is_nan()
     }
 
     /// Whether the edge was marked since its price was set.
     #[inline]
-    pub fn is_stale(&self, edge: u32) -> bool {
-        self.slots[edge as usize].is_stale
+    pub fn is_stale(&self, edge: EdgeId) -> bool {
+        self.slots[edge.idx()].is_stale
     }
 
     /// Marks an edge as one whose price is that of an earlier state.
     #[inline]
-    pub fn mark_stale(&mut self, edge: u32) {
-        self.slots[edge as usize].is_stale = true;
+    pub fn mark_stale(&mut self, edge: EdgeId) {
+        self.slots[edge.idx()].is_stale = true;
     }
 
     /// Lets an edge wait at a part of its price, unless it is stale already or the price is
     /// negative, and marks it as stale.
-    pub fn put_off(&mut self, edge: u32, share: f64) {
-        let Slot { price, length_squared, choice, is_stale } = self.slots[edge as usize];
+    pub fn put_off(&mut self, edge: EdgeId, share: f64) {
+        let Slot { price, length_squared, choice, is_stale } = self.slots[edge.idx()];
         if !is_stale && price > 0.0 {
             self.set(Entry { price: share * price, length_squared, edge }, choice);
         }
@@ -165,15 +169,15 @@ impl Queue {
     }
 
     /// The candidate that the edge was set with.
-    pub fn choice(&self, edge: u32) -> u8 {
-        self.slots[edge as usize].choice
+    pub fn choice(&self, edge: EdgeId) -> u8 {
+        self.slots[edge.idx()].choice
     }
 
     /// Puts an edge in or changes its price.
     #[inline]
     pub fn set(&mut self, entry: Entry, choice: u8) {
         let Entry { price, length_squared, edge } = entry;
-        self.slots[edge as usize] = Slot { price, length_squared, choice, is_stale: false };
+        self.slots[edge.idx()] = Slot { price, length_squared, choice, is_stale: false };
         if price <= self.run_end {
             self.late.push(entry.key());
         } else if price <= self.pool_end {
@@ -183,20 +187,20 @@ impl Queue {
 
     /// Takes an edge out, if it is there.
     #[inline]
-    pub fn remove(&mut self, edge: u32) {
-        self.slots[edge as usize] = Slot::ABSENT;
+    pub fn remove(&mut self, edge: EdgeId) {
+        self.slots[edge.idx()] = Slot::ABSENT;
     }
 
     #[inline]
     fn is_current(&self, key: Key) -> bool {
         let edge = edge_of(key);
-        self.slots[edge as usize].entry(edge).key() == key
+        self.slots[edge.idx()].entry(edge).key() == key
     }
 
     /// Draws the next run; whether there is one.
-    fn refill(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<bool, Cancelled> {
+    fn refill(&mut self, n_faces: usize, ticker: &mut Ticker) -> Result<bool, Cancelled> {
         while self.run.is_empty() {
-            if self.pool.is_empty() && !self.fill_pool(n_faces, pulse)? {
+            if self.pool.is_empty() && !self.fill_pool(n_faces, ticker)? {
                 return Ok(false);
             }
             let prices = self.pool.iter().map(|entry| entry.price);
@@ -204,35 +208,35 @@ impl Queue {
             self.run_end = end_of_share(prices, self.pool.len(), share).min(self.pool_end);
             let mut n_left = 0;
             for at in 0..self.pool.len() {
-                if at.is_multiple_of(BEAT) {
-                    pulse.beat(n_faces)?;
+                if at.is_multiple_of(CHUNK) {
+                    ticker.tick(n_faces)?;
                 }
                 let entry = self.pool[at];
                 if entry.price > self.run_end {
                     self.pool[n_left] = entry;
                     n_left += 1;
-                } else if self.slots[entry.edge as usize].price == entry.price {
+                } else if self.slots[entry.edge.idx()].price == entry.price {
                     self.run.push(entry.key());
                 }
             }
             self.pool.truncate(n_left);
-            pulse.beat(n_faces)?;
+            ticker.tick(n_faces)?;
             self.run.sort_unstable();
-            pulse.beat(n_faces)?;
+            ticker.tick(n_faces)?;
         }
         Ok(true)
     }
 
     /// Draws the next pool; whether there is one.
-    fn fill_pool(&mut self, n_faces: usize, pulse: &mut Pulse) -> Result<bool, Cancelled> {
+    fn fill_pool(&mut self, n_faces: usize, ticker: &mut Ticker) -> Result<bool, Cancelled> {
         // Edges that do not wait are NaN, which is no price of a sample and not up to any end.
         let prices = self.slots.iter().map(|slot| slot.price);
         self.pool_end = end_of_share(prices, self.slots.len(), POOL_SHARE);
-        for (piece, first) in self.slots.chunks(BEAT).zip((0u32..).step_by(BEAT)) {
-            pulse.beat(n_faces)?;
+        for (piece, first) in self.slots.chunks(CHUNK).zip((0u32..).step_by(CHUNK)) {
+            ticker.tick(n_faces)?;
             for (slot, edge) in piece.iter().zip(first..) {
                 if slot.price <= self.pool_end {
-                    self.pool.push(slot.entry(edge));
+                    self.pool.push(slot.entry(EdgeId(edge)));
                 }
             }
         }
@@ -268,8 +272,8 @@ mod tests {
 
     fn drain(mut queue: Queue) -> Vec<Entry> {
         let mut out = Vec::new();
-        let mut pulse = Pulse::new(Control::none());
-        while let Some(entry) = queue.first(0, &mut pulse).unwrap() {
+        let mut ticker = Ticker::new(Control::none());
+        while let Some(entry) = queue.first(0, &mut ticker).unwrap() {
             queue.remove(entry.edge);
             out.push(entry);
         }
@@ -281,17 +285,18 @@ mod tests {
         fn comes_out_sorted_after_changes(
             changes in prop::collection::vec((0u32..40, prop::option::of(0u8..9)), 0..200)
         ) {
-            let mut queue = Queue::new(40, &mut Pulse::new(Control::none())).unwrap();
+            let mut queue = Queue::new(40, &mut Ticker::new(Control::none())).unwrap();
             let mut expected = std::collections::BTreeMap::new();
-            for (edge, price) in changes {
+            for (number, price) in changes {
+                let edge = EdgeId(number);
                 match price {
                     Some(price) => {
                         queue.set(Entry { price: price.into(), length_squared: 1.0, edge }, 0);
-                        expected.insert(edge, price);
+                        expected.insert(number, price);
                     }
                     None => {
                         queue.remove(edge);
-                        expected.remove(&edge);
+                        expected.remove(&number);
                     }
                 }
                 prop_assert_eq!(queue.contains(edge), price.is_some());
@@ -299,18 +304,19 @@ mod tests {
             let mut expected: Vec<_> =
                 expected.into_iter().map(|(edge, price)| (f64::from(price), edge)).collect();
             expected.sort_by(|x, y| x.partial_cmp(y).unwrap());
-            let found: Vec<_> = drain(queue).iter().map(|e| (e.price, e.edge)).collect();
+            let found: Vec<_> = drain(queue).iter().map(|e| (e.price, e.edge.0)).collect();
             prop_assert_eq!(found, expected);
         }
     }
 
     #[test]
     fn equal_prices_come_out_by_length_then_number() {
-        let mut queue = Queue::new(6, &mut Pulse::new(Control::none())).unwrap();
+        let mut queue = Queue::new(6, &mut Ticker::new(Control::none())).unwrap();
         for (edge, length_squared) in [(5, 2.0), (3, 1.0), (4, 1.0), (0, 3.0)] {
+            let edge = EdgeId(edge);
             queue.set(Entry { price: 0.0, length_squared, edge }, 0);
         }
-        let edges: Vec<_> = drain(queue).iter().map(|e| e.edge).collect();
+        let edges: Vec<_> = drain(queue).iter().map(|e| e.edge.0).collect();
         assert_eq!(edges, [3, 4, 5, 0]);
     }
 }

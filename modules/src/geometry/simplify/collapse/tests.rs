@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::cost::{EdgeLength, Quadric};
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE};
+use crate::data::{Domain, Layer, LayerValues, NO_VALUE, VertexId};
 use crate::mesh::fixtures::{mesh_of, tetrahedron};
 use crate::placement::{Endpoint, Midpoint, Optimal};
 
@@ -353,7 +353,7 @@ proptest! {
 
 /// A grid with texture coordinates equal to position / 8, and a seam along `x = 4` beyond which
 /// they are shifted by 10. Every corner of one side shares the values of the other layers.
-fn textured() -> TriMesh {
+pub(super) fn textured() -> TriMesh {
     textured_on(grid(8, |x, y| 0.3 * (x * 0.5).sin() + 0.2 * (y * 0.8).cos()))
 }
 

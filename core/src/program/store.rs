@@ -24,8 +24,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use thiserror::Error;
 
+use super::plan_file::PlanFile;
 use crate::files::{fresh_file, is_below, refuse_links};
-use crate::program::PlanFile;
 use crate::run::{NodeRecord, NodeStatus};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.

@@ -2,24 +2,26 @@
 
 use std::time::{Duration, Instant};
 
-use super::state::BEAT;
 use mve_core::{Cancelled, Control};
+
+/// Elements of one piece of a list between two ticks.
+pub(super) const CHUNK: usize = 1024;
 
 const PERIOD: Duration = Duration::from_micros(500);
 
-/// Calls a [`Control`] by the clock, without reading the clock at every beat.
-pub(super) struct Pulse<'a> {
+/// Calls a [`Control`] by the clock, without reading the clock at every tick.
+pub(super) struct Ticker<'a> {
     control: Control<'a>,
     last: Instant,
-    /// Beats from one look at the clock to the next, kept so that looks are 1/4 to 1 period apart.
+    /// Ticks from one look at the clock to the next, kept so that looks are 1/4 to 1 period apart.
     stride: u32,
     left: u32,
     target: Option<(usize, usize)>,
-    /// Faces that were left at the last beat.
+    /// Faces that were left at the last tick.
     n_faces: usize,
 }
 
-impl<'a> Pulse<'a> {
+impl<'a> Ticker<'a> {
     pub fn new(control: Control<'a>) -> Self {
         Self { control, last: Instant::now(), stride: 1, left: 1, target: None, n_faces: 0 }
     }
@@ -31,7 +33,7 @@ impl<'a> Pulse<'a> {
     }
 
     /// Marks a small piece of work, a few hundred microseconds at most where it can be helped.
-    pub fn beat(&mut self, n_faces: usize) -> Result<(), Cancelled> {
+    pub fn tick(&mut self, n_faces: usize) -> Result<(), Cancelled> {
         self.n_faces = n_faces;
         self.left -= 1;
         if self.left > 0 {
@@ -50,26 +52,26 @@ impl<'a> Pulse<'a> {
         self.call(n_faces)
     }
 
-    /// Maps a list, with beats.
+    /// Maps a list, with ticks.
     pub fn collect<T, U>(
         &mut self,
         list: &[T],
         mut map: impl FnMut(&T) -> U,
     ) -> Result<Vec<U>, Cancelled> {
         let mut out = Vec::with_capacity(list.len());
-        for piece in list.chunks(BEAT) {
-            self.beat(self.n_faces)?;
+        for piece in list.chunks(CHUNK) {
+            self.tick(self.n_faces)?;
             out.extend(piece.iter().map(&mut map));
         }
         Ok(out)
     }
 
-    /// A list of `n` equal elements, made with beats: the first touch of memory takes its time.
+    /// A list of `n` equal elements, made with ticks: the first touch of memory takes its time.
     pub fn fill<T: Copy>(&mut self, n: usize, value: T) -> Result<Vec<T>, Cancelled> {
         let mut list = Vec::with_capacity(n);
         while list.len() < n {
-            self.beat(self.n_faces)?;
-            list.resize((list.len() + BEAT).min(n), value);
+            self.tick(self.n_faces)?;
+            list.resize((list.len() + CHUNK).min(n), value);
         }
         Ok(list)
     }

@@ -1,0 +1,402 @@
+//! The field that edits one value, whatever its kind: the one place in the window that tells the
+//! kinds of parameters apart.
+
+use std::cell::RefCell;
+
+use eframe::egui::emath::Numeric;
+use eframe::egui::text::{CCursor, CCursorRange};
+use eframe::egui::text_edit::TextEditState;
+use eframe::egui::{self, ComboBox, DragValue, Id, Slider, SliderClamping, Ui};
+use mve_core::{Expression, Kind, OptionSpec, ParamSpec, Selection, brief_value, chosen};
+use serde_json::Value as Json;
+
+use super::{FormEvent, OFF, is_off, points};
+
+/// Room for the buttons behind a field, in points.
+const BACK_WIDTH: f32 = 28.0;
+const BROWSE_WIDTH: f32 = 32.0;
+/// Width of a field in a table, in points.
+pub const CELL_WIDTH: f32 = 128.0;
+
+/// Where a field stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// In a row of a form, with all the room that is left.
+    Row,
+    /// In a cell of a table, on one line.
+    Cell,
+}
+
+/// What edits the value of one parameter.
+pub struct Field<'a> {
+    /// Its declaration.
+    pub spec: &'a ParamSpec,
+    /// The parameter as a person reads it.
+    pub name: String,
+    /// Dotted path of the parameter within its node.
+    pub path: &'a str,
+    /// What the map says of it.
+    pub given: Option<&'a Json>,
+    /// Where it stands.
+    pub look: Look,
+    /// What a person does in it.
+    pub events: &'a mut Vec<FormEvent>,
+}
+
+impl Field<'_> {
+    pub(super) fn set(&mut self, value: Option<Json>) {
+        self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
+    }
+
+    /// Switches the parameter off and on.
+    pub(super) fn switch(&mut self, ui: &mut Ui) {
+        let mut is_on = !is_off(self.spec, self.given);
+        let switch = ui.checkbox(&mut is_on, "");
+        if switch.on_hover_text(format!("whether {} is on", self.name)).changed() {
+            self.set(Some(if is_on {
+                self.spec.value_when_on().unwrap_or_default()
+            } else {
+                Json::Null
+            }));
+        }
+    }
+
+    /// Shows the field; `id` tells it from others.
+    pub fn show(&mut self, ui: &mut Ui, id: Id) {
+        let default = self.spec.default_json().unwrap_or_default();
+        let value = self.given.unwrap_or(&default);
+        let some = || self.spec.value_when_on().unwrap_or_default();
+        match self.spec.kind {
+            Kind::Flag(_) => self.flag(ui, value),
+            Kind::Integer(spec) => {
+                let number = whole(value).or(spec.default).or_else(|| whole(&some()));
+                self.number(ui, number.unwrap_or(spec.hard.0), spec.hard, spec.soft);
+            }
+            Kind::Number(spec) => {
+                let number = value.as_f64().or(spec.default).or_else(|| some().as_f64());
+                self.number(ui, number.unwrap_or(spec.hard.0), spec.hard, spec.soft);
+            }
+            Kind::Seed(spec) => {
+                let seed = whole(value).unwrap_or(i64::from(spec.default));
+                self.number(ui, seed, (0, i64::from(u32::MAX)), None);
+            }
+            Kind::Text(_) => self.text(ui, id, value, ""),
+            Kind::InputFile(_) => self.text(ui, id, value, "path of a file"),
+            Kind::OutputFile(_) => self.text(ui, id, value, "name, or {node.parameter}"),
+            Kind::Enumeration(_) | Kind::Choice(_) => self.combo(ui, id, value),
+            Kind::Points(spec) => points::show(self, ui, id, &spec, value),
+            Kind::Selection(spec) => self.selection(ui, id, value, spec.domain.name()),
+            Kind::Expression(spec) => self.expression(ui, id, value, spec.variables),
+        }
+    }
+
+    fn flag(&mut self, ui: &mut Ui, value: &Json) {
+        let mut flag = value.as_bool().unwrap_or_default();
+        let text = match self.look {
+            Look::Row => "",
+            Look::Cell if flag => "yes",
+            Look::Cell => "no",
+        };
+        let response = ui.checkbox(&mut flag, text).on_hover_text(&self.name);
+        if self.look == Look::Cell {
+            name_it(&response, &self.name, 0);
+        }
+        if response.changed() {
+            self.set(Some(Json::from(flag)));
+        }
+    }
+
+    /// A number to drag or to type, with a slider where its declaration says what is usual. What is
+    /// off says so in the field: a number in its place switches it on, and `off` switches it off.
+    fn number<N: Numeric + Into<Json>>(
+        &mut self,
+        ui: &mut Ui,
+        number: N,
+        hard: (N, N),
+        soft: Option<(N, N)>,
+    ) {
+        let mut changed = number;
+        let usual = soft.map(|(from, to)| (from.to_f64(), to.to_f64()));
+        let speed = speed_of(usual, number.to_f64()).max(if N::INTEGRAL { 0.05 } else { 0.0 });
+        let is_off = is_off(self.spec, self.given);
+        let shown = if is_off { OFF.to_owned() } else { exact_text(number.to_f64()) };
+        let typed = RefCell::new(None);
+        let read = |text: &str| {
+            typed.replace(Some(text.trim().to_owned()));
+            read_number(text)
+        };
+        let field = DragValue::new(&mut changed).range(hard.0..=hard.1).speed(speed);
+        // What a map says out of range stays until a person changes it; the check tells.
+        let field = field.clamp_existing_to_range(false);
+        let field = field.update_while_editing(false).custom_parser(read);
+        let field = field.custom_formatter(|number, _| match is_off {
+            true => OFF.to_owned(),
+            false => exact_text(number),
+        });
+        let response = ui.add(field.suffix(if is_off { String::new() } else { suffix(self.spec) }));
+        let range = range_text(hard.0.to_f64(), hard.1.to_f64(), self.spec);
+        let response = response.on_hover_text(range);
+        name_it(&response, &self.name, shown.chars().count());
+        if let (Some((from, to)), false, Look::Row) = (soft, is_off, self.look) {
+            ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
+            let slider = Slider::new(&mut changed, from..=to).show_value(false);
+            let slider = slider.logarithmic(spans_decades(from.to_f64(), to.to_f64()));
+            ui.add(slider.clamping(SliderClamping::Never));
+        }
+        let typed = typed.take().filter(|text| !text.is_empty() && *text != shown);
+        if let Some(text) = &typed
+            && self.spec.can_be_off
+            && text.eq_ignore_ascii_case(OFF)
+        {
+            return self.set(Some(Json::Null));
+        }
+        if let Some(text) = typed.as_ref().filter(|text| read_number(text).is_none()) {
+            let name = &self.name;
+            let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {shown}");
+            return self.events.push(FormEvent::NotUnderstood(text));
+        }
+        let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
+        if is_allowed && (changed != number || (is_off && typed.is_some())) {
+            self.set(Some(changed.into()));
+        }
+    }
+
+    /// One of the names that the value may be.
+    fn combo(&mut self, ui: &mut Ui, id: Id, value: &Json) {
+        let current = chosen(value).map_or("", |(id, _)| id);
+        let (width, text) = match self.look {
+            Look::Row => (ui.available_width().clamp(60.0, 150.0), current.to_owned()),
+            Look::Cell => (CELL_WIDTH, brief_value(value)),
+        };
+        let picked = pick(ui, id, &self.name, (current, &text, width), &self.spec.options());
+        // In a form, the entry that is there already says again what the map may leave out.
+        if let Some(picked) = picked.filter(|id| self.look == Look::Row || *id != current) {
+            self.set(Some(Json::from(picked)));
+        }
+    }
+
+    /// A line of text.
+    fn text(&mut self, ui: &mut Ui, id: Id, value: &Json, hint: &str) {
+        let written = value.as_str().unwrap_or_default();
+        if let (Some(text), _) = self.line(ui, id, written, hint) {
+            self.set(Some(Json::from(text)));
+        }
+    }
+
+    /// Indices and ranges, and how many there are.
+    fn selection(&mut self, ui: &mut Ui, id: Id, value: &Json, domain: &str) {
+        let (written, n) = match Selection::from_json(value) {
+            Ok(selection) => (selection.to_string(), selection.len().to_string()),
+            Err(_) => (value.to_string(), "?".to_owned()),
+        };
+        ui.label(egui::RichText::new(&n).weak()).on_hover_text(format!("{n} {domain}"));
+        match self.line(ui, id, &written, "3, 10-20").0.map(|text| Selection::from_text(&text)) {
+            Some(Ok(selection)) => self.set(Some(selection.to_json())),
+            Some(Err(why)) => {
+                let text = format!("{}: {why}; it stays {written}", self.name);
+                self.events.push(FormEvent::NotUnderstood(text));
+            }
+            None => {}
+        }
+    }
+
+    /// A formula, and what is wrong with it, while it is typed too.
+    fn expression(
+        &mut self,
+        ui: &mut Ui,
+        id: Id,
+        value: &Json,
+        variables: &'static [(&'static str, &'static str)],
+    ) {
+        let written = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let names: Vec<_> = variables.iter().map(|(name, _)| *name).collect();
+        let show = |ui: &mut Ui| {
+            let (left, draft) = self.line(ui, id, &written, &names.join(", "));
+            if let Err(why) = Expression::compile(&draft, variables) {
+                let color = ui.visuals().error_fg_color;
+                match self.look {
+                    Look::Row => ui.colored_label(color, &why),
+                    Look::Cell => ui.colored_label(color, "\u{26a0}").on_hover_text(&why),
+                };
+            }
+            left
+        };
+        let left = match self.look {
+            Look::Row => ui.vertical(&show).inner,
+            Look::Cell => show(ui),
+        };
+        // A formula with a fault is kept, as the check of the map tells of it too.
+        if let Some(text) = left {
+            self.set(Some(Json::from(text)));
+        }
+    }
+
+    /// A line of text, which counts once the field is left or Enter is pressed; also what stands in
+    /// it now.
+    fn line(&self, ui: &mut Ui, id: Id, written: &str, hint: &str) -> (Option<String>, String) {
+        let is_input = self.spec.input_file().is_some();
+        let room = if is_input { BROWSE_WIDTH + BACK_WIDTH } else { BACK_WIDTH };
+        let width = match self.look {
+            Look::Row => (ui.available_width() - room).max(60.0),
+            Look::Cell => CELL_WIDTH,
+        };
+        line(ui, id, &self.name, written, (hint, width))
+    }
+
+    /// To look for a file, and to go back to the default.
+    pub(super) fn buttons(&mut self, ui: &mut Ui) {
+        if let Some(file) = self.spec.input_file()
+            && ui.button("\u{1f4c2}").on_hover_text("Browse for a file").clicked()
+        {
+            let (path, extensions) = (self.path.to_owned(), file.extensions);
+            self.events.push(FormEvent::Browse { path, extensions });
+        }
+        if self.given.is_some() && self.spec.default_json().is_some() {
+            let back = ui.small_button("\u{27f2}");
+            if back.on_hover_text(format!("{}: back to the default", self.name)).clicked() {
+                self.set(None);
+            }
+        }
+    }
+}
+
+/// A whole number, also where it is written as `300.0`.
+fn whole(value: &Json) -> Option<i64> {
+    value.as_i64().or_else(|| value.as_f64().filter(|x| x.fract() == 0.0).map(|x| x as i64))
+}
+
+/// A list of names to pick one from; what was picked. Of the one that is there now its id, what is
+/// shown, and the width in points.
+pub fn pick(
+    ui: &mut Ui,
+    id: Id,
+    name: &str,
+    (current, text, width): (&str, &str, f32),
+    options: &[OptionSpec],
+) -> Option<&'static str> {
+    let combo = ComboBox::from_id_salt(id).selected_text(text).width(width).truncate();
+    let mut picked = None;
+    let shown = combo.show_ui(ui, |ui| {
+        for option in options {
+            let label = ui.selectable_label(option.id == current, option.id);
+            if label.on_hover_text(option.summary).clicked() {
+                picked = Some(option.id);
+            }
+        }
+    });
+    let selected = format!("{name}: {current}");
+    shown
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
+    picked
+}
+
+/// A line of text with a hint and a width: what it was changed to once the field is left or Enter
+/// is pressed, and what stands in it now.
+pub fn line(
+    ui: &mut Ui,
+    id: Id,
+    name: &str,
+    written: &str,
+    (hint, width): (&str, f32),
+) -> (Option<String>, String) {
+    let mut text =
+        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
+    let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
+    let response = ui.add(field.desired_width(width));
+    name_it(&response, name, written.chars().count());
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+        return (None, text);
+    }
+    let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
+    ui.data_mut(|data| data.remove::<String>(id));
+    let is_changed = response.lost_focus() && text != written && !is_given_up;
+    (is_changed.then(|| text.clone()), text)
+}
+
+/// A number as a person types it: spaces and underscores part thousands.
+fn read_number(text: &str) -> Option<f64> {
+    let is_digit = |c: &char| !c.is_whitespace() && *c != '_';
+    let text: String = text.chars().filter(is_digit).collect();
+    text.replace('\u{2212}', "-").parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// A number with as many digits as it takes to read the same number again.
+fn exact_text(number: f64) -> String {
+    match number.abs() {
+        size if size != 0.0 && !(1e-6..1e15).contains(&size) => format!("{number:e}"),
+        _ => number.to_string(),
+    }
+}
+
+/// Gives a field of so many letters the name that a screen reader says, and the focus if it is asked
+/// for: then all of its text is selected, and what is typed takes its place.
+pub fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
+    let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
+    if is_asked.is_some() {
+        response.request_focus();
+        select_all(response, n_letters);
+    }
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// Selects the text of a field of so many letters.
+pub fn select_all(field: &egui::Response, n_letters: usize) {
+    let mut state = TextEditState::default();
+    let all = CCursorRange::two(CCursor::new(0), CCursor::new(n_letters));
+    state.cursor.set_char_range(Some(all));
+    state.store(&field.ctx, field.id);
+}
+
+/// Where it is kept that the next field is to get the focus.
+pub(super) fn focus_asked() -> egui::Id {
+    egui::Id::new("form wants focus")
+}
+
+fn suffix(spec: &ParamSpec) -> String {
+    if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) }
+}
+
+fn range_text(from: f64, to: f64, spec: &ParamSpec) -> String {
+    let end = |x: f64| if x.abs() < 1e15 { format!("{x}") } else { "any".to_owned() };
+    format!("{} ({} to {}); drag, or click to type", spec.doc, end(from), end(to))
+}
+
+fn speed_of(soft: Option<(f64, f64)>, number: f64) -> f64 {
+    match soft {
+        Some((from, to)) => (to - from) / 400.0,
+        None => (number.abs() / 100.0).max(1e-3),
+    }
+}
+
+/// Whether a slider is better logarithmic.
+fn spans_decades(from: f64, to: f64) -> bool {
+    from > 0.0 && to > 100.0 * from
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_people_write_them() {
+        let cases = [("1000", 1000.0), (" 1 000 ", 1000.0), ("1_000", 1000.0), ("1e-3", 1e-3)];
+        for (text, number) in cases.into_iter().chain([("\u{2212}2.5", -2.5)]) {
+            assert_eq!(read_number(text), Some(number), "{text}");
+        }
+        for text in ["", "abc", "1,5", "nan", "inf", "1e999"] {
+            assert_eq!(read_number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_shown_number_is_the_number() {
+        for number in [0.0, 0.5, 1e-5, -3.25, 1e-9, 0.1 + 0.2, 4_294_967_295.0, 1e300] {
+            assert_eq!(read_number(&exact_text(number)), Some(number));
+        }
+        assert_eq!(exact_text(0.00001), "0.00001");
+        assert_eq!(exact_text(10.0), "10");
+        assert_eq!(exact_text(1e300), "1e300");
+    }
+}

@@ -1,0 +1,25 @@
+//! What the run of a node gave, as caches keep it.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use crate::data::Value;
+
+/// All that a node's run gave.
+#[derive(Clone, Debug)]
+pub(crate) struct NodeOutputs {
+    pub outputs: Vec<Value>,
+    pub log: Vec<LogLine>,
+    pub seconds: f64,
+    /// Seconds of parts of the work, where the module says them; none of a value from the disk.
+    pub phases: IndexMap<String, f64>,
+}
+
+/// A line that a module wrote.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogLine {
+    /// Whether it reports trouble.
+    pub is_warning: bool,
+    /// What it says.
+    pub text: String,
+}

@@ -1,0 +1,470 @@
+//! Formulas over declared variables: `2 * height^2 + min(1, slope)`.
+//!
+//! Numbers, variables and `pi`; `+ - * /` and `^`, which binds closest and from the right (`-x^2` is
+//! `-(x^2)`); parentheses; one comparison `< <= > >= == !=` between two sums, which is 1 or 0; and
+//! the functions of [`FUNCTIONS`]. All is arithmetic of IEEE 754 doubles, so a division by zero or
+//! the root of a negative number gives infinity or not a number, which the module has to expect.
+
+use serde_json::{Value as Json, json};
+
+use super::super::{Fault, OptionSpec, Param, ParamSpec, ParamType, Setting, Structured};
+use super::{Kind, Misfit, ParamKind};
+use crate::data::{Data, DataType};
+use crate::port::InputSpec;
+use crate::problem::did_you_mean;
+
+/// Longest text, in bytes.
+const LONGEST: usize = 1000;
+/// Deepest nesting, so that reading cannot run out of stack.
+const DEEPEST: usize = 64;
+
+/// A formula.
+#[derive(Clone, Copy, Debug)]
+pub struct ExpressionSpec {
+    /// Where a map says nothing.
+    pub default: &'static str,
+    /// What it may name, each with what it is; [`Expression::eval`] takes values in this order.
+    pub variables: &'static [(&'static str, &'static str)],
+}
+
+/// A checked formula.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    text: String,
+    root: Term,
+}
+
+#[derive(Clone, Debug)]
+enum Term {
+    Number(f64),
+    /// By its place among the declared ones.
+    Variable(usize),
+    Negative(Box<Term>),
+    Both(Operator, Box<(Term, Term)>),
+    Call(fn(f64) -> f64, Box<Term>),
+    CallBoth(fn(f64, f64) -> f64, Box<(Term, Term)>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    Equal,
+    Unequal,
+}
+
+use Operator::*;
+
+impl Operator {
+    fn apply(self, a: f64, b: f64) -> f64 {
+        match self {
+            Add => a + b,
+            Subtract => a - b,
+            Multiply => a * b,
+            Divide => a / b,
+            Power => a.powf(b),
+            Less => f64::from(a < b),
+            LessOrEqual => f64::from(a <= b),
+            Greater => f64::from(a > b),
+            GreaterOrEqual => f64::from(a >= b),
+            Equal => f64::from(a == b),
+            Unequal => f64::from(a != b),
+        }
+    }
+}
+
+/// A function by the number of its arguments.
+#[derive(Clone, Copy)]
+enum Function {
+    One(fn(f64) -> f64),
+    Two(fn(f64, f64) -> f64),
+}
+
+/// The functions, by name. Angles are in radians; `log` is the natural logarithm.
+const FUNCTIONS: [(&str, Function); 12] = [
+    ("sqrt", Function::One(f64::sqrt)),
+    ("abs", Function::One(f64::abs)),
+    ("min", Function::Two(f64::min)),
+    ("max", Function::Two(f64::max)),
+    ("sin", Function::One(f64::sin)),
+    ("cos", Function::One(f64::cos)),
+    ("tan", Function::One(f64::tan)),
+    ("exp", Function::One(f64::exp)),
+    ("log", Function::One(f64::ln)),
+    ("floor", Function::One(f64::floor)),
+    ("ceil", Function::One(f64::ceil)),
+    ("round", Function::One(f64::round)),
+];
+
+impl Expression {
+    /// Reads a formula; the error is a sentence that names the column, from 1.
+    pub fn compile(text: &str, variables: &[(&'static str, &'static str)]) -> Result<Self, String> {
+        if text.len() > LONGEST {
+            return Err(format!("is longer than {LONGEST} characters"));
+        }
+        let mut reader = Reader { text, place: 0, depth: 0, variables };
+        let root = reader.comparison()?;
+        match reader.peek() {
+            None => Ok(Self { text: text.to_owned(), root }),
+            Some(c) => Err(reader.fault(&format!("an operator is expected, not \"{c}\""))),
+        }
+    }
+
+    /// Its value where the declared variables have these values; a missing one is not a number.
+    pub fn eval(&self, variables: &[f64]) -> f64 {
+        self.root.eval(variables)
+    }
+
+    /// As the map says it.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+impl Term {
+    fn eval(&self, variables: &[f64]) -> f64 {
+        match self {
+            Self::Number(number) => *number,
+            Self::Variable(place) => variables.get(*place).copied().unwrap_or(f64::NAN),
+            Self::Negative(term) => -term.eval(variables),
+            Self::Both(operator, terms) => {
+                operator.apply(terms.0.eval(variables), terms.1.eval(variables))
+            }
+            Self::Call(function, term) => function(term.eval(variables)),
+            Self::CallBoth(function, terms) => {
+                function(terms.0.eval(variables), terms.1.eval(variables))
+            }
+        }
+    }
+}
+
+/// Reads by recursive descent, one method a level of the grammar.
+struct Reader<'a> {
+    text: &'a str,
+    /// Bytes read.
+    place: usize,
+    depth: usize,
+    variables: &'a [(&'static str, &'static str)],
+}
+
+impl Reader<'_> {
+    fn rest(&self) -> &str {
+        &self.text[self.place..]
+    }
+
+    fn peek(&mut self) -> Option<char> {
+        let rest = self.rest();
+        self.place += rest.len() - rest.trim_start().len();
+        self.rest().chars().next()
+    }
+
+    fn fault(&self, why: &str) -> String {
+        self.fault_at(self.place, why)
+    }
+
+    fn fault_at(&self, place: usize, why: &str) -> String {
+        format!("column {}: {why}", self.text[..place].chars().count() + 1)
+    }
+
+    /// Takes the first of these signs that stands here.
+    fn take(&mut self, signs: &[(&str, Operator)]) -> Option<Operator> {
+        self.peek()?;
+        let found = signs.iter().find(|(sign, _)| self.rest().starts_with(sign))?;
+        self.place += found.0.len();
+        Some(found.1)
+    }
+
+    fn expect(&mut self, sign: char, behind: &str) -> Result<(), String> {
+        match self.peek() {
+            Some(found) if found == sign => self.place += 1,
+            Some(found) => {
+                return Err(
+                    self.fault(&format!("\"{sign}\" is expected {behind}, not \"{found}\""))
+                );
+            }
+            None => return Err(self.fault(&format!("\"{sign}\" is missing {behind}"))),
+        }
+        Ok(())
+    }
+
+    fn comparison(&mut self) -> Result<Term, String> {
+        const SIGNS: [(&str, Operator); 6] = [
+            ("<=", LessOrEqual),
+            (">=", GreaterOrEqual),
+            ("==", Equal),
+            ("!=", Unequal),
+            ("<", Less),
+            (">", Greater),
+        ];
+        let left = self.sum()?;
+        let Some(operator) = self.take(&SIGNS) else { return Ok(left) };
+        let right = self.sum()?;
+        self.peek();
+        let behind = self.place;
+        if self.take(&SIGNS).is_some() {
+            return Err(self.fault_at(behind, "put one of two comparisons into parentheses"));
+        }
+        Ok(Term::Both(operator, Box::new((left, right))))
+    }
+
+    fn sum(&mut self) -> Result<Term, String> {
+        let mut left = self.product()?;
+        // A chain is evaluated as deep as it is long, which the length of the text bounds.
+        while let Some(operator) = self.take(&[("+", Add), ("-", Subtract)]) {
+            left = Term::Both(operator, Box::new((left, self.product()?)));
+        }
+        Ok(left)
+    }
+
+    fn product(&mut self) -> Result<Term, String> {
+        let mut left = self.signed()?;
+        while let Some(operator) = self.take(&[("*", Multiply), ("/", Divide)]) {
+            left = Term::Both(operator, Box::new((left, self.signed()?)));
+        }
+        Ok(left)
+    }
+
+    fn signed(&mut self) -> Result<Term, String> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.fault(&format!("is nested deeper than {DEEPEST} levels")));
+        }
+        let term = match self.take(&[("-", Subtract), ("+", Add)]) {
+            Some(Subtract) => Term::Negative(Box::new(self.signed()?)),
+            Some(_) => self.signed()?,
+            None => self.power()?,
+        };
+        self.depth -= 1;
+        Ok(term)
+    }
+
+    fn power(&mut self) -> Result<Term, String> {
+        let base = self.operand()?;
+        match self.take(&[("^", Power)]) {
+            Some(operator) => Ok(Term::Both(operator, Box::new((base, self.signed()?)))),
+            None => Ok(base),
+        }
+    }
+
+    fn operand(&mut self) -> Result<Term, String> {
+        match self.peek() {
+            Some('(') => {
+                self.place += 1;
+                let inside = self.comparison()?;
+                self.expect(')', "behind what is in parentheses")?;
+                Ok(inside)
+            }
+            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some(c) if c.is_ascii_alphabetic() || c == '_' => self.name(),
+            Some(c) => Err(self.fault(&format!("a value is expected, not \"{c}\""))),
+            None => Err(self.fault("a value is missing at the end")),
+        }
+    }
+
+    fn number(&mut self) -> Result<Term, String> {
+        let rest = self.rest().as_bytes();
+        let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let mut end = digits(0);
+        if rest.get(end) == Some(&b'.') {
+            end += 1 + digits(end + 1);
+        }
+        if matches!(rest.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(rest.get(end + 1), Some(b'+' | b'-')));
+            let n = digits((end + 1 + sign).min(rest.len()));
+            end += if n > 0 { 1 + sign + n } else { 0 };
+        }
+        let text = &self.rest()[..end];
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        let number = number.ok_or_else(|| self.fault(&format!("\"{text}\" is no number")))?;
+        self.place += end;
+        Ok(Term::Number(number))
+    }
+
+    fn name(&mut self) -> Result<Term, String> {
+        let start = self.place;
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let end = self.rest().find(|c| !is_part(c)).unwrap_or(self.rest().len());
+        let name = self.rest()[..end].to_owned();
+        self.place += end;
+        if let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) {
+            return self.call(&name, *function);
+        }
+        if let Some(place) = self.variables.iter().position(|(known, _)| *known == name) {
+            return Ok(Term::Variable(place));
+        }
+        if name == "pi" {
+            return Ok(Term::Number(std::f64::consts::PI));
+        }
+        let known = || self.variables.iter().map(|(name, _)| *name);
+        let hint = did_you_mean(&name, known().chain(FUNCTIONS.iter().map(|(name, _)| *name)));
+        let all = known().collect::<Vec<_>>().join(", ");
+        let all = if all.is_empty() { String::new() } else { format!("; there are {all}") };
+        Err(self.fault_at(start, &format!("\"{name}\" is not known{all}{hint}")))
+    }
+
+    fn call(&mut self, name: &str, function: Function) -> Result<Term, String> {
+        self.expect('(', &format!("behind {name}"))?;
+        let first = self.comparison()?;
+        let term = match function {
+            Function::One(function) => Term::Call(function, Box::new(first)),
+            Function::Two(function) => {
+                self.expect(',', &format!("between the two values of {name}"))?;
+                Term::CallBoth(function, Box::new((first, self.comparison()?)))
+            }
+        };
+        self.expect(')', &format!("behind the values of {name}"))?;
+        Ok(term)
+    }
+}
+
+impl ParamKind for ExpressionSpec {
+    fn default_json(&self) -> Option<Json> {
+        Some(Json::from(self.default))
+    }
+
+    fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
+        let text = json.as_str();
+        let text = text.ok_or_else(|| Misfit::Expected("a formula, as a text".to_owned()))?;
+        let formula = Expression::compile(text, self.variables).map_err(Misfit::Sentence)?;
+        Ok(Setting::Structured(Structured::new(Json::from(text), formula)))
+    }
+
+    fn schema(&self) -> Json {
+        json!({ "type": "string", "minLength": 1, "maxLength": LONGEST })
+    }
+
+    fn noun(&self) -> String {
+        "formula over the variables below".to_owned()
+    }
+
+    fn fault(&self, _: &[InputSpec]) -> Option<String> {
+        Expression::compile(self.default, self.variables).err()
+    }
+
+    fn examples(&self) -> Vec<Json> {
+        let variables = self.variables.iter();
+        let of_variables = variables.map(|(name, _)| json!(format!("{name} - 1")));
+        [json!("0"), json!("-1 / 0"), json!("sqrt(-1)")].into_iter().chain(of_variables).collect()
+    }
+
+    fn link_type(&self) -> Option<DataType> {
+        Some(String::TYPE)
+    }
+
+    fn parts(&self) -> Vec<OptionSpec> {
+        let part = |&(id, summary)| OptionSpec { id, summary, params: &[] };
+        self.variables.iter().map(part).collect()
+    }
+}
+
+impl ParamSpec {
+    /// Of a formula, what is declared of it.
+    pub fn expression(&self) -> Option<ExpressionSpec> {
+        match self.kind {
+            Kind::Expression(spec) => Some(spec),
+            _ => None,
+        }
+    }
+}
+
+impl Param<Expression> {
+    /// A formula over these variables, each with what it is.
+    pub const fn expression(
+        name: &'static str,
+        doc: &'static str,
+        default: &'static str,
+        variables: &'static [(&'static str, &'static str)],
+    ) -> Self {
+        Self::of_kind(name, doc, Kind::Expression(ExpressionSpec { default, variables }))
+    }
+}
+
+impl ParamType for Expression {
+    fn from_setting(setting: &Setting) -> Option<Self> {
+        match setting {
+            Setting::Structured(value) => value.get::<Self>().map(|shared| (*shared).clone()),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const XY: &[(&str, &str)] = &[("x", "One."), ("height", "Two.")];
+
+    fn value(text: &str) -> f64 {
+        Expression::compile(text, XY).unwrap_or_else(|e| panic!("{text}: {e}")).eval(&[3.0, 0.5])
+    }
+
+    #[test]
+    fn formulas_have_the_values_of_school() {
+        let cases = [
+            ("1 + 2 * 3", 7.0),
+            ("(1 + 2) * 3", 9.0),
+            ("2 ^ 3 ^ 2", 512.0),
+            ("-x^2", -9.0),
+            ("2^-1", 0.5),
+            ("7 - 2 - 1", 4.0),
+            ("8 / 4 / 2", 1.0),
+            ("--x + +1", 4.0),
+            ("1.5e1 + .5 + 2.", 17.5),
+            ("min(x, 1) + max(height, 2)", 3.0),
+            ("sqrt(abs(-16)) + floor(2.7)", 6.0),
+            ("cos(pi) + sin(0) + exp(0) + log(1)", 0.0),
+            ("ceil(height) + round(2.5) + tan(0)", 4.0),
+            ("(x > 2) * 10 + (x <= 2)", 10.0),
+            ("height == 0.5", 1.0),
+            ("1 + 1 != 2", 0.0),
+            ("x >= 3", 1.0),
+            ("1 < 0.5", 0.0),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(value(text), expected, "{text}");
+        }
+        assert!(value("sqrt(-1)").is_nan());
+        assert_eq!(value("1 / 0"), f64::INFINITY);
+        assert!(Expression::compile("x", XY).unwrap().eval(&[]).is_nan());
+    }
+
+    #[test]
+    fn each_fault_names_its_column() {
+        let said = |text: &str| Expression::compile(text, XY).unwrap_err();
+        assert_eq!(said("1 +"), "column 4: a value is missing at the end");
+        assert_eq!(said(""), "column 1: a value is missing at the end");
+        assert_eq!(said("1 + * 2"), "column 5: a value is expected, not \"*\"");
+        assert_eq!(said("2 x"), "column 3: an operator is expected, not \"x\"");
+        assert!(said("1 + heigth").starts_with("column 5: \"heigth\" is not known; there are x"));
+        assert!(said("heigth").ends_with("did you mean \"height\"?"));
+        assert!(said("(1 + 2").starts_with("column 7: \")\" is missing"));
+        assert!(said("1 + 2)").starts_with("column 6: an operator is expected"));
+        assert!(said("sqrt 4").starts_with("column 6: \"(\" is expected behind sqrt"));
+        assert!(said("min(1)").starts_with("column 6: \",\" is expected between"));
+        assert!(said("abs(1, 2)").starts_with("column 6: \")\" is expected"));
+        assert!(said("1 < 2 < 3").starts_with("column 7: put one of two"));
+        assert_eq!(said("1e999"), "column 1: \"1e999\" is no number");
+        assert_eq!(said("."), "column 1: \".\" is no number");
+        assert!(said("é").starts_with("column 1: a value is expected"));
+        assert!(said("1 é").starts_with("column 3: "));
+    }
+
+    #[test]
+    fn depth_and_length_are_bounded() {
+        let nested = |n: usize| format!("{}1{}", "(".repeat(n), ")".repeat(n));
+        assert_eq!(value(&nested(60)), 1.0);
+        let said = |text: &str| Expression::compile(text, XY).unwrap_err();
+        assert!(said(&nested(200)).contains("deeper than 64 levels"));
+        assert!(said(&"-".repeat(900)).contains("deeper than 64 levels"));
+        assert!(said(&"2^".repeat(400)).contains("deeper than 64 levels"));
+        assert!(said(&" ".repeat(2000)).contains("longer than 1000"));
+        assert_eq!(value(&["1"; 400].join("+")), 400.0);
+    }
+}

@@ -1,0 +1,259 @@
+//! Textures: what statements say of them, where their files are found, and round trips.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::tests::read;
+use super::textures::texture_of;
+use super::*;
+use crate::data::{Image, PixelKind, Texture, TextureImage, TextureRole, TriMesh};
+use crate::formats::png::write_png;
+use mve_core::Control;
+
+/// A PNG file of one gray value.
+pub(super) fn png(value: u8) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let image = Image::filled("texture", [2, 3], PixelKind::Gray, value);
+    write_png(&image, &mut bytes, Control::none()).expect("write");
+    bytes
+}
+
+/// Writes files, each below the folder, and loads `mesh.obj`: a square with materials a and b from
+/// `materials`.
+fn load_with(
+    folder: &Path,
+    materials: (&str, &str),
+    files: &[(&str, Vec<u8>)],
+) -> (TriMesh, Vec<String>) {
+    let (library, mtl) = materials;
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    let faces = "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 4/4\n";
+    let obj = format!("mtllib {library}\n{corners}{faces}").into_bytes();
+    let own = [("mesh.obj", obj), (library, mtl.as_bytes().to_vec())];
+    for (name, bytes) in own.iter().chain(files) {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
+        fs::write(path, bytes).expect("write");
+    }
+    let (mesh, warnings) = load(&folder.join("mesh.obj"), Control::none()).expect("load");
+    (mesh, warnings.iter().map(Warning::to_string).collect())
+}
+
+fn texture(mesh: &TriMesh, material: usize) -> &Texture {
+    &mesh.materials[material].textures[0]
+}
+
+/// The gray value of a material's first texture.
+fn gray(mesh: &TriMesh, material: usize) -> u8 {
+    texture(mesh, material).image.as_ref().expect("a picture").pixels().bytes[0]
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("folder");
+    let name = |entry: io::Result<fs::DirEntry>| entry.expect("entry").file_name();
+    let mut names: Vec<String> =
+        entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn names_stand_behind_options_and_may_have_blanks() {
+    let cases = [
+        ("wood.png", "wood.png"),
+        ("my wood.png", "my wood.png"),
+        ("-s 1 1 1 my picture.png", "my picture.png"),
+        ("-clamp on -o 0.5 -mm 0 1 a.png", "a.png"),
+        ("-s 2 2 2.png", "2.png"),
+        ("-s 1 2 3 4", "4"),
+        ("-s 1 2", "2"),
+        ("-bm  0.5\t7", "7"),
+        ("-imfchan r -blendu off -cc on -texres 512 -type sphere C:\\a b\\c.jpg", "C:\\a b\\c.jpg"),
+        ("-1.png", "-1.png"),
+        ("-bm", "-bm"),
+    ];
+    for (text, name) in cases {
+        let texture = texture_of("map_Kd", text, 0).expect(text);
+        assert_eq!(texture.name, name, "{text}");
+        assert_eq!(format!("{}{}", texture.options, texture.name), text);
+    }
+    assert_eq!(texture_of("map_Kd", "", 0), None);
+    let roles = [
+        ("MAP_KD", Some(TextureRole::BaseColor)),
+        ("map_Bump", Some(TextureRole::Bump)),
+        ("norm", Some(TextureRole::Normal)),
+        ("map_Pr", Some(TextureRole::Roughness)),
+        ("map_RMA", Some(TextureRole::Other)),
+        ("map_aat", None),
+        ("Kd", None),
+    ];
+    for (keyword, role) in roles {
+        let texture = texture_of(keyword, "a.png", 0);
+        assert_eq!(texture.map(|texture| texture.role), role, "{keyword}");
+    }
+}
+
+#[test]
+fn material_files_come_back_word_for_word() {
+    let text = "newmtl a\nKd 1 0 0 # red\nmap_Kd -s 2 2 1  C:\\x\\my wood.png\nillum 2\nfoo bar\n\
+                bump -bm 0.5 b.png\nNORM n.tga # from b\n\nnewmtl b\nmap_d a.png\nNs 10\n";
+    let (materials, warnings) = parse_mtl(text.as_bytes());
+    assert_eq!(warnings, []);
+    let wood = materials[0].texture(TextureRole::BaseColor).expect("a texture");
+    assert_eq!((wood.name.as_str(), wood.options.as_str()), ("C:\\x\\my wood.png", "-s 2 2 1  "));
+    let mut written = Vec::new();
+    write_mtl(&materials, &mut written).expect("write");
+    assert_eq!(String::from_utf8(written).expect("text"), text);
+}
+
+#[test]
+fn textures_are_saved_beside_the_mesh_byte_for_byte() {
+    for (library, file) in [("in.mtl", "tex/skin.png"), ("sub/mat/in.mtl", "sub/mat/tex/skin.png")]
+    {
+        let folder = tempfile::tempdir().expect("folder");
+        let (from, to) = (folder.path().join("from"), folder.path().join("to"));
+        let mtl = "newmtl a\nKd 1 1 1\nmap_Kd -clamp on tex/skin.png\nNs 2\n\nnewmtl b\nKd 0 0 1\n";
+        let (mesh, warnings) = load_with(&from, (library, mtl), &[(file, png(77))]);
+        assert_eq!((warnings, gray(&mesh, 0)), (Vec::new(), 77));
+        fs::create_dir(&to).expect("folder");
+        save(&mesh, &to.join("my out.obj"), Control::none()).expect("save");
+        assert_eq!(names_in(&to), ["my out-textures", "my out.mtl", "my out.obj"]);
+        assert_eq!(fs::read(to.join("my out-textures/skin.png")).expect("read"), png(77));
+        let text = fs::read_to_string(to.join("my out.mtl")).expect("read");
+        assert_eq!(text, mtl.replace("tex/skin.png", "my out-textures/skin.png"));
+        let (again, warnings) = load(&to.join("my out.obj"), Control::none()).expect("load");
+        assert_eq!((again, warnings), (mesh, Vec::new()));
+    }
+}
+
+#[test]
+fn files_are_found_whatever_surrounds_their_names() {
+    let names = [
+        "tex\\skin.png",
+        "./tex/skin.png",
+        "\"tex/skin.png\"",
+        "\"tex\\skin.png\" # brown",
+        "tex/skin.png # brown",
+        "tex/skin.png -bm 0.5",
+    ];
+    for name in names {
+        let folder = tempfile::tempdir().expect("folder");
+        let mtl = format!("newmtl a\nmap_Kd {name}\nnewmtl b\n");
+        let (mesh, warnings) =
+            load_with(folder.path(), ("in.mtl", &mtl), &[("tex/skin.png", png(5))]);
+        assert_eq!((warnings, gray(&mesh, 0)), (Vec::new(), 5), "{name}");
+        assert_eq!(texture(&mesh, 0).name, "skin.png");
+    }
+    // As it is written comes first.
+    let folder = tempfile::tempdir().expect("folder");
+    let files = [("a.png # 2", png(6)), ("a.png", png(5))];
+    let mtl = "newmtl a\nmap_Kd a.png # 2\nnewmtl b\n";
+    assert_eq!(gray(&load_with(folder.path(), ("in.mtl", mtl), &files).0, 0), 6);
+}
+
+#[test]
+fn paths_of_other_machines_are_looked_for_beside_the_material_file() {
+    for name in ["C:\\old work\\skin.png", "/nowhere/at all/skin.png", "../gone/skin.png"] {
+        let folder = tempfile::tempdir().expect("folder");
+        let mtl = format!("newmtl a\nmap_Kd {name}\nnewmtl b\n");
+        let files = [("mat/skin.png", png(5)), ("skin.png", png(6))];
+        let (mesh, warnings) = load_with(folder.path(), ("mat/in.mtl", &mtl), &files);
+        assert_eq!((gray(&mesh, 0), warnings.len()), (5, 1));
+        let [said] = warnings.as_slice() else { panic!("{warnings:?}") };
+        assert!(said.starts_with(&format!("texture {name} is not there; ")), "{said}");
+        assert!(said.ends_with("skin.png is taken") && said.contains("mat"), "{said}");
+    }
+    // An absolute path that leads to a file is taken.
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("away.png");
+    fs::write(&path, png(9)).expect("write");
+    let mtl = format!("newmtl a\nmap_Kd {}\nnewmtl b\n", path.display());
+    let (mesh, warnings) = load_with(&folder.path().join("in"), ("in.mtl", &mtl), &[]);
+    assert_eq!((gray(&mesh, 0), warnings), (9, Vec::new()));
+}
+
+#[test]
+fn broken_and_missing_pictures_are_named_and_keep_their_statements() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd -s 2 2 text.png\nmap_Ks tex/gone.png\nmap_Ke cut.png\nmap_d folder\n\n\
+               newmtl b\nmap_Kd text.png\n";
+    let files = [
+        ("text.png", b"no picture".to_vec()),
+        ("cut.png", png(5)[..20].to_vec()),
+        ("folder/a.png", png(5)),
+    ];
+    let (mesh, warnings) = load_with(folder.path(), ("in.mtl", mtl), &files);
+    let said = [
+        "texture text.png is neither a PNG nor a JPEG file",
+        "texture tex/gone.png is not there",
+        "texture cut.png is no picture that can be read: ",
+        "texture folder is not there",
+    ];
+    assert_eq!(warnings.len(), said.len(), "{warnings:?}");
+    assert!(warnings.iter().zip(said).all(|(found, said)| found.starts_with(said)), "{warnings:?}");
+    let out = folder.path().join("out.obj");
+    save(&mesh, &out, Control::none()).expect("save");
+    assert_eq!(fs::read_to_string(out.with_extension("mtl")).expect("read"), mtl);
+    assert!(!folder.path().join("out-textures").exists());
+}
+
+#[test]
+fn pictures_of_one_name_get_numbers_and_those_of_one_file_are_one() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd x/skin.png\nmap_Ka -s 1 1 1 x/skin.png\nmap_Ks skin-2.png\n\n\
+               newmtl b\nmap_Kd y/SKIN.png\nmap_Ke ./x\\skin.png\n";
+    let files =
+        [("x/skin.png", png(1)), ("y/SKIN.png", png(2)), ("skin-2.png", png(3)), ("z.png", png(4))];
+    let (mesh, _) = load_with(folder.path(), ("in.mtl", mtl), &files);
+    let image = |m: usize, t: usize| mesh.materials[m].textures[t].image.as_ref().expect("read");
+    assert!(Arc::ptr_eq(image(0, 0), image(0, 1)) && !Arc::ptr_eq(image(0, 0), image(1, 0)));
+    let out = folder.path().join("out.obj");
+    save(&mesh, &out, Control::none()).expect("save");
+    let names = ["SKIN-3.png", "skin-2.png", "skin.png"];
+    let found = names_in(&folder.path().join("out-textures"));
+    assert!(found.len() >= 3 && names.iter().all(|name| found.contains(&(*name).to_owned())));
+    let (again, warnings) = load(&out, Control::none()).expect("load");
+    assert_eq!((warnings, gray(&again, 0), gray(&again, 1)), (Vec::new(), 1, 2));
+    // From here on nothing changes.
+    let third = folder.path().join("third/out.obj");
+    fs::create_dir(folder.path().join("third")).expect("folder");
+    save(&again, &third, Control::none()).expect("save");
+    assert_eq!(load(&third, Control::none()).expect("load").0, again);
+}
+
+#[test]
+fn a_picture_that_was_made_is_saved_as_png() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd skin.jpg\nnewmtl b\n";
+    let (mut mesh, _) = load_with(folder.path(), ("in.mtl", mtl), &[("skin.jpg", png(1))]);
+    let pixels = Image::filled("texture", [3, 5], PixelKind::Rgb, 200);
+    mesh.materials[0].textures[0].image = Some(Arc::new(TextureImage::new(pixels.clone())));
+    let out = folder.path().join("out.obj");
+    save(&mesh, &out, Control::none()).expect("save");
+    assert_eq!(names_in(&folder.path().join("out-textures")), ["skin.jpg.png"]);
+    let (again, _) = load(&out, Control::none()).expect("load");
+    assert_eq!(texture(&again, 0).image.as_ref().expect("read").pixels(), &pixels);
+}
+
+#[test]
+fn companions_are_material_files_and_their_pictures() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd C:\\old\\skin.png\nmap_Ks gone.png\nnewmtl b\nmap_Kd skin.png\n";
+    load_with(folder.path(), ("mat/in.mtl", mtl), &[("skin.png", png(1))]);
+    let found = companions(&folder.path().join("mesh.obj"));
+    let names = ["mat/in.mtl", "skin.png", "mat/gone.png"];
+    assert_eq!(found, names.map(|name| folder.path().join(name)));
+}
+
+#[test]
+fn a_cancel_is_heard_before_the_pictures() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd skin.png\nnewmtl b\n";
+    let (mesh, _) = load_with(folder.path(), ("in.mtl", mtl), &[("skin.png", png(1))]);
+    let report = |_| std::ops::ControlFlow::Break(());
+    let error = save(&mesh, &folder.path().join("out.obj"), Control::new(&report));
+    assert!(error.expect_err("cancelled").is_cancelled());
+    assert!(!folder.path().join("out-textures").exists());
+    assert!(read("v 0 0 0\n").is_ok());
+}

@@ -1,0 +1,152 @@
+//! What is told of each collapse: enough to undo it.
+//!
+//! A cost, a placement and every [`Observer`] are told of each collapse after it was made, in this
+//! order. What an event holds is what H. Hoppe, "Efficient implementation of progressive meshes",
+//! Computers & Graphics 22, 1998, stores as the inverse of a collapse, a vertex split, and more where
+//! a surface is not a manifold: so the inverse is exact.
+
+use glam::DVec3;
+
+use super::merge::DyingFace;
+use super::mesh::WorkingMesh;
+use super::rings::Rings;
+use super::wedge::{LayerId, WedgeId};
+use crate::data::{Domain, FaceId, VertexId};
+
+/// Follows a run.
+pub trait Observer: Send {
+    /// Told of the mesh before the first collapse.
+    fn begin(&mut self, _mesh: &WorkingMesh) {}
+
+    /// Told of a collapse, with the mesh after it.
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse);
+
+    /// Told of the mesh after the last collapse.
+    fn finished(&mut self, _mesh: &WorkingMesh) {}
+}
+
+/// A collapse that was made; the names are those of the drawing in `merge.rs`.
+#[derive(Clone, Copy, Debug)]
+pub struct Collapse<'a> {
+    /// The vertex that stayed; it moved to `position`.
+    pub kept: VertexId,
+    /// The vertex that is gone.
+    pub gone: VertexId,
+    /// Where `kept` is now.
+    pub position: DVec3,
+    /// Where `kept` and `gone` were.
+    pub before: [DVec3; 2],
+    /// The faces that are gone, with their vertices before.
+    pub dying_faces: &'a [DyingFace],
+    /// The price that it was made at; a face that contracts gives it to both of its merges.
+    pub price: f64,
+    /// Which part of a contraction it is.
+    pub part: Part,
+    /// The wedges of both ends before and after, and those at the third vertices of the dying faces;
+    /// empty unless the run has an [`Observer`].
+    pub wedges: &'a [WedgeChange],
+    pub(super) rings: &'a Rings,
+}
+
+/// Which of the merges of a contraction a collapse is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// The only one: an edge collapsed.
+    #[default]
+    Whole,
+    /// The first of the two merges of a face; the other follows at once.
+    First,
+    /// The second of the two merges of a face.
+    Second,
+}
+
+impl Collapse<'_> {
+    /// The third vertex of the dying face to the left of the way from `kept` to `gone`; of several,
+    /// the first.
+    pub fn vl(&self) -> Option<VertexId> {
+        self.third([self.kept, self.gone])
+    }
+
+    /// The third vertex of the dying face to the right; of several, the first.
+    pub fn vr(&self) -> Option<VertexId> {
+        self.third([self.gone, self.kept])
+    }
+
+    /// The third vertex of the first dying face that runs along a side in this direction.
+    fn third(&self, side: [VertexId; 2]) -> Option<VertexId> {
+        self.dying_faces.iter().find_map(|DyingFace { vertices, .. }| {
+            (0..3).find_map(|k| {
+                let [from, to, third] = [0, 1, 2].map(|step| vertices[(k + step) % 3]);
+                ([from, to] == side).then_some(third)
+            })
+        })
+    }
+
+    /// The corners that `gone` had and `kept` has now: the face of each and its place there.
+    pub fn moved_corners(&self) -> impl Iterator<Item = (FaceId, usize)> {
+        self.rings.staying_at_gone().map(|face| (FaceId(face.corner / 3), face.corner as usize % 3))
+    }
+}
+
+/// What a wedge belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// A vertex, in a layer over vertices.
+    Vertex(VertexId),
+    /// A corner, in a layer over corners: the face, and its place there.
+    Corner(FaceId, usize),
+}
+
+/// The wedge and its value that an element had before a collapse and has after it; `None` is no
+/// value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WedgeChange {
+    /// The layer.
+    pub layer: LayerId,
+    /// The element.
+    pub element: Element,
+    /// Before.
+    pub before: Option<(WedgeId, DVec3)>,
+    /// After; a corner of a dead face keeps its wedge.
+    pub after: Option<(WedgeId, DVec3)>,
+}
+
+/// Lists the wedges around an edge, before it merges; `after` is to be filled in by
+/// [`complete_changes`].
+pub(super) fn list_wedges(mesh: &WorkingMesh, rings: &Rings, changes: &mut Vec<WedgeChange>) {
+    changes.clear();
+    for layer in mesh.layers() {
+        let mut list = |element| {
+            let before = value_at(mesh, layer, element);
+            changes.push(WedgeChange { layer, element, before, after: None });
+        };
+        if mesh.domain(layer) == Domain::Vertex {
+            list(Element::Vertex(VertexId(rings.kept)));
+            list(Element::Vertex(VertexId(rings.gone)));
+            continue;
+        }
+        let corner = |corner: u32| Element::Corner(FaceId(corner / 3), corner as usize % 3);
+        for face in rings.staying_at_kept().chain(rings.staying_at_gone()) {
+            list(corner(face.corner));
+        }
+        for face in rings.dying() {
+            let first = face.corner / 3 * 3;
+            (first..first + 3).for_each(|c| list(corner(c)));
+        }
+    }
+}
+
+/// Fills in what the wedges are now.
+pub(super) fn complete_changes(mesh: &WorkingMesh, changes: &mut [WedgeChange]) {
+    for change in changes {
+        change.after = value_at(mesh, change.layer, change.element);
+    }
+}
+
+fn value_at(mesh: &WorkingMesh, layer: LayerId, element: Element) -> Option<(WedgeId, DVec3)> {
+    let wedge = match element {
+        Element::Vertex(vertex) => mesh.wedge_of_vertex(vertex, layer),
+        Element::Corner(face, k) => mesh.wedge_of_corner(face, k, layer),
+    }?;
+    Some((wedge, mesh.value(wedge, layer)))
+}

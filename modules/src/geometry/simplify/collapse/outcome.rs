@@ -1,0 +1,68 @@
+//! What a run gives.
+
+use super::stop::Outcome;
+use crate::data::TriMesh;
+
+/// A simplified mesh and how it came about.
+#[derive(Clone, Debug)]
+pub struct Simplified {
+    /// The result.
+    pub mesh: TriMesh,
+    /// Counts of the run.
+    pub statistics: Statistics,
+    /// How long its two parts took.
+    pub seconds: Seconds,
+}
+
+/// How long the parts of a run took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// To link the mesh, let the cost look at it, and price every edge.
+    pub first_prices: f64,
+    /// To collapse edges and price their neighbors again, and to put the result together.
+    pub collapses: f64,
+}
+
+/// Counts of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Faces of the result.
+    pub n_faces: usize,
+    /// The number of faces that the stops asked for, if they did.
+    pub target_faces: Option<usize>,
+    /// Why the run ended.
+    pub outcome: Outcome,
+    /// Collapses made.
+    pub n_collapses: usize,
+    /// Attempts that would have changed the topology. An edge may be tried again after its
+    /// neighborhood has changed, and counts each time.
+    pub n_rejected_link: usize,
+    /// Attempts that would have turned a face too far or made it degenerate.
+    pub n_rejected_flip: usize,
+    /// Edges that the boundary policy, seams or a coordinate that is not finite forbids.
+    pub n_rejected_boundary: usize,
+    /// Price of the dearest collapse made, if there was one.
+    pub largest_cost: Option<f64>,
+}
+
+impl Statistics {
+    /// Before the first collapse.
+    pub(super) fn new(n_faces: usize, target_faces: Option<usize>) -> Self {
+        Self {
+            n_faces,
+            target_faces,
+            outcome: Outcome::Exhausted,
+            n_collapses: 0,
+            n_rejected_link: 0,
+            n_rejected_flip: 0,
+            n_rejected_boundary: 0,
+            largest_cost: None,
+        }
+    }
+
+    /// Counts a collapse at this price.
+    pub(super) fn add_collapse(&mut self, price: f64) {
+        self.n_collapses += 1;
+        self.largest_cost = Some(self.largest_cost.map_or(price, |largest| largest.max(price)));
+    }
+}

@@ -1,0 +1,110 @@
+//! The quadrics of the vertices of the working mesh, which cost and placement may share.
+
+use glam::DVec3;
+
+use super::complex::{Complex, Face};
+use super::options::{Boundary, QuadricOptions};
+use super::order::NONE;
+use super::ticker::{CHUNK, Ticker};
+use crate::mesh::quadric::Quadric;
+use mve_core::Cancelled;
+
+/// The quadric of each vertex about its own position; none unless a part asked for them.
+#[derive(Debug, Default)]
+pub(super) struct Quadrics {
+    by_vertex: Vec<Quadric>,
+}
+
+impl Quadrics {
+    /// Sums the quadrics of all vertices.
+    ///
+    /// A face gives each corner a third of its area (a common factor that changes no order); a
+    /// border edge gives both ends the plane through it at a right angle to its face, weighted by
+    /// its squared length; so does each face at an edge of which `is_seam` says so (M. Garland and
+    /// P. S. Heckbert, "Simplifying surfaces with color and texture using quadric error metrics",
+    /// IEEE Visualization 1998, section 5).
+    pub fn sum(
+        complex: &Complex,
+        options: QuadricOptions,
+        boundary: Boundary,
+        is_seam: &[bool],
+        ticker: &mut Ticker,
+    ) -> Result<Self, Cancelled> {
+        let mut quadrics =
+            Self { by_vertex: ticker.fill(complex.vertices.len(), Quadric::default())? };
+        for (number, face) in complex.faces.iter().enumerate() {
+            if number.is_multiple_of(CHUNK) {
+                ticker.tick(complex.n_faces)?;
+            }
+            if face.vertices[0] == NONE {
+                continue;
+            }
+            let [a, b, c] = face.vertices.map(|v| complex.position(v));
+            let twice_area = (b - a).cross(c - a);
+            let length = twice_area.length();
+            let normal = twice_area / length;
+            if !normal.is_finite() {
+                continue;
+            }
+            // The plane goes through all three corners, so each has it at offset zero.
+            let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
+            for v in face.vertices {
+                quadrics.by_vertex[v as usize].add(&plane);
+            }
+            for k in 0..3 {
+                let edge = face.edges[k].idx();
+                let is_border = boundary == Boundary::Weighted && complex.irregular[edge];
+                if is_border || is_seam.get(edge).copied().unwrap_or(false) {
+                    quadrics.add_border_plane(complex, face, k, normal, options.boundary_weight);
+                }
+            }
+        }
+        Ok(quadrics)
+    }
+
+    /// Adds the plane through edge `k` of a face at a right angle to it.
+    fn add_border_plane(
+        &mut self,
+        complex: &Complex,
+        face: &Face,
+        k: usize,
+        normal: DVec3,
+        weight: f64,
+    ) {
+        let ends = [face.vertices[k], face.vertices[(k + 1) % 3]];
+        let [from, to] = ends.map(|v| complex.position(v));
+        let along = to - from;
+        let Some(across) = along.cross(normal).try_normalize() else { return };
+        let plane = Quadric::from_plane(across, 0.0, weight * along.length_squared());
+        for v in ends {
+            self.by_vertex[v as usize].add(&plane);
+        }
+    }
+
+    /// The quadric of a vertex, if there are quadrics.
+    #[inline]
+    pub fn get(&self, vertex: u32) -> Option<&Quadric> {
+        self.by_vertex.get(vertex as usize)
+    }
+
+    /// The sum of the quadrics of `kept` and `gone` about the position of `kept`; zero if there are
+    /// none.
+    #[inline]
+    pub fn of_ends(&self, complex: &Complex, [kept, gone]: [u32; 2]) -> Quadric {
+        let Some(other) = self.get(gone) else { return Quadric::default() };
+        let mut sum = other.shifted(complex.position(kept) - complex.position(gone));
+        sum.add(&self.by_vertex[kept as usize]);
+        sum
+    }
+
+    /// Gives `kept` the sum of both about the position where they are about to merge.
+    pub fn merge(&mut self, complex: &Complex, [kept, gone]: [u32; 2], position: DVec3) {
+        if self.by_vertex.is_empty() {
+            return;
+        }
+        let to_position = |v: u32| position - complex.position(v);
+        let mut sum = self.by_vertex[kept as usize].shifted(to_position(kept));
+        sum.add(&self.by_vertex[gone as usize].shifted(to_position(gone)));
+        self.by_vertex[kept as usize] = sum;
+    }
+}
