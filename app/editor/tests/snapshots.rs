@@ -2,9 +2,8 @@
 //!
 //! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a
 //! machine decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required`
-//! they fail.
-//! `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor --test snapshots` makes the pictures anew: look at
-//! them before they go in.
+//! they fail. `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor --test snapshots` makes the pictures
+//! anew: look at them before they go in.
 //!
 //! The tolerance is for another version of Mesa, which may round coverage and colors in another
 //! way: see [`tolerance`].
@@ -66,7 +65,7 @@ fn tolerance(n_pixels: usize) -> SnapshotOptions {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state, folders: Vec::new() }
+    Pinned { title, value: Some(value), state }
 }
 
 /// A view by itself, once everything in it is made.

@@ -97,7 +97,8 @@ fn load(list: &[f32], from: usize) -> f32x8 {
     f32x8::new(std::array::from_fn(|lane| part[lane]))
 }
 
-/// Eight weighted means of 11 numbers each: those of `list` from `first` on and each so many further.
+/// Eight weighted means of 11 numbers each: those of `list` from `first` on and each so many
+/// further.
 #[inline(always)]
 fn means(list: &[f32], first: usize, step: usize) -> f32x8 {
     // One look at the length for all.

@@ -209,7 +209,6 @@ impl Session {
             title: port.to_string(),
             value: value_of(port),
             state: state_of(port),
-            folders: self.runner.checked().folders_of(&port.node),
         });
         pinned.collect()
     }

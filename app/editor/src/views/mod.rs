@@ -22,7 +22,6 @@ mod wheel;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -61,8 +60,6 @@ pub struct Pinned {
     pub value: Option<Value>,
     /// How fresh it is, or why there is none.
     pub state: PortState,
-    /// Folders in which files may lie that the value names, such as textures.
-    pub folders: Vec<PathBuf>,
 }
 
 /// What the user wants of whoever shows the viewer.

@@ -192,9 +192,14 @@ impl SetupState {
                     edits.push(Edit::SetValue { axis: place, path: path.clone(), row, value });
                 }
                 let more = format!("Parameters of {name}");
-                if !declared.nested(json).is_empty() && small_button(ui, "\u{2026}", &more).clicked() {
-                    let same = matches!(&self.opened, Some(Opened::Nested { axis: a, path: p, row: r })
-                        if (*a, p, *r) == (place, path, row));
+                if !declared.nested(json).is_empty()
+                    && small_button(ui, "\u{2026}", &more).clicked()
+                {
+                    let same = matches!(
+                        &self.opened,
+                        Some(Opened::Nested { axis: a, path: p, row: r })
+                            if (*a, p, *r) == (place, path, row)
+                    );
                     let opened = Opened::Nested { axis: place, path: path.clone(), row };
                     self.opened = (!same).then_some(opened);
                 }

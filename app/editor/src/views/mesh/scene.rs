@@ -1,7 +1,6 @@
 //! What the panel of meshes shows in one frame: the meshes, where their pictures are, and the
 //! camera.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Pos2, Rect, Vec2, vec2};
@@ -24,8 +23,6 @@ pub struct MeshInput {
     pub title: String,
     /// The mesh.
     pub mesh: Arc<TriMesh>,
-    /// Where files lie that it names.
-    pub folders: Vec<PathBuf>,
 }
 
 /// A picture that may be a texture.

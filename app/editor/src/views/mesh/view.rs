@@ -20,7 +20,7 @@ use super::look::coloring::{
 use super::look::label_layers;
 use super::look::settings::{Arrangement, MeshSettings, Offers, controls};
 use super::look::stored::MeshLook;
-use super::look::texture::{TextureSource, files_of};
+use super::look::texture::TextureSource;
 use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
@@ -62,8 +62,7 @@ impl ValueView for MeshView {
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mesh = |&(place, pinned): &(usize, &Pinned)| {
             let mesh = pinned.value.as_ref()?.get::<TriMesh>()?;
-            let (title, folders) = (pinned.title.clone(), pinned.folders.clone());
-            Some(MeshInput { place, title, mesh, folders })
+            Some(MeshInput { place, title: pinned.title.clone(), mesh })
         };
         let meshes: Vec<MeshInput> = shown.values.iter().filter_map(mesh).collect();
         let field = |pinned: &Pinned| {
@@ -131,7 +130,7 @@ impl MeshView {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
             let source = source.unwrap_or(Source::Plain);
             let texture = match source {
-                Source::Materials => Some(files_of(&input.mesh, &input.folders)),
+                Source::Materials => Some(TextureSource::Materials(Same(Arc::clone(&input.mesh)))),
                 Source::Picture => pinned_picture(&self.settings.color_by, pictures),
                 _ => None,
             };

@@ -18,9 +18,11 @@
 //! [`Variant::Mended`] departs where the published program is weak: sizes are relative to a length
 //! that no rotation changes and that is the same in both directions (`rod_length`); the
 //! curvature of the reference is taken at the nearest point itself, which does not depend on
-//! which of equally near faces was met (two sheets in one place are still told apart by chance); the disc at a border vertex has the area that it
-//! has; turns over a right angle do not fold back; and an edge of three or more faces bends, too.
+//! which of equally near faces was met (two sheets in one place are still told apart by chance);
+//! the disc at a border vertex has the area that it has; turns over a right angle do not fold back;
+//! and an edge of three or more faces bends, too.
 
+mod bend;
 mod carry;
 pub mod collapse;
 #[cfg(test)]

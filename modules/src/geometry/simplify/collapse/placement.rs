@@ -29,8 +29,8 @@ pub trait Placement: Send {
         false
     }
 
-    /// The quadrics that the working mesh must keep for this placement, if it reads any. Where the cost
-    /// asks for quadrics too, the cost's options hold for both.
+    /// The quadrics that the working mesh must keep for this placement, if it reads any. Where the
+    /// cost asks for quadrics too, the cost's options hold for both.
     fn quadrics(&self) -> Option<QuadricOptions> {
         None
     }

@@ -1,7 +1,7 @@
 //! Which prices are asked for again, and when.
 //!
-//! A collapse makes the prices of the edges within reach stale. They are asked for again at once, or
-//! when their edges come up, as [`Renewal`] says; edges that are parked because they could not
+//! A collapse makes the prices of the edges within reach stale. They are asked for again at once,
+//! or when their edges come up, as [`Renewal`] says; edges that are parked because they could not
 //! collapse are tried again when their neighborhood has changed.
 
 use super::complex::{Complex, flag, next_in_face, previous_in_face};
@@ -127,8 +127,8 @@ impl Renewer {
         }
     }
 
-    /// Marks the prices of the edges at the merged vertex as stale, and lists those that are parked,
-    /// to be priced at once, and the neighbors that have parked edges.
+    /// Marks the prices of the edges at the merged vertex as stale, and lists those that are
+    /// parked, to be priced at once, and the neighbors that have parked edges.
     fn mark_stale(
         &mut self,
         complex: &Complex,

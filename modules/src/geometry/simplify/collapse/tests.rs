@@ -434,8 +434,8 @@ fn seams_stay_and_values_follow() {
         }
     }
     // The seam curves with the surface, and each of its edges has two planes at right angles to the
-    // faces there, which lean. Where edges merge these cannot all hold, so a vertex leaves the plane
-    // of the seam a little: 2.2e-5 of an edge was measured.
+    // faces there, which lean. Where edges merge these cannot all hold, so a vertex leaves the
+    // plane of the seam a little: 2.2e-5 of an edge was measured.
     assert!(off_seam(&result) < 3e-5, "{}", off_seam(&result));
     // On a flat sheet they are one plane.
     let flat = by_quadric(&textured_on(grid(8, |_, _| 0.0)), 40).mesh;

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::views::camera::Bounds;
-use crate::views::mesh::look::texture::TextureFiles;
+use crate::views::mesh::look::texture::FaceTextures;
 
 /// How normals come about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -270,7 +270,7 @@ impl LocalSurface<'_> {
         match sharing {
             Sharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
             Sharing::Corners => {
-                let textures = TextureFiles::of(self.mesh);
+                let textures = FaceTextures::of(self.mesh);
                 let normal = |(place, &wedge): (usize, &u32)| {
                     let [x, y, z, _] = normals[wedge as usize];
                     let texture = textures.of_face(self.faces[place / 3] as usize);
