@@ -71,8 +71,9 @@ fn edge_lengths_do_not_keep_a_box() {
     assert!((0.005..0.2).contains(&max), "{max}");
 }
 
-/// The edges of a cube cost luminance and its flats do not. The thesis measured a Hausdorff distance
-/// of 0.00000 and an MSDM2 of 0.00001; the MSDM2 of its time was that of the simplified mesh alone.
+/// The edges of a cube cost luminance and its flats do not. The thesis measured a Hausdorff
+/// distance of 0.00000 and an MSDM2 of 0.00001; the MSDM2 of its time was that of the simplified
+/// mesh alone.
 #[test]
 fn pictures_keep_a_box() {
     let cost = r#"{"ImageMse": {"resolution": 512, "cameras": {"Fibonacci": {"n": 6}}}}"#;
@@ -97,7 +98,8 @@ fn repeats_of_a_sampled_metric_differ() {
     assert!((first / second - 1.0).abs() < 0.5, "{first} and {second}");
 }
 
-/// A mesh is saved with its materials beside it: one slip, whatever the number of repeats and files.
+/// A mesh is saved with its materials beside it: one slip, whatever the number of repeats and
+/// files.
 #[test]
 fn repeats_that_write_one_file_are_told_once() {
     let text = r#"{"mve": 1, "nodes": {"model": {"module": "Box"},

@@ -74,18 +74,22 @@ impl Registry {
 /// `quadric::COST`.
 ///
 /// A build script may say the hash of a file in the variable `MVE_SOURCE_OF_` and the path of its
-/// module, such as `MVE_SOURCE_OF_mve_modules::cost::quadric`. Where none does, all bytes of the
+/// module, such as `MVE_SOURCE_OF_my_crate::cost::quadric`. Where none does, all bytes of the
 /// file count, also comments and tests.
 #[macro_export]
 macro_rules! registered {
-    ($(#[$doc:meta])* $vis:vis static $list:ident: $type:ty = $item:ident in $($file:ident),+ $(,)?;) => {
+    (
+        $(#[$doc:meta])*
+        $vis:vis static $list:ident: $type:ty = $item:ident in $($file:ident),+ $(,)?;
+    ) => {
         $(mod $file;)+
         $(#[$doc])*
         $vis static $list: &[$crate::Listed<$type>] = &[$($crate::Listed {
             item: &$file::$item,
             source: $crate::source_hash(
-                match option_env!(concat!("MVE_SOURCE_OF_", module_path!(), "::", stringify!($file)))
-                {
+                match option_env!(concat!(
+                    "MVE_SOURCE_OF_", module_path!(), "::", stringify!($file)
+                )) {
                     Some(hash) => hash.as_bytes(),
                     None => include_bytes!(concat!(stringify!($file), ".rs")),
                 },

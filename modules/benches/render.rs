@@ -1,5 +1,5 @@
-//! Pictures of meshes and their similarity: tori of 1 k, 100 k and 1 M faces, and the Stanford bunny
-//! (69,451 faces) where it is at hand.
+//! Pictures of meshes and their similarity: tori of 1 k, 100 k and 1 M faces, and the Stanford
+//! bunny (69,451 faces) where it is at hand.
 //!
 //! `picture` is one picture on one thread, from a camera a diagonal away, by faces and by pixels a
 //! second; `cameras` all 24 of a rhombicuboctahedron at 512² on all threads; `ssim` two pictures of

@@ -1,8 +1,8 @@
 //! Triangle meshes, the algorithms on them, and the modules, costs and metrics of mve.
 //!
-//! `data` is what flows through ports; `mesh`, `geometry`, `picture`, `image_driven` and `formats` are
-//! plain data and free functions over it, with no ports; the other folders hold one file per module,
-//! cost, placement or metric.
+//! `data` is what flows through ports; `mesh`, `geometry`, `picture`, `image_driven` and `formats`
+//! are plain data and free functions over it, with no ports; the other folders hold one file per
+//! module, cost, placement or metric.
 
 pub mod cost;
 pub mod data;

@@ -10,4 +10,6 @@ pub use mve_core::{
 };
 
 #[allow(unused_imports)]
-pub use crate::data::{Domain, Field, Images, Layer, Measures, TriMesh};
+pub use crate::data::types::*;
+#[allow(unused_imports)]
+pub use crate::data::{Domain, Layer};

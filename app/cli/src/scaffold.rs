@@ -1,4 +1,5 @@
-//! Files for new modules, costs and metrics inside a checkout of mve: one file, and one name in a list.
+//! Files for new modules, costs and metrics inside a checkout of mve: one file, and one name in a
+//! list.
 
 use std::fs;
 use std::path::{Path, PathBuf};

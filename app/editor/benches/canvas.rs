@@ -1,7 +1,7 @@
 //! Milliseconds of one frame of the canvas, without a window: layout, painting and tessellation.
 //!
-//! `cargo bench -p mve-editor --bench canvas`. The same nodes in an `egui::Scene`, with a widget for
-//! each parameter, are timed beside it: it is what the canvas was chosen over.
+//! `cargo bench -p mve-editor --bench canvas`. The same nodes in an `egui::Scene`, with a widget
+//! for each parameter, are timed beside it: it is what the canvas was chosen over.
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -1,12 +1,12 @@
 //! A few pictures of the window, compared with those in `tests/snapshots/`.
 //!
-//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a machine
-//! decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required` they fail.
-//! `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor --test snapshots` makes the pictures anew: look at
-//! them before they go in.
+//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a
+//! machine decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required`
+//! they fail. `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor --test snapshots` makes the pictures
+//! anew: look at them before they go in.
 //!
-//! The tolerance is for another version of Mesa, which may round coverage and colors in another way:
-//! see [`tolerance`].
+//! The tolerance is for another version of Mesa, which may round coverage and colors in another
+//! way: see [`tolerance`].
 
 #[path = "hand/mod.rs"]
 mod hand;
@@ -54,17 +54,18 @@ fn rasteriser() -> Option<RenderState> {
     Some(create_render_state(setup, RendererOptions::PREDICTABLE))
 }
 
-/// A pixel may differ by a step that an eye hardly sees, and so many pixels by more. Text and panels
-/// have whole pixels and hardly depend on a rasteriser, so few of theirs may; edges of a mesh and
-/// lines do. The numbers are a judgement, and were tried the other way round: a patch of 12 × 6 pixels
-/// of another color fails the canvas and the dialog, another hue or brightness the meshes.
+/// A pixel may differ by a step that an eye hardly sees, and so many pixels by more. Text and
+/// panels have whole pixels and hardly depend on a rasteriser, so few of theirs may; edges of a
+/// mesh and lines do. The numbers are a judgement, and were tried the other way round: a patch of
+/// 12 × 6 pixels of another color fails the canvas and the dialog, another hue or brightness the
+/// meshes.
 fn tolerance(n_pixels: usize) -> SnapshotOptions {
     SnapshotOptions::new().threshold(1.0).max_failed_pixels(n_pixels)
 }
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state, folders: Vec::new() }
+    Pinned { title, value: Some(value), state }
 }
 
 /// A view by itself, once everything in it is made.

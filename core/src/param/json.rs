@@ -59,7 +59,8 @@ pub fn declared_at(
     of_map.or_else(|| choice.entries().find_map(|entry| declared_at(entry.params, None, nested)))
 }
 
-/// All that a map gives of these parameters, those of the entries of choices too, with dotted paths.
+/// All that a map gives of these parameters, those of the entries of choices too, with dotted
+/// paths.
 pub fn all_given<'a>(
     specs: &'static [ParamSpec],
     given: &'a JsonMap<String, Json>,

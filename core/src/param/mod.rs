@@ -5,6 +5,7 @@
 
 mod json;
 mod kind;
+mod object_schema;
 mod setting;
 
 use std::marker::PhantomData;
@@ -13,6 +14,7 @@ use serde_json::Value as Json;
 
 pub use json::{MODULE, all_given, chosen, declared_at, given_at, given_at_mut, with_param};
 pub use kind::*;
+pub(crate) use object_schema::object_of;
 pub(crate) use setting::Fault;
 pub use setting::{Setting, Settings, Structured};
 

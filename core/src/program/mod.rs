@@ -452,8 +452,9 @@ impl Program {
         tables::table(self, store)
     }
 
-    /// [`Program::table`] for reading: without ids, reasons, the seconds of single nodes and columns
-    /// that say nothing new, numbers cut to five significant digits and times to milliseconds.
+    /// [`Program::table`] for reading: without ids, reasons, the seconds of single nodes and
+    /// columns that say nothing new, numbers cut to five significant digits and times to
+    /// milliseconds.
     pub fn brief_table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
         let (header, rows) = self.table(store);
         tables::brief_table(self, &header, &rows)

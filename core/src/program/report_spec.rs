@@ -1,4 +1,5 @@
-//! What a program says of its report: which columns measure, which way is better, and what is asked.
+//! What a program says of its report: which columns measure, which way is better, and what is
+//! asked.
 //!
 //! ```text
 //! "report": {

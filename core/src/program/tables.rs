@@ -103,8 +103,8 @@ fn outputs(program: &Program, records: &[(usize, Arc<StepRecord>)]) -> Vec<(Stri
 }
 
 /// The columns of a table that a person reads first, numbers cut to five significant digits and
-/// times to milliseconds: the first outputs of each node, no ids, reasons or seconds of single nodes, no output that is the same in every row or the same
-/// as the one of another column.
+/// times to milliseconds: the first outputs of each node, no ids, reasons or seconds of single
+/// nodes, no output that is the same in every row or the same as the one of another column.
 pub(super) fn brief_table(
     program: &Program,
     header: &[String],

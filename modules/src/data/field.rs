@@ -70,6 +70,12 @@ impl Data for Field {
     }
 }
 
+/// The x coordinates of a mesh.
+pub(super) fn sample(mesh: &TriMesh) -> Field {
+    let values = mesh.positions.iter().map(|position| position.x).collect();
+    Field { name: "x".to_owned(), unit: String::new(), domain: Domain::Vertex, values }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

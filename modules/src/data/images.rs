@@ -3,6 +3,8 @@
 use mve_core::{Data, DataType};
 use serde::{Deserialize, Serialize};
 
+use super::TriMesh;
+
 /// What a pixel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PixelKind {
@@ -99,6 +101,12 @@ impl Data for Images {
             )),
         }
     }
+}
+
+/// A picture of one color, larger for meshes of more faces.
+pub(super) fn sample(mesh: &TriMesh) -> Images {
+    let side = mesh.faces.len() % 16 + 1;
+    Images(vec![Image::filled("a", [side, side], PixelKind::Rgb, 99)])
 }
 
 #[cfg(test)]

@@ -1,15 +1,41 @@
 //! What flows through ports: triangle meshes, fields on them, pictures and what was measured.
 
-mod field;
-mod images;
+/// Declares the files of data types, hands the types on, and lists them.
+macro_rules! data_types {
+    ($($file:ident: $type:ident),+ $(,)?) => {
+        $(mod $file;)+
+        $(pub use $file::$type;)+
+
+        /// The data types of this crate.
+        pub static DATA_TYPES: &[DataTypeEntry] = &[$(DataTypeEntry {
+            data_type: <$type as Data>::TYPE,
+            sample: |mesh| Value::new($file::sample(mesh)),
+        }),+];
+
+        /// The types alone, for the files of modules.
+        pub(crate) mod types {
+            $(pub use super::$type;)+
+        }
+    };
+}
+
+data_types! { field: Field, images: Images, measures: Measures, tri_mesh: TriMesh }
+
 mod layer;
 pub(crate) mod material;
-mod measures;
-mod tri_mesh;
 
-pub use field::Field;
-pub use images::{Image, Images, PixelKind};
+pub use images::{Image, PixelKind};
 pub use layer::{Domain, Layer, LayerValues, NO_VALUE};
 pub use material::{Material, Texture, TextureImage, TextureRole};
-pub use measures::{Measure, Measures};
-pub use tri_mesh::{FaceId, MeshFault, TriMesh, VertexId};
+pub use measures::Measure;
+pub use tri_mesh::{FaceId, MeshFault, VertexId};
+
+use mve_core::{Data, DataType, Value};
+
+/// A data type, and how tests that go through all types get a value of it.
+pub struct DataTypeEntry {
+    /// The declaration.
+    pub data_type: DataType,
+    /// A small value that goes with a mesh.
+    pub sample: fn(&TriMesh) -> Value,
+}

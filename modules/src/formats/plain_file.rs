@@ -4,7 +4,8 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// Reads an ordinary file of at most so many bytes. Devices and pipes are refused, since they may have no end.
+/// Reads an ordinary file of at most so many bytes. Devices and pipes are refused, since they may
+/// have no end.
 pub fn read_plain(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let about = fs::metadata(path)?;
     if about.is_dir() {

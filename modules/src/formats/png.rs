@@ -150,7 +150,8 @@ mod tests {
                 bytes[place % n_bytes] = value;
             }
             if let Ok(image) = read_png(&bytes, "a") {
-                prop_assert_eq!(image.bytes.len(), image.width * image.height * image.kind.n_bytes());
+                let n_bytes = image.width * image.height * image.kind.n_bytes();
+                prop_assert_eq!(image.bytes.len(), n_bytes);
             }
         }
     }

@@ -204,8 +204,8 @@ mod tests {
                 }
             }
             for (pixel, fragments) in expected.iter_mut().enumerate() {
-                fragments
-                    .sort_by(|a, b| b.inv_depth.total_cmp(&a.inv_depth).then(a.face.cmp(&b.face)));
+                let by_depth = |a: &Fragment, b: &Fragment| b.inv_depth.total_cmp(&a.inv_depth);
+                fragments.sort_by(|a, b| by_depth(a, b).then(a.face.cmp(&b.face)));
                 let is_left = |face: u32| !hidden.contains(&face);
                 let first = fragments.iter().find(|f| is_left(f.face));
                 let found = layers.first_left(pixel, is_left);

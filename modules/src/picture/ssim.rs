@@ -2,9 +2,9 @@
 //!
 //! Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image quality assessment: from error
 //! visibility to structural similarity", IEEE Transactions on Image Processing 13(4), 2004, section
-//! III.B–C: at each pixel, means, variances and covariance under a Gaussian window of 11 × 11 pixels,
-//! σ = 1.5, with weights that sum to 1; K₁ = 0.01, K₂ = 0.03, L = 255. Their mean is over the
-//! pixels whose window lies inside of the picture, [`Ssim::interior`] here. At the others the
+//! III.B–C: at each pixel, means, variances and covariance under a Gaussian window of 11 × 11
+//! pixels, σ = 1.5, with weights that sum to 1; K₁ = 0.01, K₂ = 0.03, L = 255. Their mean is over
+//! the pixels whose window lies inside of the picture, [`Ssim::interior`] here. At the others the
 //! picture is mirrored at its border, the edge pixel repeated, as scikit-image does.
 //!
 //! The window is applied along rows, then along columns, to four pictures: both, the sum of their

@@ -6,7 +6,7 @@ use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
 use super::{Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
-use crate::programs;
+use crate::drag::DraggedParam;
 
 /// Width of the window in points below which the inspector would take the canvas its room.
 const NARROW: f32 = 620.0;
@@ -42,8 +42,8 @@ impl Editor {
         self.is_lower_open = is_open;
     }
 
-    /// The name under which the height of a panel is remembered: in another room it has another one,
-    /// so that a small window does not leave small panels behind.
+    /// The name under which the height of a panel is remembered: in another room it has another
+    /// one, so that a small window does not leave small panels behind.
     fn for_this_size(&self, ui: &Ui, name: &str) -> egui::Id {
         let rooms = (ui.ctx().content_rect().height() / 120.0) as u32;
         egui::Id::new((name, rooms, self.is_lower_open.then_some(self.lower)))
@@ -148,7 +148,7 @@ pub fn show_hovered(ui: &Ui) {
 
 /// Names the parameter that is on its way to the program, beside the pointer.
 pub fn show_dragged(ui: &Ui) {
-    let Some(dragged) = egui::DragAndDrop::payload::<programs::DraggedParam>(ui.ctx()) else {
+    let Some(dragged) = egui::DragAndDrop::payload::<DraggedParam>(ui.ctx()) else {
         return;
     };
     let id = ui.id().with("dragged");

@@ -160,8 +160,8 @@ fn stack(layer: &[usize], sizes: &[[f64; 2]], tops: &mut [f64]) {
     }
 }
 
-/// Brings the nodes of a layer near the mean height of their neighbors, without overlap. Heights are
-/// those of the ends of wires, so that these are as straight as they can be.
+/// Brings the nodes of a layer near the mean height of their neighbors, without overlap. Heights
+/// are those of the ends of wires, so that these are as straight as they can be.
 fn settle(layer: &mut [usize], neighbors: &[Vec<usize>], sizes: &[[f64; 2]], tops: &mut [f64]) {
     let wires = |node: usize| (sizes[node][1] / 2.0).min(WIRES);
     let height = |node: usize, tops: &[f64]| tops[node] + wires(node);

@@ -330,8 +330,8 @@ fn exact_text(number: f64) -> String {
     }
 }
 
-/// Gives a field of so many letters the name that a screen reader says, and the focus if it is asked
-/// for: then all of its text is selected, and what is typed takes its place.
+/// Gives a field of so many letters the name that a screen reader says, and the focus if it is
+/// asked for: then all of its text is selected, and what is typed takes its place.
 pub fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
     let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
     if is_asked.is_some() {

@@ -83,8 +83,8 @@ impl Bounds {
     }
 
     /// The axis that seems to point up: y, as in most files, unless the model is as wide as it is
-    /// deep along x and y and of another height along z. So are solids of revolution and height fields
-    /// that stand on the xy plane, though simplified ones only about, around the z axis.
+    /// deep along x and y and of another height along z. So are solids of revolution and height
+    /// fields that stand on the xy plane, though simplified ones only about, around the z axis.
     pub fn up(&self) -> UpAxis {
         let (size, middle) = (self.high - self.low, self.center());
         let across = size.x.max(size.y);

@@ -146,7 +146,11 @@ fn dice() -> impl Strategy<Value = Vec<Dice>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 48,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn edits_of_an_empty_map_are_undone(dice in dice()) {

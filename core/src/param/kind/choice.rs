@@ -7,9 +7,9 @@ use super::super::{Fault, OptionSpec, ParamSpec, Setting, Settings};
 use super::{Kind, Misfit, ParamKind};
 use crate::fingerprint::FingerprintBuilder;
 use crate::listed::Listed;
+use crate::param::object_of;
 use crate::port::InputSpec;
 use crate::problem::did_you_mean;
-use crate::schema::object_of;
 
 /// One entry of a list: `"Id"`, or `{"Id": {parameters}}`.
 #[derive(Clone, Copy)]

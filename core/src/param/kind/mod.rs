@@ -1,8 +1,8 @@
 //! The kinds of parameters: what each must answer, and the table of them.
 //!
 //! A kind is one file of this folder and one line of the table. All that is asked of a parameter
-//! (its JSON, default, place in keys, links, schema, documentation, examples) is asked here; nothing
-//! else in the runtime looks at which kind a parameter is of. The window draws each kind in
+//! (its JSON, default, place in keys, links, schema, documentation, examples) is asked here;
+//! nothing else in the runtime looks at which kind a parameter is of. The window draws each kind in
 //! `app/editor/src/forms/field.rs`.
 
 use serde_json::Value as Json;

@@ -2,10 +2,12 @@
 //!
 //! The JSON is a list with an object a point. `name` and `position` are needed; `face` and
 //! `barycentric` (the weights of the face's three corners, which sum to 1) place the point on the
-//! mesh, and `position` is where it lies if the mesh has no such face. Numbers stand by their names:
+//! mesh, and `position` is where it lies if the mesh has no such face. Numbers stand by their
+//! names:
 //!
 //! ```json
-//! [{ "name": "nose", "position": [0, 0.1, 1], "face": 7, "barycentric": [0.2, 0.3, 0.5], "radius": 1 }]
+//! [{ "name": "nose", "position": [0, 0.1, 1], "face": 7, "barycentric": [0.2, 0.3, 0.5], "radius":
+//! 1 }]
 //! ```
 
 use std::collections::HashSet;

@@ -45,8 +45,8 @@ pub use write::{write_mtl, write_obj};
 /// Gives the content of the MTL file of this name, as the OBJ file names it.
 pub type MtlSource<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
 
-/// What reading the text of an OBJ file asks for: the material files that it names, and the pictures
-/// that these name.
+/// What reading the text of an OBJ file asks for: the material files that it names, and the
+/// pictures that these name.
 trait Companions {
     /// The content of the material file of this name, as the OBJ file says it.
     fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>>;

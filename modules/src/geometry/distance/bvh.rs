@@ -259,7 +259,8 @@ impl Walker<'_> {
     ///
     /// With `c` the middle point of the group and `r` the largest distance of the others from it,
     /// every point has a face within `d(c) + r`, and within its distance from the face nearest to
-    /// `c`: a face whose box is farther than that from the box around the points is nearest to none.
+    /// `c`: a face whose box is farther than that from the box around the points is nearest to
+    /// none.
     fn group_distances_sq(&mut self, points: &[DVec3], out: &mut Vec<f64>) -> bool {
         let middle = points[points.len() / 2];
         let Some(hit) = self.closest(middle) else { return false };

@@ -42,8 +42,8 @@ pub struct HausdorffOptions {
     /// this fraction of the diagonal of the original. `None`: no bisection, the maximum is the
     /// largest of the samples and has no upper bound.
     pub max_tolerance: Option<f64>,
-    /// Parts of faces, beyond all faces and their quarters, that one bisection may look at before it
-    /// gives up with what bounds it has.
+    /// Parts of faces, beyond all faces and their quarters, that one bisection may look at before
+    /// it gives up with what bounds it has.
     pub max_parts: usize,
 }
 

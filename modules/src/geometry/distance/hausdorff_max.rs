@@ -455,7 +455,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_point_of_a_triangle_is_covered(p in any_point(), q in any_point(), c in any_point()) {
+        fn every_point_of_a_triangle_is_covered(
+            p in any_point(),
+            q in any_point(),
+            c in any_point(),
+        ) {
             let radius = cover_radius(p, q, c);
             for i in 0..=30 {
                 for j in 0..=30 - i {

@@ -1,20 +1,20 @@
 //! MSDM, the ancestor of MSDM2 for meshes of one connectivity: 0 for equal, about 1 for unlike.
 //!
 //! G. Lavoué, E. Drelie Gelasca, F. Dupont, A. Baskurt and T. Ebrahimi, "Perceptually driven 3D
-//! distance metrics with application to watermarking", SPIE 6312, 2006: at every vertex the curvature
-//! within a window, the part of the surface around the vertex within a sphere, is compared with
-//! that of the other mesh by mean (L), deviation (C) and covariance (S); the local value is
-//! (0.4 L³ + 0.4 C³ + 0.2 S³)^(1/3), the value the cubic mean over the vertices.
+//! distance metrics with application to watermarking", SPIE 6312, 2006: at every vertex the
+//! curvature within a window, the part of the surface around the vertex within a sphere, is
+//! compared with that of the other mesh by mean (L), deviation (C) and covariance (S); the local
+//! value is (0.4 L³ + 0.4 C³ + 0.2 S³)^(1/3), the value the cubic mean over the vertices.
 //!
 //! Departures and choices. Curvature is that of `msdm2`, half the sum of the principal magnitudes;
-//! the radius in which it is measured (0.002) and the default radius of windows (0.005 of the longest
-//! side of the box of the original) are chosen here. A window holds the center, the vertices met
-//! by the walk of `msdm2` and the points where the sphere cuts edges, all of one weight. Vertices
-//! correspond by index where both meshes have the same faces; otherwise to the nearest point of
-//! the other mesh, with its curvature there, which the paper does not do. The value of one direction
-//! has its windows on one mesh; the symmetric one is the mean of both. Means and deviations below
-//! 1e-6 (`FLAT`) count as zero: what is flat on both sides does not differ, and where one side
-//! alone is flat C and S are 1.
+//! the radius in which it is measured (0.002) and the default radius of windows (0.005 of the
+//! longest side of the box of the original) are chosen here. A window holds the center, the
+//! vertices met by the walk of `msdm2` and the points where the sphere cuts edges, all of one
+//! weight. Vertices correspond by index where both meshes have the same faces; otherwise to the
+//! nearest point of the other mesh, with its curvature there, which the paper does not do. The
+//! value of one direction has its windows on one mesh; the symmetric one is the mean of both. Means
+//! and deviations below 1e-6 (`FLAT`) count as zero: what is flat on both sides does not differ,
+//! and where one side alone is flat C and S are 1.
 
 use super::msdm2::curvature::curvatures;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};

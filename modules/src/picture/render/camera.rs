@@ -18,8 +18,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target` with the y axis upward, or the z axis where it looks
-    /// along the y axis. `None` where the two points are the same or not finite.
+    /// A camera at `eye` that looks at `target` with the y axis upward, or the z axis where it
+    /// looks along the y axis. `None` where the two points are the same or not finite.
     pub fn look_at(eye: DVec3, target: DVec3) -> Option<Self> {
         let forward = (target - eye).try_normalize()?;
         // Within a degree of the y axis its direction in the picture means nothing.

@@ -1,10 +1,10 @@
 //! The rasteriser: exact, deterministic pictures of a mesh, on the CPU.
 //!
 //! Pictures are square, in perspective with an opening of 60°, with the light at the camera. See
-//! `raster` for the fill rule and `luminance` for what a pixel's value means. All that decides which
-//! pixels a face covers is integer arithmetic, and what remains uses only sums, products, quotients
-//! and square roots, which IEEE 754 defines to the last bit: the same mesh gives the same bytes on
-//! any machine and any number of threads.
+//! `raster` for the fill rule and `luminance` for what a pixel's value means. All that decides
+//! which pixels a face covers is integer arithmetic, and what remains uses only sums, products,
+//! quotients and square roots, which IEEE 754 defines to the last bit: the same mesh gives the same
+//! bytes on any machine and any number of threads.
 
 mod camera;
 mod luminance;

@@ -9,7 +9,8 @@ use super::{Camera, CameraSet, Corner, Lens, Sides, Surface, Visible, corners};
 use crate::data::{Image, Images, PixelKind, TriMesh, VertexId};
 use mve_core::{Cancelled, Control};
 
-/// Pixels from one look for a stop to the next, those of the boxes around faces: a few milliseconds.
+/// Pixels from one look for a stop to the next, those of the boxes around faces: a few
+/// milliseconds.
 const BEAT: usize = 1 << 21;
 
 /// What a face takes beside its pixels, in pixels.

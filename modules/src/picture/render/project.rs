@@ -98,8 +98,8 @@ impl Lens {
         forward + (right * side(x) - up * side(y))
     }
 
-    /// Calls `each` with every triangle that is left of one of which some corner has no place: it is
-    /// cut off at the near plane and at the sides of a frustum 16 times as wide as the picture.
+    /// Calls `each` with every triangle that is left of one of which some corner has no place: it
+    /// is cut off at the near plane and at the sides of a frustum 16 times as wide as the picture.
     /// Orientation is kept. Rare, so not fast.
     pub fn clip(&self, corners: [DVec3; 3], mut each: impl FnMut([Corner; 3])) {
         if !corners.iter().all(|corner| corner.is_finite()) {

@@ -247,8 +247,9 @@ impl Triangle {
         }
         let center = |pixel: i32| pixel * STEPS + STEPS / 2;
         let first = [center(bounds.x[0]), center(bounds.y[0])];
-        // The edge opposite to each corner: its function is the area at that corner, 0 at the others.
-        // Written out: a map over an array is not always inlined, and this is where time goes.
+        // The edge opposite to each corner: its function is the area at that corner, 0 at the
+        // others. Written out: a map over an array is not always inlined, and this is where time
+        // goes.
         let start = |from: Corner, to: Corner| {
             let (dx, dy) = (to.x - from.x, to.y - from.y);
             let owns_its_points = dy < 0 || (dy == 0 && dx > 0);

@@ -2,16 +2,16 @@
 //!
 //! Shading is deferred: only what is seen is lit. The light is a number from 0 to 1, the cosine
 //! between the surface's normal and the rays of the light; the byte of a pixel is that number times
-//! the surface's color (white: 1), times 255, rounded to the nearest whole number, once. The gray of
-//! a color is its luminance by the NTSC weights. Nothing is gamma-corrected; see `luminance`.
+//! the surface's color (white: 1), times 255, rounded to the nearest whole number, once. The gray
+//! of a color is its luminance by the NTSC weights. Nothing is gamma-corrected; see `luminance`.
 //!
-//! `Flat` gives a face one light, `Unlit` every face a light of 1. `Gouraud` lights the corners and interpolates between them
-//! (H. Gouraud, "Continuous shading of curved surfaces", IEEE Transactions on Computers C-20(6),
-//! 1971), in space rather than in the picture as he does: the three weights of a pixel are the
-//! volumes that its ray spans with the edges of the face, as seen from the eye. This holds for faces
-//! that are cut at the border of the picture too, needs no division by depth, and a pixel whose
-//! center misses the face by the rounding of the grid takes the nearest color, as weights are kept
-//! from being negative.
+//! `Flat` gives a face one light, `Unlit` every face a light of 1. `Gouraud` lights the corners and
+//! interpolates between them (H. Gouraud, "Continuous shading of curved surfaces", IEEE
+//! Transactions on Computers C-20(6), 1971), in space rather than in the picture as he does: the
+//! three weights of a pixel are the volumes that its ray spans with the edges of the face, as seen
+//! from the eye. This holds for faces that are cut at the border of the picture too, needs no
+//! division by depth, and a pixel whose center misses the face by the rounding of the grid takes
+//! the nearest color, as weights are kept from being negative.
 
 use glam::{DVec2, DVec3};
 

@@ -16,8 +16,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::bend::{Bend, normal, turn_rad};
 use super::carry::carry_to;
-use super::curvature::{Bend, curvatures, normal, turn_rad};
+use super::curvature::curvatures;
 use super::surface::{Surface, common_scale};
 use super::window::{Sample, Sums};
 use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};

@@ -22,6 +22,7 @@
 //! the disc at a border vertex has the area that it has; turns over a right angle do not fold back;
 //! and an edge of three or more faces bends, too.
 
+mod bend;
 mod carry;
 pub mod collapse;
 #[cfg(test)]

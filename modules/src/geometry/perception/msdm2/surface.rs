@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::curvature::{Bend, bends};
+use super::bend::{Bend, bends};
 use super::{Msdm2Error, Variant};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;

@@ -148,11 +148,10 @@ fn the_curvature_of_a_crease() {
 fn eigenvalues_by_magnitude() {
     let turn = DMat3::from_quat(DQuat::from_axis_angle(DVec3::ONE.normalize(), 0.7));
     let m = turn * DMat3::from_diagonal(DVec3::new(1.0, 3.0, -2.0)) * turn.transpose();
-    let bend = curvature::Bend([m.x_axis.x, m.x_axis.y, m.x_axis.z, m.y_axis.y, m.y_axis.z, {
-        m.z_axis.z
-    }]);
+    let bend =
+        bend::Bend([m.x_axis.x, m.x_axis.y, m.x_axis.z, m.y_axis.y, m.y_axis.z, { m.z_axis.z }]);
     assert!(is_close(bend.two_largest(), 5.0, 1e-14));
-    assert_eq!(curvature::Bend([2.0, 0.0, 0.0, 2.0, 0.0, 2.0]).two_largest(), 4.0);
+    assert_eq!(bend::Bend([2.0, 0.0, 0.0, 2.0, 0.0, 2.0]).two_largest(), 4.0);
 }
 
 /// A convex and a concave turn have opposite signs, whichever face comes first, and a turn

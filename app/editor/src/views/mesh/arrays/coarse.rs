@@ -1,8 +1,8 @@
 //! A rough version of a large surface, for pictures in motion where the processor draws them.
 //!
 //! Vertex clustering (J. Rossignac & P. Borrel, "Multi-resolution 3D approximations for rendering
-//! complex scenes", 1993), each cell of a grid standing for its first vertex. Normals are not looked
-//! at: thin walls may merge.
+//! complex scenes", 1993), each cell of a grid standing for its first vertex. Normals are not
+//! looked at: thin walls may merge.
 
 use rayon::prelude::*;
 

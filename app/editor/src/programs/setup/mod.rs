@@ -1,17 +1,24 @@
 //! The table of a program's axes: each one or more parameters whose values advance together.
 
+pub mod axis;
+pub mod declare;
+pub mod edit;
+mod generate;
+mod steps;
+mod value;
+
 use eframe::egui::{self, Frame, Grid, Id, RichText, ScrollArea, Ui};
 use mve_core::ProgramSpec;
 use serde_json::Value as Json;
 
-use super::axis::{
+use crate::programs::setup::axis::{
     Draft, add_value, can_generate, every, join, pick_path, range_of, show_handle, show_head,
     show_row_buttons, show_title, vary,
 };
-use super::declare::{Declared, declared};
-use super::edit::{Axis, Edit, axis_of, n_rows};
-use super::widgets::{drop_zone, icon_button, named, small_button};
-use super::{Action, Scene, generate, steps, value};
+use crate::programs::setup::declare::{Declared, declared};
+use crate::programs::setup::edit::{Axis, Edit, axis_of, n_rows};
+use crate::programs::widgets::{drop_zone, icon_button, named, small_button};
+use crate::programs::{Action, Scene};
 
 /// Rows of an axis beyond which it scrolls by itself.
 const MOST_ROWS: usize = 14;
@@ -185,9 +192,14 @@ impl SetupState {
                     edits.push(Edit::SetValue { axis: place, path: path.clone(), row, value });
                 }
                 let more = format!("Parameters of {name}");
-                if !declared.nested(json).is_empty() && small_button(ui, "\u{2026}", &more).clicked() {
-                    let same = matches!(&self.opened, Some(Opened::Nested { axis: a, path: p, row: r })
-                        if (*a, p, *r) == (place, path, row));
+                if !declared.nested(json).is_empty()
+                    && small_button(ui, "\u{2026}", &more).clicked()
+                {
+                    let same = matches!(
+                        &self.opened,
+                        Some(Opened::Nested { axis: a, path: p, row: r })
+                            if (*a, p, *r) == (place, path, row)
+                    );
                     let opened = Opened::Nested { axis: place, path: path.clone(), row };
                     self.opened = (!same).then_some(opened);
                 }
