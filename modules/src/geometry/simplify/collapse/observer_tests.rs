@@ -26,14 +26,17 @@ struct Recorder {
     positions: Vec<DVec3>,
     faces: Vec<Option<[VertexId; 3]>>,
     /// The value of each corner in the first layer, by face.
-    values: Vec<[Option<DVec3>; 3]>,
+    values: Vec<CornerValues>,
     input_vertices: Vec<VertexId>,
     input_faces: Vec<FaceId>,
 }
 
 const TEXCOORD: LayerId = LayerId(0);
 
-fn corner_values(mesh: &WorkingMesh, face: FaceId) -> [Option<DVec3>; 3] {
+/// The value of each corner of a face, if it has one.
+type CornerValues = [Option<DVec3>; 3];
+
+fn corner_values(mesh: &WorkingMesh, face: FaceId) -> CornerValues {
     let wedge = |k| mesh.wedge_of_corner(face, k, TEXCOORD);
     [0, 1, 2].map(|k| wedge(k).map(|wedge| mesh.value(wedge, TEXCOORD)))
 }
@@ -89,7 +92,7 @@ impl Recorder {
 
     #[allow(clippy::type_complexity)] // Positions, faces and values, each once.
     /// The mesh in the input's ids, with the value of each corner.
-    fn mesh(&self) -> (Vec<DVec3>, Vec<[VertexId; 3]>, Vec<[Option<DVec3>; 3]>) {
+    fn mesh(&self) -> (Vec<DVec3>, Vec<[VertexId; 3]>, Vec<CornerValues>) {
         let mut positions = vec![DVec3::NAN; self.positions.len()];
         for (&p, input) in self.positions.iter().zip(&self.input_vertices) {
             positions[input.idx()] = p;
