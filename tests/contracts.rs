@@ -1,14 +1,18 @@
 //! What holds for every registered module: its declaration is whole, and it stands any input.
 
+mod cost_promises;
+
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 use mve_core::Control;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
-    DATA_TYPES, Domain, Image, Layer, LayerValues, NO_VALUE, PixelKind, TriMesh, VertexId,
+    DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
+    TextureImage, TextureRole, TriMesh, VertexId,
 };
 use mve_modules::formats::png::write_png;
 use mve_modules::formats::save_atomic;
@@ -47,7 +51,7 @@ fn meshes() -> Vec<(&'static str, TriMesh)> {
     ]
 }
 
-/// A box with seams, missing values, labels and fields.
+/// A box with seams, missing values, labels, fields and a textured material.
 fn with_layers() -> TriMesh {
     let mut mesh = subdivided_box(&BoxOptions { segments: 2, ..BoxOptions::DEFAULT });
     let (n_vertices, n_faces) = (mesh.positions.len() as u32, mesh.faces.len() as u32);
@@ -61,9 +65,29 @@ fn with_layers() -> TriMesh {
     let names = LayerValues::Label(vec!["left".into(), "right".into()]);
     put(Layer::GROUP, Domain::Face, names, (0..n_faces).map(|f| f % 2).collect());
     let numbers = LayerValues::Number((0..n_vertices).map(f64::from).collect());
+    let material = vec!["painted".to_owned(), "undefined".to_owned()];
+    let index = (0..n_faces).map(|f| if f == 2 { NO_VALUE } else { f % 2 }).collect();
+    put(Layer::MATERIAL, Domain::Face, LayerValues::Label(material), index);
     put("height", Domain::Vertex, numbers, (0..n_vertices).collect());
     let colors = LayerValues::Vec3(vec![DVec3::ONE, DVec3::ZERO]);
     put(Layer::COLOR, Domain::Vertex, colors, (0..n_vertices).map(|v| v % 2).collect());
+    let picture = |name: &str, image: Option<TextureImage>| Texture {
+        role: TextureRole::BaseColor,
+        keyword: "map_Kd".to_owned(),
+        options: "-clamp on ".to_owned(),
+        name: name.to_owned(),
+        place: 1,
+        image: image.map(Arc::new),
+    };
+    let pixels = Image::filled("texture", [3, 2], PixelKind::Rgb, 99);
+    mesh.materials = vec![Material {
+        name: "painted".to_owned(),
+        statements: vec![("Kd".to_owned(), "1 0 0".to_owned())],
+        textures: vec![
+            picture("a.png", Some(TextureImage::new(pixels))),
+            picture("missing.png", None),
+        ],
+    }];
     mesh
 }
 
@@ -116,17 +140,20 @@ fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json
 
 /// A file that a loader of these extensions can read.
 fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
+    let picture = folder.join("in.png");
+    let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
+    save_atomic(&picture, |out| write_png(&image, out, Control::none()))
+        .expect("the folder can be written");
     if extensions == ["png"] {
-        let path = folder.join("in.png");
-        let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
-        save_atomic(&path, |out| write_png(&image, out, Control::none()))
-            .expect("the folder can be written");
-        return path;
+        return picture;
     }
-    let path = folder.join("in.obj");
-    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
-    std::fs::write(&path, text).expect("the folder can be written");
-    path
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
+    let obj = format!("mtllib in.mtl\nusemtl a\n{corners}f 1//1 2//1 3//1\n");
+    let mtl = "newmtl a\nmap_Kd in.png\nmap_Ks gone.png\n";
+    for (name, text) in [("in.mtl", mtl), ("in.obj", &obj)] {
+        std::fs::write(folder.join(name), text).expect("the folder can be written");
+    }
+    folder.join("in.obj")
 }
 
 fn run(module: &'static Module, mesh: &TriMesh) -> Result<Outputs, ModuleError> {

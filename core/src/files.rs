@@ -40,6 +40,19 @@ pub(crate) fn refuse_links(base: &Path, below: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// What lies at a path below `base`: itself, or all that is in the folder there, by name.
+pub(crate) fn lying_at(base: &Path, below: &Path) -> Vec<PathBuf> {
+    match std::fs::read_dir(base.join(below)) {
+        Err(_) => vec![below.to_owned()],
+        Ok(entries) => {
+            let names = entries.flatten().map(|entry| below.join(entry.file_name()));
+            let mut paths: Vec<PathBuf> = names.collect();
+            paths.sort();
+            paths
+        }
+    }
+}
+
 /// Remembers the fingerprints of files, so that ten thousand steps over one scan read it once.
 #[derive(Debug, Default)]
 pub struct FileHashes {

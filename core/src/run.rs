@@ -14,7 +14,7 @@ use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
 use crate::error::ModuleError;
-use crate::files::refuse_links;
+use crate::files::{lying_at, refuse_links};
 use crate::fingerprint::Fingerprint;
 use crate::module::Io;
 use crate::node_outputs::{LogLine, NodeOutputs};
@@ -387,8 +387,9 @@ impl Runner<'_> {
             record.phases.clone_from(&results.phases);
         }
         record.cached = cached;
-        let is_there = |path: &&PathBuf| self.options.output_folder.join(path).is_file();
-        record.files = node.writes.iter().filter(is_there).cloned().collect();
+        let base = self.options.output_folder;
+        let written = node.writes.iter().flat_map(|path| lying_at(base, path));
+        record.files = written.filter(|path| base.join(path).is_file()).collect();
         record.log = results.log.clone();
         record
     }
@@ -403,6 +404,7 @@ impl Runner<'_> {
         if self.options.cancel.is_cancelled() {
             return Err((ModuleError::Cancelled, Vec::new()));
         }
+        self.refuse_links_of(node).map_err(|error| (error, Vec::new()))?;
         let settings = self.settle(node, linked).map_err(|error| (error, Vec::new()))?;
         self.tell(node, EventKind::Started);
         let module = node.info.module;
@@ -425,6 +427,18 @@ impl Runner<'_> {
             }
             Err(error) => Err((error, log)),
         }
+    }
+
+    /// Refuses symbolic links at all that the node writes, and in a folder that it writes.
+    fn refuse_links_of(&self, node: &PlanNode) -> Result<(), ModuleError> {
+        if self.options.output_scope != OutputScope::Folder {
+            return Ok(());
+        }
+        let base = self.options.output_folder;
+        let paths = node.writes.iter().flat_map(|path| [vec![path.clone()], lying_at(base, path)]);
+        paths.flatten().try_for_each(|path| {
+            refuse_links(base, &path).map_err(|why| ModuleError::io(&path, why))
+        })
     }
 
     /// The node's parameters, with those that come by link and with the files in their folder.

@@ -3,7 +3,6 @@
 use std::io::ErrorKind;
 use std::path::Path;
 
-use console::style;
 use mve_core::StoreError;
 
 /// Exit codes; `mve --help` says what they mean.
@@ -76,19 +75,4 @@ pub fn explain(error: &std::io::Error) -> String {
             text.split_once(" (os error").map_or(text.clone(), |(words, _)| words.to_owned())
         }
     }
-}
-
-/// Writes an error to standard error.
-pub fn complain(message: &str) {
-    crate::out::tell(&format!("{} {message}", error_mark()));
-}
-
-/// `error:`, colored where standard error is a terminal.
-pub fn error_mark() -> String {
-    style("error:").for_stderr().red().bold().to_string()
-}
-
-/// `warning:`, colored where standard error is a terminal.
-pub fn warning_mark() -> String {
-    style("warning:").for_stderr().yellow().bold().to_string()
 }

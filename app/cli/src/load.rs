@@ -9,8 +9,9 @@ use mve_core::{
 };
 use serde_json::Value as Json;
 
-use crate::exit::{Exit, Stop, error_mark, explain, warning_mark};
+use crate::exit::{Exit, Stop, explain};
 use crate::out;
+use crate::out::{error_mark, warning_mark};
 
 /// The map, and what the command line changes in it.
 #[derive(clap::Args)]

@@ -83,7 +83,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let exit = dispatch(cli).unwrap_or_else(|stop| {
         if !stop.message.is_empty() {
-            exit::complain(&stop.message);
+            out::complain(&stop.message);
         }
         stop.exit
     });

@@ -1,9 +1,11 @@
-//! Standard output. A reader that goes away, as `head` does, is no error: the rest is not written.
+//! Standard output and standard error. A reader that goes away, as `head` does, is no error: the
+//! rest is not written.
 
 use std::fs;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
+use console::style;
 use serde::Serialize;
 
 use crate::exit::{Exit, Stop, explain};
@@ -66,4 +68,19 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Stop> {
 /// Writes a line to standard error. Nobody can be told if that fails.
 pub fn tell(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Writes an error to standard error.
+pub fn complain(message: &str) {
+    tell(&format!("{} {message}", error_mark()));
+}
+
+/// `error:`, colored where standard error is a terminal.
+pub fn error_mark() -> String {
+    style("error:").for_stderr().red().bold().to_string()
+}
+
+/// `warning:`, colored where standard error is a terminal.
+pub fn warning_mark() -> String {
+    style("warning:").for_stderr().yellow().bold().to_string()
 }

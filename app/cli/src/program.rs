@@ -12,12 +12,14 @@ use mve_core::{
 use mve_report::Report;
 use serde::Serialize;
 
-use crate::exit::{Exit, Stop, warning_mark};
+use crate::exit::{Exit, Stop};
 use crate::load::{Loaded, MapArgs};
 use crate::machine::{half_of_memory, parse_count, parse_size, set_threads};
+use crate::out::warning_mark;
+use crate::program_report as report;
 use crate::progress::{Progress, seconds};
 use crate::run::open_cache;
-use crate::{out, program_report as report, stop};
+use crate::{out, stop};
 
 /// Warnings that are said while steps run; all of them are in the logs of their steps.
 const MOST_WARNINGS: usize = 20;
@@ -176,15 +178,6 @@ fn default_folder(loaded: &Loaded, name: &str) -> PathBuf {
     Path::new("mve-out").join(folder)
 }
 
-/// Places of the steps of a shard, each step once.
-pub fn places(program: &Program, shard: Shard) -> Vec<usize> {
-    let mut seen = HashSet::new();
-    (0..program.steps.len())
-        .filter(|place| seen.insert(&program.steps[*place].id))
-        .filter(|place| place % shard.count == shard.index)
-        .collect()
-}
-
 fn run_steps(
     args: &Args,
     quiet: bool,
@@ -194,7 +187,7 @@ fn run_steps(
 ) -> Result<ProgramOutcome, Stop> {
     let disk_cache = open_cache(args.cache.as_deref())?;
     let threads = set_threads(args.threads.or(args.timing.then_some(1)))?;
-    let places = places(program, shard);
+    let places = report::places(program, shard);
     let is_found = |place: &&usize| {
         let record = program.record(store, **place);
         record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)

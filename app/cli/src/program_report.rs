@@ -1,5 +1,6 @@
 //! What a program gave, or would do, for a person.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use mve_core::{Program, ProgramOutcome, Shard, Step, StepStatus, Store};
@@ -10,12 +11,20 @@ use serde_json::Value as Json;
 use crate::check::count;
 use crate::exit::{Exit, Stop};
 use crate::out;
-use crate::program::places;
 use crate::progress::seconds;
 use crate::table::{Table, wrap};
 
 /// Rows of a table on a terminal, where more would scroll away.
 const MOST_ROWS: usize = 100;
+
+/// Places of the steps of a shard, each step once.
+pub fn places(program: &Program, shard: Shard) -> Vec<usize> {
+    let mut seen = HashSet::new();
+    (0..program.steps.len())
+        .filter(|place| seen.insert(&program.steps[*place].id))
+        .filter(|place| place % shard.count == shard.index)
+        .collect()
+}
 
 /// The parameters of a step in a line.
 pub fn label(step: &Step) -> String {

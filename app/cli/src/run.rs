@@ -11,9 +11,10 @@ use mve_core::{
 use serde::Serialize;
 
 use crate::check::count;
-use crate::exit::{Exit, Stop, warning_mark};
+use crate::exit::{Exit, Stop};
 use crate::load::MapArgs;
 use crate::machine::{parse_count, set_threads};
+use crate::out::warning_mark;
 use crate::progress::{Progress, seconds};
 use crate::table::Table;
 use crate::{out, stop};
@@ -270,7 +271,7 @@ fn conclude(outcome: &RunOutcome, exit: Exit) -> Result<Exit, Stop> {
     let failures: Vec<_> =
         outcome.failures().map(|(name, error)| format!("{name}: {error}")).collect();
     let Some((last, others)) = failures.split_last() else { return Ok(exit) };
-    others.iter().for_each(|failure| crate::exit::complain(failure));
+    others.iter().for_each(|failure| out::complain(failure));
     Err(Stop { exit, message: last.clone() })
 }
 

@@ -63,7 +63,7 @@ fn main() {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state, folders: Vec::new() }
+    Pinned { title, value: Some(value), state }
 }
 
 fn measure(harness: &mut Harness<Shown>, name: &str) {

@@ -86,10 +86,8 @@ fn run() -> Result<(), String> {
 fn load(path: &Path, order: &Order, pinned: &mut Vec<Pinned>) -> Result<(), String> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let message = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let pin = |title: String, value: Value| {
-        let folders = path.parent().map(Path::to_owned).into_iter().collect();
-        Pinned { title, value: Some(value), state: PortState::Ready, folders }
-    };
+    let pin =
+        |title: String, value: Value| Pinned { title, value: Some(value), state: PortState::Ready };
     if path.extension().is_some_and(|extension| extension == "png") {
         let bytes = std::fs::read(path).map_err(|error| message(&error))?;
         let image = read_png(&bytes, &name).map_err(|error| message(&error))?;

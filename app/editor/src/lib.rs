@@ -8,6 +8,7 @@ pub mod app;
 pub mod canvas;
 pub mod catalog;
 pub mod document;
+pub mod drag;
 mod forms;
 pub mod programs;
 pub mod runner;

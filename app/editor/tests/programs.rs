@@ -11,7 +11,8 @@ use eframe::egui::{DragAndDrop, Theme, Ui, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use mve_core::{Map, Registry};
-use mve_editor::programs::{Action, DraggedParam, ProgramPanel, Scene};
+use mve_editor::drag::DraggedParam;
+use mve_editor::programs::{Action, ProgramPanel, Scene};
 use serde_json::{Value as Json, json};
 
 /// What a window would hold: the map, the panel, and what the panel asked for.
@@ -151,7 +152,7 @@ fn a_program_is_made_run_and_read() {
     wait(&mut harness, "the table", |harness| {
         harness.query_all_by_label_contains("status done").count() == 4
     });
-    let said = harness.state_mut().panel.take_said();
+    let said = harness.state_mut().panel.take_messages();
     let [(false, text)] = said.as_slice() else { panic!("{said:?}") };
     assert!(text.starts_with("program sweep: 4 steps run in "), "{text}");
     let row = harness.get_by_label_contains("make.segments 16, cut.cost Quadric,");

@@ -65,7 +65,7 @@ fn tolerance(n_pixels: usize) -> SnapshotOptions {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state, folders: Vec::new() }
+    Pinned { title, value: Some(value), state }
 }
 
 /// A view by itself, once everything in it is made.

@@ -62,7 +62,8 @@ pub struct PlanNode {
     pub info: ModuleInfo,
     /// Its parameters, all of them set. Those with a link change when it runs.
     pub settings: Settings,
-    /// Files that it reads, with the fingerprints of their content.
+    /// Files that it reads, with the fingerprints of their content; those that its files name may
+    /// be missing, which has a fingerprint of its own.
     pub reads: Vec<(PathBuf, Fingerprint)>,
     /// Files that it writes, relative to the output folder unless absolute.
     pub writes: Vec<PathBuf>,
@@ -226,13 +227,18 @@ fn read(
     let fingerprint = files.fingerprint(path);
     let fingerprint = fingerprint.map_err(|why| format!("{}: {why}", path.display()))?;
     reads.push((path.to_owned(), fingerprint));
-    // What a file names may be missing; the module says so when it matters.
+    // What a file names may be missing; the module says so when it matters. Which of them is missing
+    // decides the result as well.
     for path in also_reads(path) {
-        if let Ok(fingerprint) = files.fingerprint(&path) {
-            reads.push((path, fingerprint));
-        }
+        let fingerprint = files.fingerprint(&path).unwrap_or_else(|_| no_file());
+        reads.push((path, fingerprint));
     }
     Ok(())
+}
+
+/// The fingerprint of a file that another one names and that is not there.
+pub(crate) fn no_file() -> Fingerprint {
+    Fingerprint::of(b"mve: no such file")
 }
 
 /// A problem about a name that no node has.

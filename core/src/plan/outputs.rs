@@ -190,7 +190,7 @@ pub(super) fn fill(
             )));
             continue;
         };
-        let beside = name.also_writes.iter().map(|extension| path.with_extension(extension));
+        let beside = name.also_writes.iter().map(|ending| beside(&path, ending));
         let all: Vec<PathBuf> = std::iter::once(path.clone()).chain(beside).collect();
         for written in &all {
             let own = port().to_string();
@@ -225,6 +225,18 @@ pub(super) fn fill(
     }
 }
 
+/// What is written beside a file: another one of its stem, or a folder whose name begins with it.
+fn beside(path: &Path, ending: &str) -> PathBuf {
+    match ending.strip_suffix('/') {
+        None => path.with_extension(ending),
+        Some(ending) => {
+            let mut name = path.file_stem().unwrap_or_default().to_owned();
+            name.push(ending);
+            path.with_file_name(name)
+        }
+    }
+}
+
 /// The path as a file system that does not tell `A` from `a` sees it.
 pub(crate) fn one_case(path: &Path) -> PathBuf {
     path.to_string_lossy().to_lowercase().into()
@@ -245,13 +257,13 @@ fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
     names_a_file.then_some(path)
 }
 
-/// A path that is a file for one saver and a folder for another.
+/// A path that one saver has for itself, as a file or a folder, and another needs as a folder.
 fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem>) {
     for (path, writer) in writers {
         for folder in path.ancestors().skip(1) {
             if let Some(other) = writers.get(folder) {
                 problems.push(Problem::error(format!(
-                    "{other} writes the file \"{}\", which {writer} needs as a folder",
+                    "{other} writes \"{}\" alone, which {writer} needs as a folder",
                     folder.display()
                 )));
             }
@@ -266,7 +278,10 @@ fn check_inputs(nodes: &[PlanNode], folder: &Path, problems: &mut Vec<Problem>) 
         for written in &writer.writes {
             let Some(target) = absolute(&folder.join(written)) else { continue };
             let reads_it = |node: &&PlanNode| {
-                node.reads.iter().any(|(path, _)| absolute(path).as_ref() == Some(&target))
+                // What is written may be a folder.
+                let is_inside =
+                    |path: &Path| absolute(path).is_some_and(|p| p.starts_with(&target));
+                node.reads.iter().any(|(path, _)| is_inside(path))
             };
             if let Some(reader) = nodes.iter().find(reads_it) {
                 let message = format!(
@@ -292,6 +307,13 @@ mod tests {
             assert_eq!(inside(bad), None, "{bad}");
         }
         assert_eq!(tidy("/tmp/a", OutputScope::Anywhere), Some(PathBuf::from("/tmp/a")));
+    }
+
+    #[test]
+    fn files_and_folders_beside_a_file() {
+        let path = Path::new("out/bunny.v2.obj");
+        assert_eq!(beside(path, "mtl"), Path::new("out/bunny.v2.mtl"));
+        assert_eq!(beside(path, "-textures/"), Path::new("out/bunny.v2-textures"));
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
 use crate::param::MODULE;
-use crate::plan::{Plan, assign, one_case};
+use crate::plan::{Plan, assign, no_file, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
@@ -103,8 +103,10 @@ impl Program {
                 }
                 let id = plan.id.short();
                 checker.check_outputs(&plan, &id, params);
+                let missing = no_file();
                 for node in &plan.nodes {
-                    self.inputs.extend(node.reads.iter().cloned());
+                    let reads = node.reads.iter().filter(|(_, content)| *content != missing);
+                    self.inputs.extend(reads.cloned());
                     self.modules.insert(node.info.module.id, node.info.version);
                 }
                 self.steps.push(Step { id, repeat, params: params.clone() });

@@ -6,7 +6,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::collapse::{Batch, WorkingMesh};
+use crate::geometry::simplify::collapse::{Batch, Contraction, WorkingMesh};
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "EdgeLength",
@@ -22,9 +22,23 @@ pub struct EdgeLength;
 impl Cost for EdgeLength {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            *price = mesh
-                .position(proposal.contraction.kept)
-                .distance(mesh.position(proposal.contraction.gone));
+            let Contraction { kept, gone, .. } = proposal.contraction;
+            *price = mesh.position(kept).distance(mesh.position(gone));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::mesh::fixtures::mesh_of;
+    use crate::placement::Midpoint;
+
+    #[test]
+    fn a_price_is_the_length_of_the_edge() {
+        let corners = [[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let prices = first_prices(&mesh_of(&corners, &[[0, 1, 2]]), &mut EdgeLength, &mut Midpoint);
+        assert_eq!(prices, [(0, 1, 3.0), (0, 2, 4.0), (1, 2, 5.0)]);
     }
 }

@@ -42,3 +42,29 @@ pub static COST: Entry<MakeCost> = Entry {
         Ok(Box::new(ImageDriven::new(mesh, difference, image_options(mesh, settings)?)))
     },
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::{BoxOptions, subdivided_box};
+    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::image_driven::ImageOptions;
+    use crate::placement::Midpoint;
+
+    #[test]
+    fn within_a_side_of_a_box_nothing_is_lost() {
+        let mesh = subdivided_box(&BoxOptions { segments: 4, ..BoxOptions::DEFAULT });
+        let options = ImageOptions { resolution: 48, ..ImageOptions::DEFAULT };
+        let mut cost = ImageDriven::new(&mesh, Structure::default(), options);
+        let (low, high) = mesh.bounds().unwrap();
+        let is_inner = |v: u32| {
+            let p = mesh.positions[v as usize];
+            (0..3).filter(|&axis| p[axis] == low[axis] || p[axis] == high[axis]).count() == 1
+        };
+        let prices = first_prices(&mesh, &mut cost, &mut Midpoint);
+        let mut inner = prices.iter().filter(|(from, to, _)| is_inner(*from) && is_inner(*to));
+        assert!(inner.all(|&(_, _, price)| price == 0.0));
+        assert!(prices.iter().any(|&(_, _, price)| price > 0.0));
+        assert!((COST.build)(&mesh, &Settings::defaults(COST.params).unwrap()).is_ok());
+    }
+}

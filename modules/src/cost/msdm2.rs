@@ -31,7 +31,8 @@ const COUNTING: Param<Counting> =
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "Msdm2",
-    summary: "How much worse the mesh looks: the change of MSDM2 (Lavoué 2011) around the collapse.",
+    summary: "How much worse the mesh looks: the change of MSDM2 (Lavoué 2011) around the \
+              collapse.",
     params: &[LEVELS.spec(), COUNTING.spec()],
     build: |mesh, settings| {
         let (n_levels, counting) = (settings.get(&LEVELS)? as usize, settings.get(&COUNTING)?);
@@ -85,5 +86,38 @@ impl Cost for Msdm2 {
 
     fn reach(&self) -> Reach {
         Reach::NEIGHBORS
+    }
+
+    fn exact_reach(&self) -> Option<Reach> {
+        Some(Reach(4))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::{BoxOptions, subdivided_box};
+    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::placement::Midpoint;
+
+    #[test]
+    fn only_the_edges_that_round_off_a_box_cost_anything() {
+        let mesh = subdivided_box(&BoxOptions { segments: 6, ..BoxOptions::DEFAULT });
+        let mut cost = Msdm2::new(&mesh, 3, Counting::Merged);
+        let (low, high) = mesh.bounds().unwrap();
+        let prices = first_prices(&mesh, &mut cost, &mut Midpoint);
+        let sides = |v: u32| {
+            let p = mesh.positions[v as usize];
+            (0..3).filter(|&axis| p[axis] == low[axis] || p[axis] == high[axis]).count()
+        };
+        for (from, to, price) in prices {
+            match [sides(from), sides(to)] {
+                // Within a side nothing bends.
+                [1, 1] => assert!(price.abs() < 1e-6, "{price}"),
+                // A corner of the box would go.
+                [3, _] | [_, 3] => assert!(price > 1e-3, "{price}"),
+                _ => {}
+            }
+        }
     }
 }

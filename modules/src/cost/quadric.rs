@@ -62,3 +62,24 @@ impl Cost for Quadric {
         Some(self.options)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::mesh::fixtures::tetrahedron;
+    use crate::placement::Endpoint;
+
+    #[test]
+    fn a_price_is_the_weighted_squared_distance_from_the_planes() {
+        // The corner at the origin has three planes of area 1/2, which count a third each; a leg of
+        // length 1 to (1, 0, 0) leaves one of them by 1: (1/2) / 3. The other end has two of them
+        // and the slanted face of area √3/2 at distance 1/√3: (√3/2) (1/3) / 3. The dearer is not
+        // taken.
+        let prices = first_prices(&tetrahedron(), &mut Quadric::default(), &mut Endpoint);
+        let expected = f64::min(0.5 / 3.0, 3f64.sqrt() / 2.0 / 3.0 / 3.0);
+        let (_, _, price) = prices[0];
+        assert!((price - expected).abs() < 1e-9, "{price} {expected}");
+        assert_eq!((prices.len(), COST.id), (6, "Quadric"));
+    }
+}

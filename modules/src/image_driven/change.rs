@@ -9,7 +9,7 @@ use crate::picture::render::{LANES, NO_FACE, normal};
 
 /// A face before or after a collapse.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patched {
+pub(super) struct PatchFace {
     /// Its number; a face that only changes its shape keeps it.
     pub face: u32,
     /// Its vertices.
@@ -20,7 +20,7 @@ pub(super) struct Patched {
     pub normal: DVec3,
 }
 
-impl Patched {
+impl PatchFace {
     fn new(face: FaceId, vertices: [VertexId; 3], point: impl Fn(VertexId) -> DVec3) -> Self {
         let points = vertices.map(point);
         Self { face: face.0, vertices: vertices.map(|v| v.0), points, normal: normal(points) }
@@ -36,9 +36,9 @@ impl Patched {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Change {
     /// The faces that go, by number.
-    pub old: Vec<Patched>,
+    pub old: Vec<PatchFace>,
     /// The faces that come, by number.
-    pub new: Vec<Patched>,
+    pub new: Vec<PatchFace>,
     /// All vertices of the faces that go.
     pub ring: Vec<u32>,
     /// The vertex that stays.
@@ -68,13 +68,13 @@ impl Change {
         let (kept, gone) = (proposal.contraction.kept, proposal.contraction.gone);
         let mut change = Self::at(kept, proposal.position);
         for face in mesh.faces_around(kept).chain(mesh.faces_around(gone)) {
-            let Some(old) = Patched::of(mesh, face) else { continue };
+            let Some(old) = PatchFace::of(mesh, face) else { continue };
             change.old.push(old);
             let has = |v: VertexId| old.vertices.contains(&v.0);
             if !(has(kept) && has(gone)) {
                 let moved = old.vertices.map(|v| VertexId(if v == gone.0 { kept.0 } else { v }));
                 let point = |v| if v == kept { proposal.position } else { mesh.position(v) };
-                change.new.push(Patched::new(face, moved, point));
+                change.new.push(PatchFace::new(face, moved, point));
             }
         }
         change.settle()
@@ -94,12 +94,12 @@ impl Change {
             v => mesh.position(v),
         };
         for face in mesh.faces_around(kept) {
-            change.new.extend(Patched::of(mesh, face));
+            change.new.extend(PatchFace::of(mesh, face));
         }
         let left = change.new.iter().map(|new| FaceId(new.face));
         for face in left.chain(collapse.dying_faces.iter().map(|dying| dying.face)) {
             let vertices = face_before(face.0).map(VertexId);
-            change.old.push(Patched::new(face, vertices, point_before));
+            change.old.push(PatchFace::new(face, vertices, point_before));
         }
         change.settle()
     }

@@ -89,7 +89,7 @@ pub struct ImageDriven<D: Difference> {
     difference: D,
     options: ImageOptions,
     lenses: Vec<Lens>,
-    cameras: Vec<Mutex<Watched<D>>>,
+    cameras: Vec<Mutex<CameraState<D>>>,
     /// The vertices of every face, as the cameras know them.
     faces: Vec<[u32; 3]>,
     /// Collapses that some camera may not have seen yet: they see them when they are next asked,
@@ -99,7 +99,7 @@ pub struct ImageDriven<D: Difference> {
 }
 
 /// A camera with what its difference keeps.
-struct Watched<D: Difference> {
+struct CameraState<D: Difference> {
     view: View,
     kept: D::Kept,
     /// How many of the pending collapses it has seen.
@@ -115,16 +115,16 @@ struct Scratch<D: Difference> {
 
 /// The work of one camera, with the vector instructions that the machine has. (A closure would be
 /// compiled for the least machine.)
-struct Asked<'a, D: Difference> {
+struct CameraWork<'a, D: Difference> {
     cost: &'a ImageDriven<D>,
-    watched: &'a mut Watched<D>,
+    watched: &'a mut CameraState<D>,
     scratch: &'a mut Scratch<D>,
     /// The mesh, if whole pictures are to be drawn.
     mesh: Option<&'a WorkingMesh>,
     changes: &'a [Change],
 }
 
-impl<D: Difference> WithSimd for Asked<'_, D> {
+impl<D: Difference> WithSimd for CameraWork<'_, D> {
     type Output = Vec<i64>;
 
     /// Shows the camera the collapses that it has not seen; then by how much each change makes its
@@ -132,7 +132,7 @@ impl<D: Difference> WithSimd for Asked<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<i64> {
         let Self { cost, watched, scratch, mesh, changes } = self;
-        let Watched { view, kept, n_seen } = watched;
+        let CameraState { view, kept, n_seen } = watched;
         let Scratch { canvas, patch, difference: buffers } = scratch;
         let (difference, pending) = (&cost.difference, &cost.pending[*n_seen..]);
         let mut growths = Vec::with_capacity(changes.len());
@@ -195,10 +195,10 @@ impl<D: Difference> ImageDriven<D> {
         lens: Lens,
         mesh: &WorkingMesh,
         control: Control,
-    ) -> Result<Watched<D>, Cancelled> {
+    ) -> Result<CameraState<D>, Cancelled> {
         let view = View::new(lens, self.options.sides, self.options.background, mesh, control)?;
         let kept = self.difference.keep(&view.picture);
-        Ok(Watched { view, kept, n_seen: 0 })
+        Ok(CameraState { view, kept, n_seen: 0 })
     }
 
     /// By how much each change makes the picture of a camera differ more.
@@ -206,7 +206,7 @@ impl<D: Difference> ImageDriven<D> {
         let mesh = (self.options.areas == Areas::Whole).then_some(mesh);
         let mut scratch = lock(&self.scratch).pop().unwrap_or_default();
         let watched = &mut *lock(&self.cameras[camera]);
-        let asked = Asked { cost: self, watched, scratch: &mut scratch, mesh, changes };
+        let asked = CameraWork { cost: self, watched, scratch: &mut scratch, mesh, changes };
         let growths = Arch::new().dispatch(asked);
         lock(&self.scratch).push(scratch);
         growths
@@ -251,7 +251,7 @@ impl<D: Difference> Cost for ImageDriven<D> {
     }
 
     fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
-        let is_seen = |watched: &mut Mutex<Watched<D>>| {
+        let is_seen = |watched: &mut Mutex<CameraState<D>>| {
             watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen == self.pending.len()
         };
         if self.cameras.iter_mut().all(is_seen) {
@@ -278,5 +278,10 @@ impl<D: Difference> Cost for ImageDriven<D> {
     // The faces of an edge are those around its ends.
     fn reach(&self) -> Reach {
         Reach::NEIGHBORS
+    }
+
+    // A price is that of the pixels of its faces, before which others may come from afar.
+    fn exact_reach(&self) -> Option<Reach> {
+        None
     }
 }

@@ -1,4 +1,4 @@
-//! A picture in the making, and the part of it that a collapse would change.
+//! A picture of the working mesh, and the part of it that a collapse would change.
 
 use crate::picture::render::Rect;
 

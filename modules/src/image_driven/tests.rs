@@ -97,7 +97,7 @@ fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     let mut scratch = Scratch::default();
     let watched = &mut *lock(&cost.cameras[camera]);
     let (mesh, changes) = (None, &[][..]);
-    Asked { cost, watched, scratch: &mut scratch, mesh, changes }.with_simd(pulp::Scalar);
+    CameraWork { cost, watched, scratch: &mut scratch, mesh, changes }.with_simd(pulp::Scalar);
     watched.view.picture.clone()
 }
 

@@ -3,7 +3,7 @@
 use wide::{f32x8, i32x8};
 
 use super::canvas::{BYTES, Block, Canvas, all};
-use super::change::{Change, Patched};
+use super::change::{Change, PatchFace};
 use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
@@ -45,7 +45,7 @@ impl View {
         let mut view = Self { lens, sides, background, corners, stride, layers, picture };
         for face in mesh.face_ids() {
             control.item(face.idx(), mesh.n_faces())?;
-            Patched::of(mesh, face).iter().for_each(|face| view.insert(face));
+            PatchFace::of(mesh, face).iter().for_each(|face| view.insert(face));
         }
         let rows = view.layers.values.chunks_exact(stride);
         view.picture.now = rows.flat_map(|row| &row[..lens.size]).copied().collect();
@@ -54,7 +54,7 @@ impl View {
     }
 
     /// Puts a face into the layers.
-    fn insert(&mut self, face: &Patched) {
+    fn insert(&mut self, face: &PatchFace) {
         let Self { lens, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
@@ -70,7 +70,7 @@ impl View {
     }
 
     /// Takes a face out of the layers.
-    fn remove(&mut self, face: &Patched) {
+    fn remove(&mut self, face: &PatchFace) {
         let Self { lens, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
@@ -120,8 +120,8 @@ impl View {
         change
             .new
             .iter()
-            .any(|&Patched { vertices: [a, b, c], .. }| is_seen([after(a), after(b), after(c)]))
-            || change.old.iter().any(|&Patched { vertices: [a, b, c], .. }| {
+            .any(|&PatchFace { vertices: [a, b, c], .. }| is_seen([after(a), after(b), after(c)]))
+            || change.old.iter().any(|&PatchFace { vertices: [a, b, c], .. }| {
                 is_seen([before(a), before(b), before(c)])
             })
     }
@@ -154,7 +154,7 @@ impl View {
     }
 
     /// Draws a face of which a corner has no place.
-    fn draw_clipped(&self, new: &Patched, canvas: &mut Canvas) {
+    fn draw_clipped(&self, new: &PatchFace, canvas: &mut Canvas) {
         face_triangles(&self.lens, self.sides, [Corner::default(); 3], new.points, |triangle| {
             let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
             canvas.draw(new.face, triangle, value);
@@ -262,7 +262,7 @@ impl View {
         let whole = Rect::whole(self.lens.size);
         let moved = self.lens.corner(change.position);
         canvas.clear(&whole);
-        let mut draw = |face: &Patched| {
+        let mut draw = |face: &PatchFace| {
             let placed = face.vertices.map(|v| self.corner_after(change, moved, v));
             face_triangles(&self.lens, self.sides, placed, face.points, |triangle| {
                 let value = luminance(face.normal, self.lens.camera.forward, triangle.side);
@@ -272,7 +272,7 @@ impl View {
         for face in mesh.face_ids() {
             let FaceId(number) = face;
             if !change.removes(number) {
-                Patched::of(mesh, face).iter().for_each(&mut draw);
+                PatchFace::of(mesh, face).iter().for_each(&mut draw);
             } else if let Ok(at) = change.new.binary_search_by_key(&number, |new| new.face) {
                 draw(&change.new[at]);
             }

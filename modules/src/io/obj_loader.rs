@@ -1,4 +1,4 @@
-//! Loads a Wavefront OBJ file with its materials.
+//! Loads a Wavefront OBJ file with its materials and textures.
 
 use crate::formats::obj::{self, ObjError};
 use crate::prelude::*;
@@ -13,7 +13,7 @@ const MESH_OUT: Out<TriMesh> = Out::new(
 
 pub static MODULE: Module = Module {
     id: "ObjLoader",
-    summary: "Loads a mesh from an OBJ file, and the MTL files that it names.",
+    summary: "Loads a mesh from an OBJ file, with the MTL files that it names and their textures.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
     params: &[PATH.spec()],

@@ -8,7 +8,7 @@ use super::union_find::UnionFind;
 use crate::data::{FaceId, TriMesh, VertexId};
 use mve_core::{Cancelled, Control};
 
-/// Index of an edge in [`Adjacency::edges`].
+/// Index of an edge of a mesh: in [`Adjacency::edges`], or in a working mesh of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EdgeId(pub u32);
 

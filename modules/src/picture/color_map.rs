@@ -79,8 +79,9 @@ pub fn range_of(values: &[f64], options: &ColorMapOptions) -> Result<[f64; 2], E
     })
 }
 
-/// The value below which a part of all lie, 0 to 1; reorders the values.
-fn quantile(values: &mut [f64], part: f64) -> Option<f64> {
+/// The value below which a part of all lie, 0 to 1, between neighbors where it falls between them;
+/// reorders the values. `None` without a value.
+pub fn quantile(values: &mut [f64], part: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let at = part * last as f64;
     let below = (at.floor() as usize).min(last);

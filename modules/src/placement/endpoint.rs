@@ -26,3 +26,20 @@ impl Placement for Endpoint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::simplify::collapse::trial::first_places;
+    use crate::mesh::fixtures::mesh_of;
+
+    #[test]
+    fn both_ends_are_proposed() {
+        let corners = [[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let mesh = mesh_of(&corners, &[[0, 1, 2]]);
+        for (from, to, places) in first_places(&mesh, &mut Endpoint) {
+            let ends = [from, to].map(|v| mesh.positions[v as usize]);
+            assert!(places == ends || places == [ends[1], ends[0]]);
+        }
+    }
+}

@@ -71,3 +71,24 @@ impl Placement for Optimal {
         Some(self.options)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::simplify::collapse::trial::first_places;
+    use crate::mesh::fixtures::tetrahedron;
+    use glam::DVec3;
+
+    #[test]
+    fn three_planes_of_a_corner_and_the_slanted_one_pull_as_their_areas_say() {
+        // The edge from the origin to (1, 0, 0). Planes x = 0 (once), y = 0 and z = 0 (twice each)
+        // of weight w = 1/6, and x + y + z = 1 of weight √3 w, once: with s = (x + y + z − 1) / √3
+        // the minimum has x = −s, 2 y = −s and 2 z = −s, so s (√3 + 2) = −1.
+        let places = first_places(&tetrahedron(), &mut Optimal::default());
+        let s = -1.0 / (3f64.sqrt() + 2.0);
+        let expected = DVec3::new(-s, -s / 2.0, -s / 2.0);
+        let (from, to, places) = &places[0];
+        assert_eq!((*from, *to), (0, 1));
+        assert!((places[0] - expected).length() < 1e-5, "{} {expected}", places[0]);
+    }
+}

@@ -19,7 +19,7 @@ const BESIDE: f64 = 40.0;
 
 impl Editor {
     /// Does what was asked for; what cannot be done is said.
-    pub(super) fn grant(&mut self, ctx: &egui::Context, wish: Wish) {
+    pub(super) fn carry_out(&mut self, ctx: &egui::Context, wish: Wish) {
         match wish {
             Wish::Canvas(action) => self.act(ctx, action),
             Wish::ShowNode(node) => {
@@ -157,7 +157,7 @@ impl Editor {
                     );
                 }
             }
-            programs::Action::ShowNode(node) => self.grant(ctx, Wish::ShowNode(node)),
+            programs::Action::ShowNode(node) => self.carry_out(ctx, Wish::ShowNode(node)),
             other => {
                 if let Some(edit) = edit_of(other) {
                     self.edit(&[edit]);
@@ -179,8 +179,8 @@ impl Editor {
             Command::SaveAs => self.save_as(),
             Command::Close(place) => self.close(place),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            Command::Undo => self.travel(Document::undo),
-            Command::Redo => self.travel(Document::redo),
+            Command::Undo => self.move_in_history(Document::undo),
+            Command::Redo => self.move_in_history(Document::redo),
             Command::Run => self.run(Part::All),
             Command::Stop => self.session_mut().runner.stop(),
             Command::Shortcuts => self.boxes.show_shortcuts(),
@@ -191,7 +191,7 @@ impl Editor {
     }
 
     /// Goes back or forward in the history.
-    fn travel(&mut self, step: fn(&mut Document) -> Option<&str>) {
+    fn move_in_history(&mut self, step: fn(&mut Document) -> Option<&str>) {
         let Self { sessions, active, shared, .. } = self;
         let session = &mut sessions[*active];
         step(&mut session.document);

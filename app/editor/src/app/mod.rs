@@ -283,7 +283,7 @@ impl Editor {
         self.name_window(ui.ctx());
         // What was being typed counts before what a key asks for.
         for wish in wishes.into_iter().chain(commands.into_iter().map(Wish::Command)) {
-            self.grant(ui.ctx(), wish);
+            self.carry_out(ui.ctx(), wish);
         }
         if self.session().runner.is_running() || self.session().programs.is_running() {
             // So that times and bars move; what happens wakes the window by itself.

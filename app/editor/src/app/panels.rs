@@ -6,7 +6,7 @@ use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
 use super::{Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
-use crate::programs;
+use crate::drag::DraggedParam;
 
 /// Width of the window in points below which the inspector would take the canvas its room.
 const NARROW: f32 = 620.0;
@@ -148,7 +148,7 @@ pub fn show_hovered(ui: &Ui) {
 
 /// Names the parameter that is on its way to the program, beside the pointer.
 pub fn show_dragged(ui: &Ui) {
-    let Some(dragged) = egui::DragAndDrop::payload::<programs::DraggedParam>(ui.ctx()) else {
+    let Some(dragged) = egui::DragAndDrop::payload::<DraggedParam>(ui.ctx()) else {
         return;
     };
     let id = ui.id().with("dragged");

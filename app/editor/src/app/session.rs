@@ -117,7 +117,7 @@ impl Session {
             self.pin_something();
         }
         self.programs.take_in();
-        for (is_trouble, text) in self.programs.take_said() {
+        for (is_trouble, text) in self.programs.take_messages() {
             let loudness = if is_trouble { Loudness::Error } else { Loudness::Note };
             self.runner.log.add(Line::of(None, loudness, text));
         }
@@ -209,7 +209,6 @@ impl Session {
             title: port.to_string(),
             value: value_of(port),
             state: state_of(port),
-            folders: self.runner.checked().folders_of(&port.node),
         });
         pinned.collect()
     }

@@ -72,6 +72,16 @@ impl View {
     }
 }
 
+/// A point of the document as one of the canvas.
+pub fn pos(at: [f64; 2]) -> Pos2 {
+    Pos2::new(at[0] as f32, at[1] as f32)
+}
+
+/// A rectangle of the document as one of the canvas.
+pub fn rect_of(at: [f64; 2], size: [f64; 2]) -> Rect {
+    Rect::from_min_size(pos(at), Vec2::new(size[0] as f32, size[1] as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType};
 use mve_core::{Link, PortRef};
 
+use super::camera::{pos, rect_of};
 use super::menu::{self, Renaming};
 use super::paint::Brush;
 use super::shape::Port;
@@ -296,15 +297,15 @@ impl Canvas {
             self.menu_at = place;
         }
         let (wire, at) = (self.menu_wire.clone(), self.menu_at);
-        let mut asked = menu::Asked::Nothing;
+        let mut choice = menu::MenuChoice::Nothing;
         back.context_menu(|ui| match &wire {
             Some(link) => menu::of_wire(ui, link, at, actions),
-            None => asked = menu::of_canvas(ui, at, scene, actions),
+            None => choice = menu::of_canvas(ui, at, scene, actions),
         });
-        match asked {
-            menu::Asked::Nothing => {}
-            menu::Asked::Search => self.search_at(brush.view.to_screen(pos(at)), None),
-            menu::Asked::Note => self.add_note(at, actions),
+        match choice {
+            menu::MenuChoice::Nothing => {}
+            menu::MenuChoice::Search => self.search_at(brush.view.to_screen(pos(at)), None),
+            menu::MenuChoice::Note => self.add_note(at, actions),
         }
     }
 
@@ -405,16 +406,6 @@ impl Canvas {
         items.extend(reroutes.map(|(name, _)| Item::Reroute(name.clone())));
         items
     }
-}
-
-/// A point of the document as one of the canvas.
-pub fn pos(at: [f64; 2]) -> Pos2 {
-    Pos2::new(at[0] as f32, at[1] as f32)
-}
-
-/// A rectangle of the document as one of the canvas.
-fn rect_of(at: [f64; 2], size: [f64; 2]) -> Rect {
-    Rect::from_min_size(pos(at), Vec2::new(size[0] as f32, size[1] as f32))
 }
 
 /// Where a note is; its height follows its text.

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Area, Frame, Id, Key, Order, TextEdit, Ui};
 use mve_core::{Link, NodeMode, PortRef};
 
-use super::gesture::pos;
+use super::camera::pos;
 use super::{Action, Canvas, Scene, node_of, toggled};
 use crate::document::{Alignment, Edit, Item};
 use crate::forms::select_all;
@@ -113,7 +113,7 @@ fn clipboard_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
 
 /// What the menu of the empty canvas asks for beside actions.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum MenuChoice {
     /// Nothing.
     Nothing,
     /// The search of modules.
@@ -123,13 +123,18 @@ pub enum Asked {
 }
 
 /// The menu of the empty canvas.
-pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Action>) -> Asked {
-    let mut asked = Asked::Nothing;
+pub fn of_canvas(
+    ui: &mut Ui,
+    at: [f64; 2],
+    scene: &Scene,
+    actions: &mut Vec<Action>,
+) -> MenuChoice {
+    let mut choice = MenuChoice::Nothing;
     if item(ui, "Add a module…", "Tab") {
-        asked = Asked::Search;
+        choice = MenuChoice::Search;
     }
     if item(ui, "Add a note", "N") {
-        asked = Asked::Note;
+        choice = MenuChoice::Note;
     }
     if item(ui, "Add a frame", "") {
         let (title, size) = ("Frame".to_owned(), [320.0, 240.0]);
@@ -148,7 +153,7 @@ pub fn of_canvas(ui: &mut Ui, at: [f64; 2], scene: &Scene, actions: &mut Vec<Act
     if item(ui, "Run", "F5") {
         actions.push(Action::Run(Part::All));
     }
-    asked
+    choice
 }
 
 /// The menu of a wire.

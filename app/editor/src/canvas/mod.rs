@@ -98,7 +98,7 @@ pub enum Action {
 
 /// What is to be shown in the next frame.
 #[derive(Clone, Copy, Debug, Default)]
-enum Wanted {
+enum FitTarget {
     #[default]
     Nothing,
     All,
@@ -121,7 +121,7 @@ pub struct Canvas {
     /// What the open menu of the background is about.
     menu_wire: Option<Link>,
     menu_at: [f64; 2],
-    wants: Wanted,
+    wants: FitTarget,
     /// Whether the whole map is shown, and was not moved since: then it follows the panel's size.
     is_fitted: bool,
     /// A node to move into the middle of the view.
@@ -132,12 +132,12 @@ pub struct Canvas {
 impl Canvas {
     /// Shows the whole map.
     pub fn fit(&mut self) {
-        self.wants = Wanted::All;
+        self.wants = FitTarget::All;
     }
 
     /// Shows what is selected, or the whole map where nothing is.
     pub fn fit_selection(&mut self) {
-        self.wants = Wanted::Selection;
+        self.wants = FitTarget::Selection;
     }
 
     /// Shows what is in the middle at so many points of the screen for one unit of the canvas.
@@ -210,12 +210,12 @@ impl Canvas {
         let is_first = self.camera.is_none() && screen.area() > 0.0;
         let is_resized = self.view.is_some_and(|view| view.screen.size() != screen.size());
         let bounds = match std::mem::take(&mut self.wants) {
-            Wanted::Selection => {
+            FitTarget::Selection => {
                 self.is_fitted = false;
                 self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
             }
-            Wanted::Nothing if !(is_first || self.is_fitted && is_resized) => None,
-            Wanted::All | Wanted::Nothing => {
+            FitTarget::Nothing if !(is_first || self.is_fitted && is_resized) => None,
+            FitTarget::All | FitTarget::Nothing => {
                 self.is_fitted = true;
                 self.shapes.bounds(std::iter::empty())
             }

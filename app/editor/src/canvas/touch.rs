@@ -7,8 +7,8 @@ use super::paint::{Brush, ROWS_FROM};
 use super::shape::{FOOT, ParamRow, Port, ROW, Shape, TITLE};
 use super::{Action, Canvas, Scene, menu, param};
 use crate::document::Item;
+use crate::drag::DraggedParam;
 use crate::forms::FormEvent;
-use crate::programs::DraggedParam;
 use crate::runner::Status;
 use crate::views::brief_text;
 

@@ -5,11 +5,11 @@ use std::collections::HashSet;
 use mve_core::{Link, Map};
 use serde_json::{Value as Json, json};
 
-use super::draft::{Draft, offset};
 use super::edit::Item;
 use super::extras::Extras;
 use super::names::{free_name, taken};
 use super::rename::Renaming;
+use super::transaction::{Transaction, offset};
 use super::{Document, EditError, arrange, fits};
 
 /// In the text of a clip, links to its nodes from others, which the map itself cannot have.
@@ -93,7 +93,7 @@ impl Clip {
     }
 }
 
-impl Draft<'_> {
+impl Transaction<'_> {
     /// Adds what a clip holds under names that are free, its upper left corner at `at`.
     pub(super) fn paste(&mut self, clip: &Clip, at: [f64; 2]) -> Result<(), EditError> {
         let mut clip = clip.clone();

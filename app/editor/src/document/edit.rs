@@ -105,7 +105,7 @@ pub enum Edit {
 
 /// What edits have made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Applied {
+pub struct EditOutcome {
     /// New items, in the order of the edits.
     pub new_items: Vec<Item>,
     /// Nodes under new names: the old, the new.

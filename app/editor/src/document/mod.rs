@@ -8,7 +8,6 @@
 
 mod arrange;
 mod clip;
-mod draft;
 mod edit;
 mod extras;
 mod files;
@@ -17,6 +16,7 @@ mod history;
 mod names;
 mod paths;
 mod rename;
+mod transaction;
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -30,14 +30,14 @@ use indexmap::{IndexMap, IndexSet};
 use mve_core::{Map, MapError, Registry};
 
 pub use clip::Clip;
-pub use edit::{Alignment, Applied, Direction, Edit, EditError, Item};
+pub use edit::{Alignment, Direction, Edit, EditError, EditOutcome, Item};
 pub use extras::{Extras, Frame, Note, Reroute};
 pub use files::{Recovered, Recovery};
 pub use fit::fits;
 pub use paths::{move_paths, written_path};
 
-use draft::Draft;
 use history::History;
+use transaction::Transaction;
 
 /// What became of the file of an open map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl Document {
         Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             extras: Extras::of(&map),
-            places: draft::places_of_others(&map),
+            places: transaction::places_of_others(&map),
             text: OnceCell::new(),
             revision: 0,
             history: History::default(),
@@ -172,7 +172,7 @@ impl Document {
     }
 
     /// Does all edits as one step, or none and says why.
-    pub fn apply(&mut self, edits: &[Edit], registry: &Registry) -> Result<Applied, EditError> {
+    pub fn apply(&mut self, edits: &[Edit], registry: &Registry) -> Result<EditOutcome, EditError> {
         self.apply_at(edits, registry, Instant::now())
     }
 
@@ -183,16 +183,16 @@ impl Document {
         edits: &[Edit],
         registry: &Registry,
         now: Instant,
-    ) -> Result<Applied, EditError> {
-        let mut draft = Draft {
+    ) -> Result<EditOutcome, EditError> {
+        let mut transaction = Transaction {
             map: (*self.map).clone(),
             extras: self.extras.clone(),
             registry,
             sizes: &self.sizes,
-            applied: Applied::default(),
+            applied: EditOutcome::default(),
         };
-        edits.iter().try_for_each(|edit| draft.edit(edit))?;
-        let Draft { mut map, extras, applied, .. } = draft;
+        edits.iter().try_for_each(|edit| transaction.edit(edit))?;
+        let Transaction { mut map, extras, applied, .. } = transaction;
         if extras != self.extras {
             extras.write_to(&mut map);
         }
@@ -243,12 +243,12 @@ impl Document {
     /// Puts a map in the place of the one that is open.
     fn show(&mut self, map: Arc<Map>) {
         self.extras = Extras::of(&map);
-        self.places = draft::places_of_others(&map);
+        self.places = transaction::places_of_others(&map);
         self.map = map;
         self.text = OnceCell::new();
         self.revision += 1;
         let (map, extras) = (&self.map, &self.extras);
-        self.selection.retain(|item| draft::exists(map, extras, item));
+        self.selection.retain(|item| transaction::exists(map, extras, item));
     }
 
     /// What is selected; no part of the map.
@@ -259,7 +259,7 @@ impl Document {
     /// Selects items, and nothing else. Those that are not there are passed over.
     pub fn select(&mut self, items: impl IntoIterator<Item = Item>) {
         let (map, extras) = (&self.map, &self.extras);
-        let items = items.into_iter().filter(|item| draft::exists(map, extras, item));
+        let items = items.into_iter().filter(|item| transaction::exists(map, extras, item));
         self.selection = items.collect();
     }
 

@@ -5,22 +5,10 @@
 //! [`ProgramPanel::take_in`]. The store of a program is the one that `mve program` would take, so
 //! either goes on where the other stopped.
 
-mod axis;
-mod bar;
-mod check;
-mod curves;
-mod declare;
-mod edit;
-mod generate;
-mod job;
-mod pace;
-mod plot;
 mod results;
+mod run;
 mod setup;
 mod show;
-mod steps;
-mod table;
-mod value;
 mod widgets;
 
 use std::path::{Path, PathBuf};
@@ -32,10 +20,10 @@ use indexmap::IndexMap;
 use mve_core::{Map, Program, ProgramOutcome, ProgramSpec, Registry, Retry, Sharing, StepStatus};
 use serde_json::Value as Json;
 
-use check::{Checked, Subject};
-use job::{How, Job, RunningStep};
-pub use pace::in_words;
-use results::{Records, Sheet, State};
+use results::sheet::{Records, Sheet, State};
+use run::check::{ProgramCheck, Subject};
+use run::job::{How, Job, RunningStep};
+pub use run::pace::in_words;
 
 /// Pause between two drawings of the results while steps end.
 const REFRESH: Duration = Duration::from_millis(200);
@@ -84,18 +72,9 @@ pub enum Action {
     ShowNode(String),
 }
 
-/// What is dragged while a parameter is taken from a node to a program.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DraggedParam {
-    /// The node.
-    pub node: String,
-    /// Dotted path of the parameter within the node.
-    pub param: String,
-}
-
 /// What the threads tell.
 enum Message {
-    Checked(Box<Checked>),
+    Checked(Box<ProgramCheck>),
     /// A run is over; with its report, if one was to be written.
     Finished(Result<(ProgramOutcome, Option<Result<PathBuf, String>>), String>),
     /// The report was written because a person wants to read it.
@@ -116,7 +95,7 @@ pub struct ProgramPanel {
     /// What is asked to be checked, and what a thread is at.
     to_check: Option<Subject>,
     being_checked: Option<Subject>,
-    checked: Option<Checked>,
+    checked: Option<ProgramCheck>,
     records: Records,
     sheet: Sheet,
     /// When the sheet was made, and whether more is known since.
@@ -128,11 +107,11 @@ pub struct ProgramPanel {
     said: Vec<(bool, String)>,
     /// What is to be asked for when the panel is shown next.
     waiting: Vec<Action>,
-    bar: bar::BarState,
+    bar: run::bar::BarState,
     setup: setup::SetupState,
-    table: table::TableState,
-    plot: plot::PlotState,
-    view: show::View,
+    table: results::table::TableState,
+    plot: results::plot::PlotState,
+    view: show::PanelTab,
 }
 
 /// A line of news.
@@ -163,11 +142,11 @@ impl ProgramPanel {
             note: None,
             said: Vec::new(),
             waiting: Vec::new(),
-            bar: bar::BarState::default(),
+            bar: run::bar::BarState::default(),
             setup: setup::SetupState::default(),
-            table: table::TableState::default(),
-            plot: plot::PlotState::default(),
-            view: show::View::default(),
+            table: results::table::TableState::default(),
+            plot: results::plot::PlotState::default(),
+            view: show::PanelTab::default(),
         }
     }
 
@@ -217,7 +196,7 @@ impl ProgramPanel {
         self.records.extend(ended.into_iter().map(|record| (record.id.clone(), record)));
     }
 
-    fn hear_check(&mut self, checked: Checked) {
+    fn hear_check(&mut self, checked: ProgramCheck) {
         self.being_checked = None;
         let found = checked.records.iter();
         self.records.extend(found.map(|record| (record.id.clone(), Arc::clone(record))));
@@ -265,7 +244,7 @@ impl ProgramPanel {
     }
 
     /// What was said since the last call, for the log, and whether it is trouble.
-    pub fn take_said(&mut self) -> Vec<(bool, String)> {
+    pub fn take_messages(&mut self) -> Vec<(bool, String)> {
         std::mem::take(&mut self.said)
     }
 
@@ -304,7 +283,7 @@ impl ProgramPanel {
             folder: scene.folder.clone(),
             map_file: scene.map_file.clone(),
             registry: scene.registry.clone(),
-            store: check::store_folder(scene.output_folder, &scene.map_file, &name),
+            store: run::check::store_folder(scene.output_folder, &scene.map_file, &name),
             name,
         })
     }
@@ -332,7 +311,7 @@ impl ProgramPanel {
         let (outbox, wake) = (self.outbox.clone(), Arc::clone(&self.wake));
         std::thread::spawn(move || {
             // The window may be gone; then nobody needs to know.
-            let _ = outbox.send(Message::Checked(Box::new(check::check(subject))));
+            let _ = outbox.send(Message::Checked(Box::new(run::check::check(subject))));
             wake();
         });
     }
@@ -371,7 +350,7 @@ impl ProgramPanel {
     fn open_report(&self, store: PathBuf) {
         let (outbox, wake) = (self.outbox.clone(), Arc::clone(&self.wake));
         std::thread::spawn(move || {
-            let _ = outbox.send(Message::Reported(job::write_report(&store)));
+            let _ = outbox.send(Message::Reported(run::job::write_report(&store)));
             wake();
         });
     }
@@ -385,7 +364,7 @@ impl ProgramPanel {
             None => fresh_name(scene.map, "sweep"),
         };
         let mut spec = scene.map.programs.get(&name).cloned().unwrap_or_default();
-        axis::vary(&path, scene, &spec).apply(&mut spec);
+        setup::axis::vary(&path, scene, &spec).apply(&mut spec);
         self.chosen = Some(name.clone());
         vec![Action::SetProgram { name, spec: Some(spec) }]
     }

@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Ui};
 
-use super::widgets::drop_zone;
-use super::{Action, ProgramPanel, Scene};
+use crate::programs::widgets::drop_zone;
+use crate::programs::{Action, ProgramPanel, Scene};
 
 /// Widths from which tables and results stand side by side, in points.
 const WIDE: f32 = 760.0;
@@ -12,7 +12,7 @@ const HIGH: f32 = 420.0;
 
 /// What is shown where there is no room for all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
+pub enum PanelTab {
     /// Axes and steps.
     #[default]
     Setup,
@@ -30,7 +30,7 @@ impl ProgramPanel {
         let mut actions = std::mem::take(&mut self.waiting);
         self.show_bar(ui, scene, &mut actions);
         if self.is_sheet_stale {
-            ui.ctx().request_repaint_after(super::REFRESH);
+            ui.ctx().request_repaint_after(crate::programs::REFRESH);
         }
         ui.separator();
         if self.name(scene.map).is_none() {
@@ -95,19 +95,19 @@ impl ProgramPanel {
             return;
         }
         ui.horizontal(|ui| {
-            for (view, name) in [(View::Table, "Table"), (View::Plot, "Plot")] {
-                let is_shown = (self.view == View::Plot) == (view == View::Plot);
+            for (view, name) in [(PanelTab::Table, "Table"), (PanelTab::Plot, "Plot")] {
+                let is_shown = (self.view == PanelTab::Plot) == (view == PanelTab::Plot);
                 if ui.selectable_label(is_shown, name).clicked() {
                     self.view = view;
                 }
             }
         });
         match self.view {
-            View::Plot => {
+            PanelTab::Plot => {
                 ui.horizontal(|ui| self.show_selected(ui, scene, actions));
                 self.show_plot(ui);
             }
-            View::Table | View::Setup => self.show_table(ui, scene, actions),
+            PanelTab::Table | PanelTab::Setup => self.show_table(ui, scene, actions),
         }
     }
 
@@ -115,18 +115,18 @@ impl ProgramPanel {
     fn show_one(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             for (view, name) in
-                [(View::Setup, "Axes"), (View::Table, "Table"), (View::Plot, "Plot")]
+                [(PanelTab::Setup, "Axes"), (PanelTab::Table, "Table"), (PanelTab::Plot, "Plot")]
             {
                 ui.selectable_value(&mut self.view, view, name);
             }
         });
         match self.view {
-            View::Setup => self.show_setup(ui, scene, actions),
-            View::Table => {
+            PanelTab::Setup => self.show_setup(ui, scene, actions),
+            PanelTab::Table => {
                 self.show_failed(ui, actions);
                 self.show_table(ui, scene, actions);
             }
-            View::Plot => {
+            PanelTab::Plot => {
                 ui.horizontal(|ui| self.show_selected(ui, scene, actions));
                 self.show_plot(ui);
             }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Button, Frame, Response, RichText, StrokeKind, Ui};
 
-use super::DraggedParam;
+use crate::drag::DraggedParam;
 
 /// Gives a control the name that a screen reader says.
 pub fn named(response: Response, name: &str) -> Response {

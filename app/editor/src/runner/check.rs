@@ -1,7 +1,6 @@
 //! Checks a map, and finds the part of it that can run while the rest is unfinished.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
-use std::path::PathBuf;
+use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 use mve_core::{Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem};
@@ -21,7 +20,7 @@ pub enum Part {
 
 /// What a check found.
 #[derive(Default)]
-pub struct Checked {
+pub struct MapCheck {
     /// Number of the state that was checked.
     pub revision: u64,
     /// Everything that is wrong with the map, and what is odd about it.
@@ -30,8 +29,6 @@ pub struct Checked {
     pub keys: HashMap<String, Fingerprint>,
     /// The first thing that is wrong with each node that has problems of its own.
     pub faults: HashMap<String, String>,
-    /// The folders of the files that nodes read, or that those before them do.
-    folders: HashMap<String, BTreeSet<PathBuf>>,
     /// Nodes that are left out of every run: they are muted, or need one that is.
     pub off: HashSet<String>,
     /// Nodes that cannot run only because of others, each with the reason.
@@ -39,7 +36,7 @@ pub struct Checked {
 }
 
 /// Checks a map. Where some nodes have problems, the plan is of those that do not need them.
-pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option<Plan>) {
+pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Option<Plan>) {
     let mut map = (*subject.map).clone();
     map.programs.clear();
     restrict(&mut map, &part, shared);
@@ -50,7 +47,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
         repeat: 0,
         files: &shared.files,
     };
-    let mut checked = Checked { revision: subject.revision, ..Checked::default() };
+    let mut checked = MapCheck { revision: subject.revision, ..MapCheck::default() };
     let plan = loop {
         if map.nodes.is_empty() {
             break None;
@@ -72,7 +69,6 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
     };
     if let Some(plan) = &plan {
         checked.keys = plan.nodes.iter().map(|node| (node.name.clone(), node.key)).collect();
-        checked.add_folders(&map, plan);
     }
     let is_off = |(name, node): &(&String, &Node)| {
         !checked.keys.contains_key(*name) && (plan.is_some() || node.mode != NodeMode::Active)
@@ -81,24 +77,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (Checked, Option
     (checked, plan)
 }
 
-impl Checked {
-    /// Where files may lie that a value of this node names: beside those that made it.
-    pub fn folders_of(&self, node: &str) -> Vec<PathBuf> {
-        self.folders.get(node).into_iter().flatten().cloned().collect()
-    }
-
-    fn add_folders(&mut self, map: &Map, plan: &Plan) {
-        // Nodes are in the order in which they run.
-        for node in &plan.nodes {
-            let own = node.reads.iter().filter_map(|(path, _)| path.parent());
-            let mut folders: BTreeSet<PathBuf> = own.map(PathBuf::from).collect();
-            for link in map.links.iter().filter(|link| link.to.node == node.name) {
-                folders.extend(self.folders.get(&link.from.node).into_iter().flatten().cloned());
-            }
-            self.folders.insert(node.name.clone(), folders);
-        }
-    }
-
+impl MapCheck {
     fn add(&mut self, problems: &[Problem]) {
         for problem in problems {
             if self.problems.contains(problem) {

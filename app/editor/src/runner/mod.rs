@@ -17,7 +17,7 @@ use mve_core::{
     Value,
 };
 
-pub use check::{Checked, Part};
+pub use check::{MapCheck, Part};
 pub use log::{Line, Log, Loudness};
 pub use status::{Status, seconds_text};
 
@@ -70,18 +70,18 @@ pub struct Subject {
 
 /// What the threads tell.
 enum Message {
-    Checked(Box<Checked>),
+    Checked(Box<MapCheck>),
     /// A run begins, with the keys of the nodes that take part.
     Planned(IndexMap<String, Fingerprint>),
     Started(String),
     Progress(String, f64),
     Said(Line),
-    Ended(String, Box<Ended>),
+    Ended(String, Box<RunRecord>),
     Finished,
 }
 
 /// What came of a node.
-pub struct Ended {
+pub struct RunRecord {
     /// How it ended.
     pub record: NodeRecord,
     /// Values of its outputs, in the order of their declarations.
@@ -105,8 +105,8 @@ pub struct Runner {
     /// The state that is asked to be checked, and whether a thread is at it.
     to_check: Option<Subject>,
     is_checking: bool,
-    checked: Checked,
-    ended: IndexMap<String, Ended>,
+    checked: MapCheck,
+    ended: IndexMap<String, RunRecord>,
     /// Seconds that the last run took.
     last_run: Option<Duration>,
     /// Everything that was said.
@@ -124,7 +124,7 @@ impl Runner {
             job: None,
             to_check: None,
             is_checking: false,
-            checked: Checked::default(),
+            checked: MapCheck::default(),
             ended: IndexMap::new(),
             last_run: None,
             log: Log::default(),
@@ -198,7 +198,7 @@ impl Runner {
     }
 
     /// What the last check found.
-    pub fn checked(&self) -> &Checked {
+    pub fn checked(&self) -> &MapCheck {
         &self.checked
     }
 
@@ -208,7 +208,7 @@ impl Runner {
     }
 
     /// What became of a node when it ran last.
-    pub fn ended(&self, node: &str) -> Option<&Ended> {
+    pub fn ended(&self, node: &str) -> Option<&RunRecord> {
         self.ended.get(node)
     }
 
@@ -218,7 +218,7 @@ impl Runner {
     }
 
     /// What became of all nodes that ran, in the order in which they ended.
-    pub fn all_ended(&self) -> impl Iterator<Item = (&str, &Ended)> {
+    pub fn all_ended(&self) -> impl Iterator<Item = (&str, &RunRecord)> {
         self.ended.iter().map(|(name, ended)| (name.as_str(), ended))
     }
 
@@ -284,7 +284,7 @@ impl Runner {
         }
     }
 
-    fn end(&mut self, node: String, ended: Ended) {
+    fn end(&mut self, node: String, ended: RunRecord) {
         match &ended.record.status {
             NodeStatus::Failed { error } => {
                 self.log.add(Line::of(Some(&node), Loudness::Error, error));

@@ -6,12 +6,13 @@ use eframe::egui;
 use egui_plot::Plot;
 use mve_core::Value;
 use mve_modules::data::{Domain, Field, TriMesh};
+use mve_modules::picture::color_map::quantile;
 
 use super::heading::heading;
 use super::number::{count_text, number_text};
 use super::slot::{Same, Slot};
 use super::spread::Spread;
-use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// What is said about the values of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,14 +44,12 @@ impl Statistics {
         let mean = finite.iter().map(|value| value / n).sum::<f64>();
         let mean_square = finite.iter().map(|value| value * value / n).sum::<f64>();
         let variance = finite.iter().map(|value| (value - mean).powi(2) / n).sum::<f64>();
-        let at = |part: usize| {
-            // Between neighbors, as most programs do.
-            let place = part as f64 / 4.0 * (n - 1.0);
-            let (below, share) = (place.floor() as usize, place.fract());
-            let above = (below + 1).min(finite.len() - 1);
-            finite[below] * (1.0 - share) + finite[above] * share
+        let parts = [0.0, 0.25, 0.5, 0.75, 1.0];
+        let quartiles = parts.map(|part| quantile(&mut finite, part));
+        let quartiles = match quartiles {
+            [Some(a), Some(b), Some(c), Some(d), Some(e)] => Some([a, b, c, d, e]),
+            _ => None,
         };
-        let quartiles = (!finite.is_empty()).then(|| [0, 1, 2, 3, 4].map(at));
         Self {
             n_finite: finite.len(),
             n_other: values.len() - finite.len(),
@@ -77,8 +76,8 @@ pub struct FieldsView {
 }
 
 impl ValueView for FieldsView {
-    fn place(&self) -> Place {
-        Place::Column("tables")
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Column("tables")
     }
 
     fn takes(&self, value: &Value, all: &[Pinned]) -> bool {
@@ -89,7 +88,7 @@ impl ValueView for FieldsView {
         n_values
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mut actions = Vec::new();
         let is_shown = |title: &str| shown.values.iter().any(|(_, pinned)| pinned.title == title);
         self.fields.retain(|(title, _)| is_shown(title));

@@ -6,22 +6,22 @@ use mve_modules::data::Field;
 
 use super::field::colors_a_mesh;
 use super::heading::heading;
-use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The view of fields that are seen on a mesh.
 #[derive(Default)]
 pub struct FieldTitlesView;
 
 impl ValueView for FieldTitlesView {
-    fn place(&self) -> Place {
-        Place::Strip
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Strip
     }
 
     fn takes(&self, value: &Value, all: &[Pinned]) -> bool {
         value.get::<Field>().is_some_and(|field| colors_a_mesh(&field, all))
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
             for &(place, pinned) in &shown.values {

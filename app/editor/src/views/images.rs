@@ -11,7 +11,7 @@ use super::images_zoom::Zoom;
 use super::make_room;
 use super::picture::{color_image, difference, rgb_at};
 use super::slot::{Same, Slot};
-use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// Pictures to show.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ struct ImagesInput {
 type Key = (Same<Images>, usize);
 
 /// A picture that the window has.
-struct Loaded {
+struct PictureTextures {
     key: Key,
     texture: TextureHandle,
     thumbnail: TextureHandle,
@@ -45,7 +45,7 @@ pub struct ImagesView {
     /// Whether the difference of the first two sets is shown beside them.
     has_difference: bool,
     gain: Gain,
-    loaded: Vec<Loaded>,
+    loaded: Vec<PictureTextures>,
     difference: Slot<(Key, Key, f32), Result<Image, String>>,
     difference_texture: Option<(Same<Result<Image, String>>, TextureHandle)>,
 }
@@ -75,15 +75,15 @@ struct Tile<'a> {
 }
 
 impl ValueView for ImagesView {
-    fn place(&self) -> Place {
-        Place::Column("images")
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Column("images")
     }
 
     fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
         value.get::<Images>().is_some()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let sets = shown.of::<Images>().into_iter();
         let input = |(place, title, images): (usize, &str, Arc<Images>)| ImagesInput {
             place,
@@ -210,7 +210,7 @@ impl ImagesView {
                     true => load_texture(ui, image, most),
                     false => thumbnail.clone(),
                 };
-                self.loaded.push(Loaded { key, texture, thumbnail, is_used: true });
+                self.loaded.push(PictureTextures { key, texture, thumbnail, is_used: true });
             }
         }
     }

@@ -9,7 +9,7 @@ use mve_modules::data::Measures;
 use super::heading::heading;
 use super::slot::Same;
 use super::table::{Column, Table, TableView};
-use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The view of measures, all in one table.
 #[derive(Default)]
@@ -19,15 +19,15 @@ pub struct MeasuresView {
 }
 
 impl ValueView for MeasuresView {
-    fn place(&self) -> Place {
-        Place::Column("tables")
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Column("tables")
     }
 
     fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
         value.get::<Measures>().is_some()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let (mut actions, mut inputs) = (Vec::new(), Vec::new());
         for (place, title, measures) in shown.of::<Measures>() {
             if heading(ui, title) {

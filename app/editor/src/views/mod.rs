@@ -22,7 +22,6 @@ mod wheel;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -32,7 +31,7 @@ use mve_core::{Data, Value};
 
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshView, ScaleSettings, Settings, Spacing,
+    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
 };
 pub use number::{brief_text, count_text, number_text};
 pub use table::{Column, Direction, Table, TableView};
@@ -61,8 +60,6 @@ pub struct Pinned {
     pub value: Option<Value>,
     /// How fresh it is, or why there is none.
     pub state: PortState,
-    /// Folders in which files may lie that the value names, such as textures.
-    pub folders: Vec<PathBuf>,
 }
 
 /// What the user wants of whoever shows the viewer.
@@ -74,7 +71,7 @@ pub enum ViewerAction {
 
 /// Where a view stands in a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum PanelPlace {
     /// Above the columns, as high as it is.
     Strip,
     /// In the column of this name. Columns share the width, and views of one column stand below
@@ -83,7 +80,7 @@ pub enum Place {
 }
 
 /// What a view shows in one frame.
-pub struct Shown<'a> {
+pub struct ViewInput<'a> {
     /// The values that it takes, at least one, each with its place in the list.
     pub values: Vec<(usize, &'a Pinned)>,
     /// All that is pinned.
@@ -94,7 +91,7 @@ pub struct Shown<'a> {
     pub render: Option<&'a RenderState>,
 }
 
-impl Shown<'_> {
+impl ViewInput<'_> {
     /// The values of a type, each with its place in the list and its title.
     pub fn of<T: Data>(&self) -> Vec<(usize, &str, Arc<T>)> {
         let mut values = Vec::new();
@@ -109,14 +106,14 @@ impl Shown<'_> {
 /// How the values of one type are shown.
 pub trait ValueView {
     /// Where the view stands.
-    fn place(&self) -> Place;
+    fn place(&self) -> PanelPlace;
 
     /// Whether it shows a value, given all that is pinned. The first view of the list that does
     /// gets it; what no view takes is shown by its summary.
     fn takes(&self, value: &Value, all: &[Pinned]) -> bool;
 
     /// Shows its values.
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction>;
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction>;
 
     /// Lets go of what it holds for values: called in each frame that has none for it.
     fn forget(&mut self) {}
@@ -200,12 +197,12 @@ impl Viewer {
         let (values, others) = self.sorted(pinned);
         let shown = |values: &[usize], height: f32| {
             let values = values.iter().map(|&place| (place, &pinned[place])).collect();
-            Shown { values, all: pinned, height, render }
+            ViewInput { values, all: pinned, height, render }
         };
         for (view, values) in self.views_mut().into_iter().zip(&values) {
             if values.is_empty() {
                 view.forget();
-            } else if view.place() == Place::Strip {
+            } else if view.place() == PanelPlace::Strip {
                 actions.extend(view.show(ui, &shown(values, ui.available_height())));
             }
         }
@@ -224,7 +221,7 @@ impl Viewer {
                 }
                 let views = self.views_mut().into_iter().zip(&values);
                 let views = views.filter(|(view, values)| {
-                    view.place() == Place::Column(column) && !values.is_empty()
+                    view.place() == PanelPlace::Column(column) && !values.is_empty()
                 });
                 let views: Vec<_> = views.collect();
                 let n_parts: usize = views.iter().map(|(v, values)| v.n_parts(values.len())).sum();
@@ -256,10 +253,10 @@ impl Viewer {
         let mut columns = Vec::new();
         for (view, values) in self.views().iter().zip(values) {
             match view.place() {
-                Place::Column(name) if !values.is_empty() && !columns.contains(&name) => {
+                PanelPlace::Column(name) if !values.is_empty() && !columns.contains(&name) => {
                     columns.push(name);
                 }
-                Place::Column(_) | Place::Strip => {}
+                PanelPlace::Column(_) | PanelPlace::Strip => {}
             }
         }
         if !others.is_empty() && !columns.contains(&OTHERS) {

@@ -5,22 +5,22 @@ use mve_core::{Scalar, Value};
 
 use super::heading::heading;
 use super::number::number_text;
-use super::{Pinned, Place, Shown, ValueView, ViewerAction};
+use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The view of numbers, flags and texts.
 #[derive(Default)]
 pub struct ScalarsView;
 
 impl ValueView for ScalarsView {
-    fn place(&self) -> Place {
-        Place::Strip
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Strip
     }
 
     fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
         value.scalar().is_some()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
             for &(place, pinned) in &shown.values {

@@ -1,6 +1,7 @@
 //! Tests of whole views, drawn by software: what is where in the picture.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui_wgpu::{RenderState, RendererOptions};
@@ -11,7 +12,7 @@ use glam::DVec3;
 use image::RgbaImage;
 use mve_modules::data::{
     Domain, Field, Image, Images, Layer, LayerValues, Material, Measure, Measures, PixelKind,
-    TriMesh, VertexId,
+    Texture, TextureImage, TextureRole, TriMesh, VertexId,
 };
 use mve_modules::mesh::fixtures::{cube, mesh_of};
 
@@ -25,7 +26,7 @@ struct Shown {
 
 fn pinned(title: &str, value: Value) -> Pinned {
     let state = PortState::Ready;
-    Pinned { title: title.to_owned(), value: Some(value), state, folders: Vec::new() }
+    Pinned { title: title.to_owned(), value: Some(value), state }
 }
 
 fn harness(pinned: Vec<Pinned>) -> Harness<'static, Shown> {
@@ -291,7 +292,6 @@ fn values_of_other_types_are_shown() {
         title: "save.file".to_owned(),
         value: None,
         state: PortState::Absent("not run yet".to_owned()),
-        folders: Vec::new(),
     };
     let list = vec![
         pinned("count.number", Value::new(1234.5)),
@@ -319,15 +319,24 @@ fn values_of_other_types_are_shown() {
 }
 
 /// The near square with a texture, the far one, which is seen around it, with a color.
-fn textured(file: &str) -> TriMesh {
+fn textured(image: Option<Arc<TextureImage>>) -> TriMesh {
     let mut mesh = squares(DVec3::ONE, DVec3::ONE);
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(glam::DVec2::from);
     let index = [0, 1, 2, 0, 2, 3].repeat(2);
-    let material = |name: &str, keyword: &str, text: &str| Material {
-        name: name.to_owned(),
-        statements: vec![(keyword.to_owned(), text.to_owned())],
+    let texture = Texture {
+        role: TextureRole::BaseColor,
+        keyword: "map_Kd".to_owned(),
+        options: String::new(),
+        name: "half.jpg".to_owned(),
+        place: 0,
+        image,
     };
-    mesh.materials = vec![material("front", "map_Kd", file), material("back", "Kd", "0 0 1")];
+    let (front, back) = ("front".to_owned(), "back".to_owned());
+    let statements = vec![("Kd".to_owned(), "0 0 1".to_owned())];
+    mesh.materials = vec![
+        Material { name: front, textures: vec![texture], ..Material::default() },
+        Material { name: back, statements, ..Material::default() },
+    ];
     let names = vec!["front".to_owned(), "back".to_owned()];
     for (name, domain, values, index) in [
         (Layer::TEXCOORD, Domain::Corner, LayerValues::Vec2(corners.to_vec()), index),
@@ -340,28 +349,28 @@ fn textured(file: &str) -> TriMesh {
 
 #[test]
 fn a_mesh_has_the_texture_that_its_material_names() {
-    let folder = tempfile::tempdir().unwrap();
     // Red above, green below.
-    let color = |_, y| if y < 8 { [220, 20, 20] } else { [20, 220, 20] };
-    let texture = image::RgbImage::from_fn(16, 16, |x, y| image::Rgb(color(x, y)));
-    texture.save(folder.path().join("half.jpg")).unwrap();
-    let show = |file: &str| {
-        let mut mesh = pinned("squares.mesh", Value::new(textured(file)));
-        mesh.folders = vec![folder.path().to_owned()];
+    let mut half = Image::filled("texture", [16, 16], PixelKind::Rgb, 20);
+    for (place, pixel) in half.bytes.chunks_exact_mut(3).enumerate() {
+        pixel[usize::from(place >= 8 * 16)] = 220;
+    }
+    let half = Arc::new(TextureImage::new(half));
+    let show = |image: Option<Arc<TextureImage>>| {
+        let mesh = pinned("squares.mesh", Value::new(textured(image)));
         let mut harness = harness(vec![mesh]);
         harness.state_mut().viewer.meshes.camera.look_from(StandardView::Front);
         let image = picture(&mut harness);
         (harness, image)
     };
-    let (_, image) = show("half.jpg");
+    let (_, image) = show(Some(half));
     let [r, g, b] = color_at(&image, 0.5, 0.5);
     assert!(r > 130 && g < 70 && b < 70, "above: {r} {g} {b}");
     let [r, g, b] = color_at(&image, 0.5, 0.65);
     assert!(g > 130 && r < 70 && b < 70, "below: {r} {g} {b}");
     let [r, g, b] = color_at(&image, 0.5, 0.8);
     assert!(b > 130 && r < 70 && g < 70, "the color of a material without a texture: {r} {g} {b}");
-    let (harness, image) = show("gone.jpg");
-    harness.get_by_label_contains("texture gone.jpg is not there");
+    let (harness, image) = show(None);
+    harness.get_by_label_contains("texture half.jpg is not there");
     let [r, g, b] = color_at(&image, 0.5, 0.6);
     assert!(r > 100 && (r - g).abs() < 25 && (g - b).abs() < 25, "plain: {r} {g} {b}");
 }

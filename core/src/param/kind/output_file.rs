@@ -13,7 +13,8 @@ use super::{Kind, Misfit, ParamKind};
 pub struct OutputFileSpec {
     /// Extensions that fit, without dots; none where all do.
     pub extensions: &'static [&'static str],
-    /// Extensions of the files written beside it.
+    /// What is written beside it: the extension of a file; or, where it ends in `/`, what follows
+    /// the stem in the name of a folder for any files, into which nothing else may write.
     pub also_writes: &'static [&'static str],
 }
 
@@ -59,7 +60,7 @@ impl Param<PathBuf> {
         Self::of_kind(name, doc, Kind::OutputFile(OutputFileSpec { extensions, also_writes: &[] }))
     }
 
-    /// Extensions of the files that are written beside an output file.
+    /// What is written beside an output file: see [`OutputFileSpec::also_writes`].
     pub const fn also_writes(mut self, also: &'static [&'static str]) -> Self {
         if let Kind::OutputFile(spec) = &mut self.spec.kind {
             spec.also_writes = also;

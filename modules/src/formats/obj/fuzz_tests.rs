@@ -96,6 +96,50 @@ proptest! {
         assert_stood(words.join(" ").as_bytes());
     }
 
+    /// Whatever stands in a material file and in the pictures that it names, what was read is saved
+    /// and comes back.
+    #[test]
+    fn random_materials_and_pictures_are_stood(
+        words in prop::collection::vec(
+            prop::sample::select(vec![
+                "newmtl", "newmtl b", "map_Kd", "bump", "norm", "-s 1", "-bm", "t.png", "u.png",
+                "\"t.png\"", "C:\\u.png", "/", "..", "#", "\\", "\n", "\nmap_Ks", "\nKd 1 0 0\n",
+            ]),
+            0..30,
+        ),
+        noise in prop::collection::vec(any::<u8>(), 0..60),
+        place in any::<prop::sample::Index>(),
+        byte in any::<u8>(),
+    ) {
+        let folder = tempfile::tempdir().expect("folder");
+        let mut picture = super::texture_tests::png(9);
+        let at = place.index(picture.len());
+        picture[at] = byte;
+        let mut mtl = b"newmtl a\nmap_Kd t.png\n".to_vec();
+        mtl.extend(words.join(" ").bytes());
+        mtl.extend(&noise);
+        let obj = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
+        let files = [("a.obj", obj), ("a.mtl", mtl), ("t.png", picture), ("u.png", noise)];
+        for (name, bytes) in files {
+            std::fs::write(folder.path().join(name), bytes).expect("write");
+        }
+        let path = folder.path().join("a.obj");
+        let (mesh, _) = load(&path, mve_core::Control::none()).expect("load");
+        prop_assert_eq!(mesh.check(), Ok(()));
+        companions(&path);
+        let out = folder.path().join("out.obj");
+        save(&mesh, &out, mve_core::Control::none()).expect("save");
+        let (again, _) = load(&out, mve_core::Control::none()).expect("load");
+        let pictures = |mesh: &crate::data::TriMesh| -> Vec<_> {
+            let textures = mesh.materials.iter().flat_map(|material| &material.textures);
+            textures.filter_map(|texture| texture.image.clone()).collect()
+        };
+        // A name that is only a backslash cannot be written; and one that loses the backslash at
+        // its end may be found.
+        let mut after = pictures(&again).into_iter();
+        prop_assert!(pictures(&mesh).iter().all(|picture| after.any(|found| found == *picture)));
+    }
+
     #[test]
     fn several_changes_are_stood(
         seed in 0..SEEDS.len(),

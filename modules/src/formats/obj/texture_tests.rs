@@ -176,7 +176,8 @@ fn paths_of_other_machines_are_looked_for_beside_the_material_file() {
 #[test]
 fn broken_and_missing_pictures_are_named_and_keep_their_statements() {
     let folder = tempfile::tempdir().expect("folder");
-    let mtl = "newmtl a\nmap_Kd -s 2 2 text.png\nmap_Ks tex/gone.png\nmap_Ke cut.png\nmap_d folder\n\n\
+    let mtl = "newmtl a\nmap_Kd -s 2 2 text.png\nmap_Ks tex/gone.png\nmap_Ke cut.png\n\
+               map_d folder\n\n\
                newmtl b\nmap_Kd text.png\n";
     let files = [
         ("text.png", b"no picture".to_vec()),

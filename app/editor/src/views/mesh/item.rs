@@ -16,7 +16,7 @@ use super::gpu::texture::Texture;
 use super::gpu::{Cursor, Drawing, Gpu, MOST_LINE_SETS, Uniforms};
 use super::lines::{LineChoice, MeshLines};
 use super::look::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
-use super::look::settings::{BackFaces, Settings};
+use super::look::settings::{BackFaces, MeshSettings};
 use super::look::texture::{Pictures, TextureSource, pictures};
 use crate::views::camera::{Bounds, Camera, Projection};
 use crate::views::slot::{Same, Slot};
@@ -31,7 +31,7 @@ struct Recipe {
 }
 
 /// A mesh on the GPU.
-pub struct Prepared {
+pub struct GpuMesh {
     /// The arrays.
     pub arrays: Arc<Arrays>,
     /// The numbers that color it, when numbers do.
@@ -50,7 +50,7 @@ pub enum Undrawable {
     TooLarge,
 }
 
-type Preparation = Result<Prepared, Undrawable>;
+type Preparation = Result<GpuMesh, Undrawable>;
 
 /// What is to be uploaded.
 struct Product {
@@ -93,7 +93,7 @@ pub struct Viewport<'a> {
 
 /// What a picture was drawn from: drawn anew when it differs.
 #[derive(PartialEq)]
-struct Drawn {
+struct DrawingKey {
     uniforms: Uniforms,
     prepared: Same<Preparation>,
     lines: Vec<(u32, Same<Option<LineBuffer>>)>,
@@ -120,7 +120,7 @@ pub struct Item {
     pictures: Slot<TextureSource, Result<Pictures, String>>,
     textures: Slot<Same<Result<Pictures, String>>, Textures>,
     target: Option<Target>,
-    drawn: Option<Drawn>,
+    drawn: Option<DrawingKey>,
     /// Samples a pixel that it was drawn with.
     samples: u32,
     /// Where the picture is to be drawn on; none when it is done.
@@ -154,7 +154,7 @@ impl Item {
         context: &egui::Context,
         gpu: &Gpu,
         (source, texture): (Source, Option<TextureSource>),
-        (settings, lines): (&Settings, &[LineChoice]),
+        (settings, lines): (&MeshSettings, &[LineChoice]),
     ) {
         let wanted = Recipe {
             crease_angle_rad: settings.crease_angle_rad(),
@@ -319,7 +319,7 @@ impl Item {
     pub fn picture(
         &mut self,
         gpu: &mut Gpu,
-        settings: &Settings,
+        settings: &MeshSettings,
         colors: &Colors,
         viewport: &Viewport,
     ) -> Option<&Target> {
@@ -333,7 +333,7 @@ impl Item {
         let lines = self.shown_lines(&prepared.arrays);
         let is_culled = settings.back_faces == BackFaces::Hidden;
         let coarse = prepared.surface.coarse.as_ref().zip(prepared.attribute.coarse.as_ref());
-        let drawn = Drawn {
+        let drawn = DrawingKey {
             uniforms,
             prepared: Same(Arc::clone(&shared)),
             lines: lines.iter().map(|(kind, lines)| (*kind, Same(Arc::clone(lines)))).collect(),
@@ -382,7 +382,7 @@ impl Item {
 }
 
 /// Uploads; positions stay on the GPU when they are those that are there.
-fn upload(device: &wgpu::Device, product: &Product, known: Option<&Prepared>) -> Preparation {
+fn upload(device: &wgpu::Device, product: &Product, known: Option<&GpuMesh>) -> Preparation {
     let known = known.filter(|known| Arc::ptr_eq(&known.arrays, &product.arrays));
     let coarse = product.coarse.as_ref().as_ref();
     let surface = match known {
@@ -394,7 +394,7 @@ fn upload(device: &wgpu::Device, product: &Product, known: Option<&Prepared>) ->
     };
     let n_vertices = product.arrays.positions.len();
     let attribute = AttributeBuffers::new(device, &product.attribute, n_vertices, coarse);
-    Ok(Prepared {
+    Ok(GpuMesh {
         arrays: Arc::clone(&product.arrays),
         values: product.attribute.values.clone(),
         surface,
@@ -420,10 +420,10 @@ fn wire_share(arrays: &Arrays, viewport: &Viewport) -> f32 {
 }
 
 fn uniforms(
-    prepared: &Prepared,
+    prepared: &GpuMesh,
     has_texture: bool,
     line_colors: [[f32; 4]; MOST_LINE_SETS],
-    settings: &Settings,
+    settings: &MeshSettings,
     (colors, viewport): (&Colors, &Viewport),
 ) -> Uniforms {
     let aspect = f64::from(viewport.size[0]) / f64::from(viewport.size[1]);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Rect, pos2, vec2};
 
-use crate::views::mesh::look::settings::{Arrangement, Settings};
+use crate::views::mesh::look::settings::{Arrangement, MeshSettings};
 
 /// Width that a color bar takes with its labels.
 const BAR_SPACE: f32 = 104.0;
@@ -18,7 +18,7 @@ pub struct Tile {
 /// Where the pictures and the color bar are.
 pub fn layout(
     whole: Rect,
-    settings: &Settings,
+    settings: &MeshSettings,
     n_meshes: usize,
     has_bar: bool,
 ) -> (Vec<Tile>, Option<Rect>) {
@@ -55,7 +55,7 @@ fn best_columns(aspect: f32, n_tiles: usize) -> usize {
 }
 
 /// The part of a picture that is seen, and how much of it.
-pub fn part_of(rect: Rect, settings: &Settings, at: usize, n_tiles: usize) -> (Rect, Color32) {
+pub fn part_of(rect: Rect, settings: &MeshSettings, at: usize, n_tiles: usize) -> (Rect, Color32) {
     if n_tiles != 2 {
         return (rect, Color32::WHITE);
     }
@@ -83,8 +83,11 @@ mod tests {
     #[test]
     fn the_parts_of_a_wipe_meet() {
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 50.0));
-        let settings =
-            Settings { arrangement: Arrangement::Wipe, balance: 0.25, ..Settings::default() };
+        let settings = MeshSettings {
+            arrangement: Arrangement::Wipe,
+            balance: 0.25,
+            ..MeshSettings::default()
+        };
         let [left, right] = [0, 1].map(|at| part_of(rect, &settings, at, 2).0);
         assert_eq!((left.right(), right.left(), right.right()), (25.0, 25.0, 100.0));
     }

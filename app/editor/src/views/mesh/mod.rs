@@ -15,6 +15,6 @@ mod scene;
 mod view;
 
 pub use look::coloring::{ColorBy, ScaleSettings, Spacing};
-pub use look::settings::{Arrangement, BackFaces, Settings};
+pub use look::settings::{Arrangement, BackFaces, MeshSettings};
 pub use look::stored::MeshLook;
 pub use view::MeshView;

@@ -1,7 +1,6 @@
 //! What the panel of meshes shows in one frame: the meshes, where their pictures are, and the
 //! camera.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Pos2, Rect, Vec2, vec2};
@@ -11,7 +10,7 @@ use mve_modules::data::{Images, TriMesh};
 use super::item::Item;
 use super::layout::Tile;
 use super::look::coloring::Values;
-use super::look::settings::{Arrangement, Settings};
+use super::look::settings::{Arrangement, MeshSettings};
 use crate::views::ViewerAction;
 use crate::views::camera::{Bounds, Camera};
 
@@ -24,8 +23,6 @@ pub struct MeshInput {
     pub title: String,
     /// The mesh.
     pub mesh: Arc<TriMesh>,
-    /// Where files lie that it names.
-    pub folders: Vec<PathBuf>,
 }
 
 /// A picture that may be a texture.
@@ -95,7 +92,7 @@ pub struct MeshScene<'a> {
     /// The camera that all share.
     pub camera: &'a Camera,
     /// What is shown and how.
-    pub settings: &'a mut Settings,
+    pub settings: &'a mut MeshSettings,
     /// The box around all; `None` without a mesh that can be drawn.
     pub bounds: Option<Bounds>,
     /// The space for a color bar, where numbers color a mesh.

@@ -18,15 +18,15 @@ use super::look::coloring::{
     ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of,
 };
 use super::look::label_layers;
-use super::look::settings::{Arrangement, Offers, Settings, controls};
+use super::look::settings::{Arrangement, MeshSettings, Offers, controls};
 use super::look::stored::MeshLook;
-use super::look::texture::{TextureSource, files_of};
-use super::overlays::{Layer, Overlays};
+use super::look::texture::TextureSource;
+use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
 use crate::views::slot::Same;
-use crate::views::{Pinned, Place, Shown, ValueView, ViewerAction};
+use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -35,7 +35,7 @@ pub struct MeshView {
     /// The camera that all meshes share.
     pub camera: Camera,
     /// What is shown and how.
-    pub settings: Settings,
+    pub settings: MeshSettings,
     items: Vec<Item>,
     /// What was fitted last into which aspect, and whether the user has moved since.
     fitted: Option<(Bounds, f64)>,
@@ -51,19 +51,18 @@ pub struct MeshView {
 const REST_SECS: f64 = 0.25;
 
 impl ValueView for MeshView {
-    fn place(&self) -> Place {
-        Place::Column("meshes")
+    fn place(&self) -> PanelPlace {
+        PanelPlace::Column("meshes")
     }
 
     fn takes(&self, value: &Value, _all: &[Pinned]) -> bool {
         value.get::<TriMesh>().is_some()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, shown: &Shown) -> Vec<ViewerAction> {
+    fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mesh = |&(place, pinned): &(usize, &Pinned)| {
             let mesh = pinned.value.as_ref()?.get::<TriMesh>()?;
-            let (title, folders) = (pinned.title.clone(), pinned.folders.clone());
-            Some(MeshInput { place, title, mesh, folders })
+            Some(MeshInput { place, title: pinned.title.clone(), mesh })
         };
         let meshes: Vec<MeshInput> = shown.values.iter().filter_map(mesh).collect();
         let field = |pinned: &Pinned| {
@@ -131,7 +130,7 @@ impl MeshView {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
             let source = source.unwrap_or(Source::Plain);
             let texture = match source {
-                Source::Materials => Some(files_of(&input.mesh, &input.folders)),
+                Source::Materials => Some(TextureSource::Materials(Same(Arc::clone(&input.mesh)))),
                 Source::Picture => pinned_picture(&self.settings.color_by, pictures),
                 _ => None,
             };
@@ -383,7 +382,7 @@ impl MeshView {
                 bounds: item.bounds(),
                 line_color,
             };
-            self.overlays.paint(Layer::Behind, &picture, &mut self.settings);
+            self.overlays.paint(Depth::Behind, &picture, &mut self.settings);
             if let Some(target) = item.picture(gpu, &self.settings, &colors, &viewport) {
                 let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                 picture.painter.image(target.id(), tile.rect, all, tint);
@@ -391,7 +390,7 @@ impl MeshView {
             if item.is_drawing() {
                 ui.ctx().request_repaint();
             }
-            self.overlays.paint(Layer::Ahead, &picture, &mut self.settings);
+            self.overlays.paint(Depth::Ahead, &picture, &mut self.settings);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::views::spread::Spread;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Kind {
+enum PlotKind {
     #[default]
     Line,
     Points,
@@ -22,7 +22,7 @@ pub struct TablePlot {
     column: Option<usize>,
     /// The column of the horizontal axis; `None`: the number of the row.
     over: Option<usize>,
-    kind: Kind,
+    kind: PlotKind,
 }
 
 impl TablePlot {
@@ -46,12 +46,12 @@ impl TablePlot {
         egui::ComboBox::new("plot kind", "as").selected_text(name_of(self.kind)).show_ui(
             ui,
             |ui| {
-                for kind in [Kind::Line, Kind::Points, Kind::Histogram] {
+                for kind in [PlotKind::Line, PlotKind::Points, PlotKind::Histogram] {
                     ui.selectable_value(&mut self.kind, kind, name_of(kind));
                 }
             },
         );
-        if self.kind != Kind::Histogram {
+        if self.kind != PlotKind::Histogram {
             choose(ui, "over", "row", &mut self.over, &numeric, table);
         }
     }
@@ -64,7 +64,7 @@ impl TablePlot {
         let name = title_of(&table.columns[column]);
         let over = self.over.filter(|&over| over < table.columns.len());
         let (x_label, y_label) = match (self.kind, over) {
-            (Kind::Histogram, _) => (name.clone(), "rows".to_owned()),
+            (PlotKind::Histogram, _) => (name.clone(), "rows".to_owned()),
             (_, Some(over)) => (title_of(&table.columns[over]), name.clone()),
             (_, None) => ("row".to_owned(), name.clone()),
         };
@@ -73,7 +73,7 @@ impl TablePlot {
             .x_axis_label(x_label)
             .y_axis_label(y_label);
         plot.show(ui, |plot| match self.kind {
-            Kind::Histogram => {
+            PlotKind::Histogram => {
                 let values: Vec<f64> =
                     order.iter().filter_map(|&row| table.number(row, column)).collect();
                 plot.bar_chart(Spread::of(&values).chart(&name));
@@ -81,7 +81,7 @@ impl TablePlot {
             kind => {
                 let points = points(table, order, column, over);
                 match kind {
-                    Kind::Line => plot.line(Line::new(name.clone(), PlotPoints::from(points))),
+                    PlotKind::Line => plot.line(Line::new(name.clone(), PlotPoints::from(points))),
                     _ => {
                         let points = Points::new(name.clone(), PlotPoints::from(points));
                         plot.points(points.radius(3.0));
@@ -92,11 +92,11 @@ impl TablePlot {
     }
 }
 
-fn name_of(kind: Kind) -> &'static str {
+fn name_of(kind: PlotKind) -> &'static str {
     match kind {
-        Kind::Line => "line",
-        Kind::Points => "points",
-        Kind::Histogram => "histogram",
+        PlotKind::Line => "line",
+        PlotKind::Points => "points",
+        PlotKind::Histogram => "histogram",
     }
 }
 

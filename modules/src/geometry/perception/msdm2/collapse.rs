@@ -53,12 +53,12 @@ pub struct CollapsePrices {
     levels: Levels,
     scale: f64,
     counting: Counting,
-    vertices: Vec<Known>,
+    vertices: Vec<VertexRecord>,
 }
 
 /// What is known of a vertex of the working mesh.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct VertexRecord {
     sample: Sample,
     local: f64,
     /// How often it counts.
@@ -122,7 +122,7 @@ impl CollapsePrices {
         let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;
         let known = |(&point, &own): (&DVec3, &[f64; MAX_LEVELS])| {
             let sample = Sample { point, carried_point: point, own, carried: own };
-            Known { sample, local: 0.0, n: 1.0 }
+            VertexRecord { sample, local: 0.0, n: 1.0 }
         };
         let vertices = reference.mesh.positions.iter().zip(&curvature).map(known).collect();
         Ok(Self { reference, curvature, levels, scale, counting, vertices })
@@ -186,7 +186,7 @@ impl CollapsePrices {
         mesh.position(vertex) * self.scale
     }
 
-    fn known(&self, mesh: &WorkingMesh, vertex: VertexId) -> &Known {
+    fn known(&self, mesh: &WorkingMesh, vertex: VertexId) -> &VertexRecord {
         &self.vertices[mesh.input_vertex(vertex).idx()]
     }
 
@@ -210,7 +210,7 @@ impl CollapsePrices {
         for at in 0..star.edges.len() {
             let vertex = star.edges[at].other;
             if !star.members.iter().any(|member| member.vertex == vertex) {
-                let Known { sample, local, .. } = *self.known(mesh, vertex);
+                let VertexRecord { sample, local, .. } = *self.known(mesh, vertex);
                 let edges = self.list_edges(mesh, merge, vertex, &mut star.edges);
                 star.members.push(Member { vertex, edges, sample, local });
             }
@@ -238,7 +238,7 @@ impl CollapsePrices {
             for vertex in mesh.face(face).into_iter().flatten() {
                 let is_known = star.members.iter().any(|member| member.vertex == vertex);
                 if !is_known && Some(vertex) != gone {
-                    let Known { sample, local, .. } = *self.known(mesh, vertex);
+                    let VertexRecord { sample, local, .. } = *self.known(mesh, vertex);
                     star.members.push(Member { vertex, edges: (0, 0), sample, local });
                 }
             }

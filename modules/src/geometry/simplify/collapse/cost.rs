@@ -34,6 +34,14 @@ pub trait Cost: Send {
         Reach::MERGED
     }
 
+    /// Beyond which distance from a collapse no price changes by a single bit. A cost that lets
+    /// distant prices go stale a little says more than [`Cost::reach`]; one for which no number of
+    /// edges is enough, such as a cost that looks at pictures, says `None`. A test holds every
+    /// registered cost to it.
+    fn exact_reach(&self) -> Option<Reach> {
+        Some(self.reach())
+    }
+
     /// When prices that went stale are asked for again.
     fn renewal(&self) -> Renewal {
         Renewal::AtOnce

@@ -7,7 +7,7 @@ use super::cost::Cost;
 use super::marks::VertexMarks;
 use super::merge::Merged;
 use super::mesh::WorkingMesh;
-use super::observer::{Collapse, Observer, Part, WedgeChange, complete_changes, list_wedges};
+use super::observer::{Collapse, Observer, WedgeChange, complete_changes, list_wedges};
 use super::options::SimplifyOptions;
 use super::outcome::{Seconds, Simplified, Statistics};
 use super::placement::Placement;
@@ -227,7 +227,6 @@ impl<'a> Engine<'a> {
             before,
             dying_faces: &memory.merged.dying_faces,
             price: entry.price,
-            part: Part::Whole,
             wedges: &memory.wedges,
             rings,
         };

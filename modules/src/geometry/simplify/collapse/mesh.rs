@@ -155,9 +155,18 @@ impl WorkingMesh {
         self.attributes.layers[layer.0 as usize].value(wedge)
     }
 
-    /// The collapse of an edge.
+    /// The edges that are left, by id; O(n_faces).
+    pub fn edges(&self) -> Vec<EdgeId> {
+        let faces = self.complex.faces.iter().filter(|face| !face.is_dead());
+        let mut edges: Vec<EdgeId> = faces.flat_map(|face| face.edges).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// The contraction of an edge that is left.
     #[inline]
-    pub(super) fn contraction(&self, edge: EdgeId) -> Contraction {
+    pub fn contraction(&self, edge: EdgeId) -> Contraction {
         let ends = self.complex.ends(edge);
         let quadric = self.quadrics.of_ends(&self.complex, ends);
         let [kept, gone] = ends.map(VertexId);

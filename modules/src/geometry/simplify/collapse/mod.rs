@@ -50,12 +50,14 @@ mod stop;
 #[cfg(test)]
 mod tests;
 mod ticker;
+#[cfg(test)]
+pub(crate) mod trial;
 mod wedge;
 
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use mesh::WorkingMesh;
-pub use observer::{Collapse, Element, Observer, Part, WedgeChange};
+pub use observer::{Collapse, Element, Observer, WedgeChange};
 pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions};
 pub use outcome::{Seconds, Simplified, Statistics};
 pub use placement::Placement;

@@ -38,26 +38,12 @@ pub struct Collapse<'a> {
     pub before: [DVec3; 2],
     /// The faces that are gone, with their vertices before.
     pub dying_faces: &'a [DyingFace],
-    /// The price that it was made at; a face that contracts gives it to both of its merges.
+    /// The price that it was made at.
     pub price: f64,
-    /// Which part of a contraction it is.
-    pub part: Part,
     /// The wedges of both ends before and after, and those at the third vertices of the dying
     /// faces; empty unless the run has an [`Observer`].
     pub wedges: &'a [WedgeChange],
     pub(super) rings: &'a Rings,
-}
-
-/// Which of the merges of a contraction a collapse is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Part {
-    /// The only one: an edge collapsed.
-    #[default]
-    Whole,
-    /// The first of the two merges of a face; the other follows at once.
-    First,
-    /// The second of the two merges of a face.
-    Second,
 }
 
 impl Collapse<'_> {

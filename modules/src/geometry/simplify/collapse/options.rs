@@ -48,8 +48,8 @@ pub enum Boundary {
     Locked,
 }
 
-/// What may happen where a vertex has several texture coordinates (a layer of two numbers over
-/// corners).
+/// What may happen where a vertex has several texture coordinates ([`Role::TexCoord`](super::Role),
+/// over corners).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Seams {
     /// A seam simplifies only along itself; other vertices may merge into one on it.
@@ -59,7 +59,7 @@ pub enum Seams {
     Free,
 }
 
-/// Which planes the quadrics of the state sum.
+/// Which planes the quadrics of the working mesh sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadricOptions {
     /// Weight of the plane on a border edge relative to a face of the same size, under

@@ -9,7 +9,7 @@ use super::cost::Cost;
 use super::mesh::WorkingMesh;
 use super::observer::Collapse;
 use super::placement::Placement;
-use super::proposal::{Batch, Candidates, Contraction, Proposal, row};
+use super::proposal::{Candidates, Contraction, Proposal};
 use super::wedge::AttributeValue;
 use crate::mesh::adjacency::EdgeId;
 
@@ -85,12 +85,12 @@ impl<'a> Pricer<'a> {
         self.propose(mesh, edges);
         self.prices.clear();
         self.prices.resize(self.proposals.len(), f64::NAN);
-        let batch = Batch::with_values(&self.proposals, self.candidates.values());
+        let batch = self.candidates.batch(&self.proposals);
         self.cost.price(mesh, batch, &mut self.prices);
         self.verdicts.clear();
         let mut prices = self.prices.as_slice();
-        for (&edge, places) in edges.iter().zip(self.candidates.lists()) {
-            let (of_edge, rest) = prices.split_at(places.len());
+        for (&edge, n) in edges.iter().zip(self.candidates.counts()) {
+            let (of_edge, rest) = prices.split_at(n);
             prices = rest;
             self.verdicts.push((edge, verdict(of_edge)));
         }
@@ -113,11 +113,7 @@ impl<'a> Pricer<'a> {
             };
             candidates.restrict(at, place);
         }
-        proposals.clear();
-        for (&contraction, places) in contractions.iter().zip(candidates.lists()) {
-            let proposal = |&(position, attributes)| Proposal { contraction, position, attributes };
-            proposals.extend(places.iter().map(proposal));
-        }
+        candidates.list_proposals(contractions, proposals);
     }
 
     /// The proposal of an edge by its number, with its attribute values.
@@ -129,7 +125,7 @@ impl<'a> Pricer<'a> {
     ) -> Option<(Proposal, &[AttributeValue])> {
         self.propose(mesh, &[edge]);
         let proposal = *self.proposals.get(usize::from(choice))?;
-        Some((proposal, row(self.candidates.values(), proposal.attributes)))
+        Some((proposal, self.candidates.batch(&self.proposals).attributes(&proposal)))
     }
 
     /// The price and number of the proposal of an edge that comes next after one that was tried, by
@@ -146,7 +142,7 @@ impl<'a> Pricer<'a> {
         }
         let mut prices = [f64::NAN; Candidates::MAX];
         let prices = &mut prices[..self.proposals.len()];
-        let batch = Batch::with_values(&self.proposals, self.candidates.values());
+        let batch = self.candidates.batch(&self.proposals);
         self.cost.price(mesh, batch, prices);
         let numbered = prices.iter().zip(0u8..).map(|(&price, choice)| (price, choice));
         numbered

@@ -36,8 +36,7 @@ pub enum Renewal {
 
 /// The vertices that may merge into one: the ends of an edge, or the corners of a face.
 ///
-/// The engine queues edges, so `also_gone` is `None` in all that it asks about; a face is two
-/// merges under one price, see [`WorkingMesh::merge_face`](super::WorkingMesh::merge_face).
+/// The engine queues edges alone for now: `also_gone` is `None` in all that it asks about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contraction {
     /// The vertex that stays.
@@ -84,11 +83,6 @@ impl<'a> Batch<'a> {
         Self { proposals, values: &[] }
     }
 
-    /// A batch of proposals with the list that holds their attribute values.
-    pub(super) fn with_values(proposals: &'a [Proposal], values: &'a [AttributeValue]) -> Self {
-        Self { proposals, values }
-    }
-
     /// How many proposals there are.
     pub fn len(&self) -> usize {
         self.proposals.len()
@@ -106,7 +100,8 @@ impl<'a> Batch<'a> {
 
     /// The attribute values that come with a proposal of this batch.
     pub fn attributes(&self, proposal: &Proposal) -> &'a [AttributeValue] {
-        row(self.values, proposal.attributes)
+        let row = |AttributeRow { first, n }| first as usize..(first + n) as usize;
+        proposal.attributes.map_or(&[], |at| &self.values[row(at)])
     }
 }
 
@@ -119,14 +114,8 @@ impl<'a> IntoIterator for Batch<'a> {
     }
 }
 
-/// A row of a list.
-pub(super) fn row(values: &[AttributeValue], row: Option<AttributeRow>) -> &[AttributeValue] {
-    row.and_then(|AttributeRow { first, n }| values.get(first as usize..(first + n) as usize))
-        .unwrap_or_default()
-}
-
 /// A place for the merged vertex, and the row of its attribute values.
-pub(super) type Candidate = (DVec3, Option<AttributeRow>);
+type Candidate = (DVec3, Option<AttributeRow>);
 
 /// Up to [`Candidates::MAX`] places for each contraction of a batch, and the attribute values that
 /// come with them.
@@ -160,7 +149,7 @@ impl Candidates {
     }
 
     /// Room for a batch of `n` contractions, without places.
-    pub(super) fn reset(&mut self, n: usize) {
+    pub fn reset(&mut self, n: usize) {
         self.values.clear();
         self.lists.iter_mut().for_each(|list| list.n = 0);
         self.lists.resize(n, CandidateList::default());
@@ -174,14 +163,27 @@ impl Candidates {
         }
     }
 
-    /// The places of each contraction, as proposed.
-    pub(super) fn lists(&self) -> impl Iterator<Item = &[Candidate]> {
-        self.lists.iter().map(|list| &list.places[..list.n])
+    /// How many places each contraction has.
+    pub fn counts(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lists.iter().map(|list| list.n)
     }
 
-    /// The values that rows are parts of.
-    pub(super) fn values(&self) -> &[AttributeValue] {
-        &self.values
+    /// Lists the proposals of a batch: for each contraction, one a place.
+    pub fn list_proposals(&self, batch: &[Contraction], proposals: &mut Vec<Proposal>) {
+        proposals.clear();
+        for (&contraction, list) in batch.iter().zip(&self.lists) {
+            let places = list.places[..list.n].iter();
+            proposals.extend(places.map(|&(position, attributes)| Proposal {
+                contraction,
+                position,
+                attributes,
+            }));
+        }
+    }
+
+    /// The batch of these proposals, with the attribute values that come with them.
+    pub fn batch<'a>(&'a self, proposals: &'a [Proposal]) -> Batch<'a> {
+        Batch { proposals, values: &self.values }
     }
 }
 

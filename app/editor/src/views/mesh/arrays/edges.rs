@@ -20,7 +20,7 @@ pub struct Edges {
 
 /// One face at an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Side {
+pub struct EdgeUse {
     /// The two vertices of the mesh, the lower in the upper half.
     pub edge: u64,
     /// The place among the drawn indices of the corner that the edge goes from in this face.
@@ -28,15 +28,15 @@ pub struct Side {
 }
 
 /// The sides of all edges; those of one edge follow each other. O(n log n) in faces.
-pub fn sides_of(mesh: &TriMesh, drawn: &Arrays) -> Vec<Side> {
-    let mut sides: Vec<Side> = (0..drawn.indices.len() as u32)
+pub fn sides_of(mesh: &TriMesh, drawn: &Arrays) -> Vec<EdgeUse> {
+    let mut sides: Vec<EdgeUse> = (0..drawn.indices.len() as u32)
         .into_par_iter()
         .filter_map(|place| {
             let face = mesh.faces[drawn.faces[place as usize / 3] as usize];
             let k = place as usize % 3;
             let (a, b) = (face[k].0, face[(k + 1) % 3].0);
             let edge = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-            (a != b).then_some(Side { edge, place })
+            (a != b).then_some(EdgeUse { edge, place })
         })
         .collect();
     sides.par_sort_unstable();
@@ -44,7 +44,7 @@ pub fn sides_of(mesh: &TriMesh, drawn: &Arrays) -> Vec<Side> {
 }
 
 /// The drawn vertices at the ends of an edge, as one of its faces has them.
-pub fn ends_of(drawn: &Arrays, side: &Side) -> [u32; 2] {
+pub fn ends_of(drawn: &Arrays, side: &EdgeUse) -> [u32; 2] {
     let (face, k) = (side.place / 3 * 3, side.place % 3);
     [face + k, face + (k + 1) % 3].map(|corner| drawn.indices[corner as usize])
 }

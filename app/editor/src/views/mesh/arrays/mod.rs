@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::views::camera::Bounds;
-use crate::views::mesh::look::texture::TextureFiles;
+use crate::views::mesh::look::texture::FaceTextures;
 
 /// How normals come about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,7 +55,7 @@ impl Shading {
 pub enum Sharing {
     /// Those of one vertex with one normal: enough for values over vertices.
     Wedges,
-    /// None: for values over corners and faces. Drawn vertex 3 i + k is corner k of drawn face i.
+    /// None: for values over corners and faces. DrawingKey vertex 3 i + k is corner k of drawn face i.
     Corners,
 }
 
@@ -78,7 +78,7 @@ pub struct Arrays {
     pub normals: Vec<PackedNormal>,
     /// The corner (3 × face + k) of the mesh that each was made for.
     pub corners: Vec<u32>,
-    /// Drawn vertices of the drawn faces, three each.
+    /// DrawingKey vertices of the drawn faces, three each.
     pub indices: Vec<u32>,
     /// The face of the mesh that each drawn face is.
     pub faces: Vec<u32>,
@@ -170,7 +170,7 @@ struct LocalSurface<'a> {
     face_normals: &'a [Vec3],
 }
 
-/// Drawn vertices of a run of vertices of the mesh.
+/// DrawingKey vertices of a run of vertices of the mesh.
 #[derive(Default)]
 struct Wedges {
     normals: Vec<PackedNormal>,
@@ -269,7 +269,7 @@ impl LocalSurface<'_> {
         match sharing {
             Sharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
             Sharing::Corners => {
-                let textures = TextureFiles::of(self.mesh);
+                let textures = FaceTextures::of(self.mesh);
                 let normal = |(place, &wedge): (usize, &u32)| {
                     let [x, y, z, _] = normals[wedge as usize];
                     let texture = textures.of_face(self.faces[place / 3] as usize);

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, PointerButton};
 use glam::DVec2;
 
 use crate::views::camera::{Bounds, Camera, Projection, StandardView};
-use crate::views::mesh::look::settings::{Settings, Switch};
+use crate::views::mesh::look::settings::{MeshSettings, Switch};
 use crate::views::mesh::scene::Screen;
 use crate::views::wheel::wheel_factor;
 
@@ -64,7 +64,7 @@ pub fn by_keys(
     aspect: f64,
     camera: &mut Camera,
     bounds: &Bounds,
-    (settings, switches): (&mut Settings, &[Switch]),
+    (settings, switches): (&mut MeshSettings, &[Switch]),
 ) -> Moved {
     let mut moved = Moved::default();
     let focused = responses.iter().find(|response| response.has_focus());

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::views::mesh::arrays::{Arrays, Sharing};
 use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
-use crate::views::mesh::look::texture::TextureFiles;
+use crate::views::mesh::look::texture::FaceTextures;
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,7 +101,7 @@ fn texcoords_of(mesh: &TriMesh) -> Option<&Layer> {
 }
 
 fn has_textures(mesh: &TriMesh) -> bool {
-    texcoords_of(mesh).is_some() && !TextureFiles::of(mesh).names.is_empty()
+    texcoords_of(mesh).is_some() && !FaceTextures::of(mesh).list.is_empty()
 }
 
 /// Whether a mesh has what a choice asks for, and what that is.
@@ -313,7 +313,7 @@ fn color_word([r, g, b]: [u8; 3]) -> u32 {
 
 /// Texture coordinates where a face's material has a texture, else the material's color.
 fn words_of_materials(mesh: &TriMesh, drawn: &Arrays) -> Vec<[u32; 2]> {
-    let files = TextureFiles::of(mesh);
+    let textures = FaceTextures::of(mesh);
     let is_by_vertex = texcoords_of(mesh).is_some_and(|layer| layer.domain == Domain::Vertex);
     let (labels, of_faces): (&[String], &[u32]) = match mesh.layer(Layer::MATERIAL) {
         Some(Layer { values: LayerValues::Label(labels), index, .. }) => (labels, index),
@@ -322,7 +322,7 @@ fn words_of_materials(mesh: &TriMesh, drawn: &Arrays) -> Vec<[u32; 2]> {
     let colors: Vec<_> = labels.iter().map(|label| diffuse_of(mesh, label)).collect();
     let word = |&corner: &u32| {
         let (face, k) = (corner as usize / 3, corner as usize % 3);
-        if files.of_face(face).is_none() {
+        if textures.of_face(face).is_none() {
             let color = of_faces.get(face).and_then(|&label| *colors.get(label as usize)?);
             return [color_word(color.unwrap_or(UNCOLORED)), 0];
         }

@@ -61,6 +61,7 @@ mod tests {
         let material = |name: &str, kd: &str| Material {
             name: name.to_owned(),
             statements: vec![("Kd".to_owned(), kd.to_owned())],
+            textures: Vec::new(),
         };
         let materials = vec![material("red", "1 0 0.2"), material("spectral", "spectral a.rfl")];
         let mesh = TriMesh { materials, ..TriMesh::default() };

@@ -59,7 +59,7 @@ pub struct Switch {
     /// The key that does the same.
     pub key: Option<egui::Key>,
     /// Whether it is on.
-    pub place: fn(&mut Settings) -> &mut bool,
+    pub place: fn(&mut MeshSettings) -> &mut bool,
 }
 
 /// Where a switch is offered.
@@ -73,7 +73,7 @@ pub enum SwitchHome {
 
 /// What is shown and how.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct MeshSettings {
     /// Normals.
     pub shading: Shading,
     /// Edges over the surface.
@@ -100,7 +100,7 @@ pub struct Settings {
     pub pair: [usize; 2],
 }
 
-impl Default for Settings {
+impl Default for MeshSettings {
     fn default() -> Self {
         Self {
             shading: Shading::default(),
@@ -119,7 +119,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl MeshSettings {
     /// Whether what has this name is on; off at first.
     pub fn switch(&mut self, name: &str) -> &mut bool {
         self.switched.entry(name.to_owned()).or_default()
@@ -158,7 +158,7 @@ pub struct Wishes {
 /// The row of controls.
 pub fn controls(
     ui: &mut egui::Ui,
-    settings: &mut Settings,
+    settings: &mut MeshSettings,
     camera: &mut Camera,
     offers: &Offers,
 ) -> Wishes {
@@ -189,7 +189,12 @@ pub fn controls(
     wishes
 }
 
-fn view_menu(ui: &mut egui::Ui, settings: &mut Settings, camera: &mut Camera, wishes: &mut Wishes) {
+fn view_menu(
+    ui: &mut egui::Ui,
+    settings: &mut MeshSettings,
+    camera: &mut Camera,
+    wishes: &mut Wishes,
+) {
     let views = [
         (StandardView::Front, "Front (1)"),
         (StandardView::Side, "Side (3)"),
@@ -215,7 +220,7 @@ fn view_menu(ui: &mut egui::Ui, settings: &mut Settings, camera: &mut Camera, wi
     wishes.is_fit |= settings.up != before;
 }
 
-fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings, switches: &[Switch]) {
+fn surface_menu(ui: &mut egui::Ui, settings: &mut MeshSettings, switches: &[Switch]) {
     let is_flat = settings.shading == Shading::Flat;
     if ui.radio(!is_flat, "Smooth").on_hover_text("Faces share normals").clicked() && is_flat {
         settings.shading = Shading::default();
@@ -243,7 +248,7 @@ fn surface_menu(ui: &mut egui::Ui, settings: &mut Settings, switches: &[Switch])
     }
 }
 
-fn color_by_box(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
+fn color_by_box(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
     let current = &settings.color_by;
     let named = offers.color_by.iter().find(|(by, _)| by == current);
     let text = named.map_or("Automatic", |(_, text)| text.as_str()).to_owned();
@@ -301,7 +306,7 @@ fn end_of_range(ui: &mut egui::Ui, end: &mut Option<f64>, label: &str, first: f6
     });
 }
 
-fn comparison(ui: &mut egui::Ui, settings: &mut Settings, offers: &Offers) {
+fn comparison(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
     ui.separator();
     let choices = [
         (Arrangement::SideBySide, "Side by side", "Each mesh in a part of its own, one camera"),

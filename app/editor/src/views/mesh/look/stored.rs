@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::views::camera::{Camera, Projection, UpAxis};
 use crate::views::mesh::arrays::Shading;
 use crate::views::mesh::look::coloring::{ScaleSettings, Spacing};
-use crate::views::mesh::look::settings::{Arrangement, BackFaces, Lines, Settings};
+use crate::views::mesh::look::settings::{Arrangement, BackFaces, Lines, MeshSettings};
 
 /// How meshes are shown, apart from what belongs to the meshes themselves: what colors them, ranges
 /// by hand, and where the camera is.
@@ -37,13 +37,13 @@ pub struct MeshLook {
 
 impl Default for MeshLook {
     fn default() -> Self {
-        Self::of(&Settings::default(), &Camera::default())
+        Self::of(&MeshSettings::default(), &Camera::default())
     }
 }
 
 impl MeshLook {
     /// The look that a view has.
-    pub fn of(settings: &Settings, camera: &Camera) -> Self {
+    pub fn of(settings: &MeshSettings, camera: &Camera) -> Self {
         let named = Scale::VALUES.iter().zip(Scale::NAMES);
         let name = named.filter(|(scale, _)| **scale == settings.scale.scale);
         Self {
@@ -65,7 +65,7 @@ impl MeshLook {
     }
 
     /// Gives a view this look. A scale of a name that is not known leaves the colors as they are.
-    pub fn apply(&self, settings: &mut Settings, camera: &mut Camera) {
+    pub fn apply(&self, settings: &mut MeshSettings, camera: &mut Camera) {
         let named = Scale::VALUES.iter().zip(Scale::NAMES);
         let mut scales = named.filter(|(_, (name, _))| *name == self.scale);
         settings.scale = ScaleSettings {
@@ -92,14 +92,14 @@ mod tests {
 
     #[test]
     fn a_look_comes_back_and_ranges_by_hand_do_not() {
-        let mut settings = Settings {
+        let mut settings = MeshSettings {
             shading: Shading::Smooth { crease_angle_rad: 0.5 },
             lines: Lines { has_wire: true, has_border: true },
             back_faces: BackFaces::Hidden,
             has_axes: false,
             has_box: true,
             arrangement: Arrangement::Wipe,
-            ..Settings::default()
+            ..MeshSettings::default()
         };
         settings.scale.scale = Scale::VALUES[1];
         settings.scale.low = Some(3.0);
@@ -112,7 +112,7 @@ mod tests {
         let text = serde_json::to_string(&look).unwrap();
         let read: MeshLook = serde_json::from_str(&text).unwrap();
         assert_eq!(read, look);
-        let (mut other, mut other_camera) = (Settings::default(), Camera::default());
+        let (mut other, mut other_camera) = (MeshSettings::default(), Camera::default());
         read.apply(&mut other, &mut other_camera);
         assert_eq!(MeshLook::of(&other, &other_camera), look);
         assert_eq!(other.switched, [("seams".to_owned(), true)].into());
@@ -125,7 +125,7 @@ mod tests {
         let text = r#"{ "has_box": true, "scale": "Gone", "shading": { "Smooth":
             { "crease_angle_rad": -1e30 } }, "new": 1 }"#;
         let read: MeshLook = serde_json::from_str(text).unwrap();
-        let (mut settings, mut camera) = (Settings::default(), Camera::default());
+        let (mut settings, mut camera) = (MeshSettings::default(), Camera::default());
         read.apply(&mut settings, &mut camera);
         assert!(settings.has_box && settings.has_axes);
         assert_eq!(settings.scale, ScaleSettings::default());

@@ -1,16 +1,13 @@
-//! The textures of a mesh: which faces have which, and their pictures, from files or pinned ones.
-//!
-//! A mesh keeps of a material what its file says, with the name of a texture as text. Names are
-//! relative to the file that holds them, which a mesh does not know: whoever shows it says in which
-//! folders to look.
+//! The textures of a mesh: which faces have which, and their pictures, its own or a pinned one.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
+use image::RgbaImage;
 use image::imageops::{FilterType, resize};
-use image::{ImageError, ImageReader, Limits, RgbaImage};
-use mve_modules::data::{Domain, Images, Layer, LayerValues, Material, TriMesh};
+use mve_modules::data::{
+    Domain, Images, Layer, LayerValues, Texture, TextureImage, TextureRole, TriMesh,
+};
 
 use crate::views::picture::{fitting_size, rgba};
 use crate::views::slot::Same;
@@ -19,18 +16,15 @@ use crate::views::slot::Same;
 const MOST_BYTES: usize = 256 << 20;
 
 /// Textures of one mesh; every GPU can do as many.
-const MOST_FILES: usize = 256;
-
-/// Longest side of a picture that is read, and bytes that reading it may take.
-const LIMITS: (u32, u64) = (1 << 15, 1 << 30);
+const MOST_PICTURES: usize = 256;
 
 /// Where textures come from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureSource {
     /// A pinned picture, for the whole mesh.
     Pinned(Same<Images>),
-    /// Files that materials name, in one of these folders.
-    Files(Same<TriMesh>, Vec<PathBuf>),
+    /// The mesh's own pictures, which its materials name.
+    Materials(Same<TriMesh>),
 }
 
 /// Pictures of one size, four bytes a pixel.
@@ -59,74 +53,55 @@ impl Pictures {
     }
 }
 
-/// The texture files that the materials of a mesh name, and who has which.
+/// The textures that color a mesh by its materials, and who has which.
 #[derive(Debug, Default, PartialEq)]
-pub struct TextureFiles<'a> {
-    /// Names as the materials say them, each once.
-    pub names: Vec<&'a str>,
+pub struct FaceTextures<'a> {
+    /// Each picture once, or where there is none, each name.
+    pub list: Vec<&'a Texture>,
     /// For each name of the layer of materials the place of its texture.
     of_labels: Vec<Option<usize>>,
     /// For each face the place of its material's name.
     of_faces: &'a [u32],
 }
 
-impl<'a> TextureFiles<'a> {
-    /// Looks them up, without looking at any file.
+impl<'a> FaceTextures<'a> {
+    /// Looks them up.
     pub fn of(mesh: &'a TriMesh) -> Self {
         let layer = mesh.layer(Layer::MATERIAL).filter(|layer| layer.domain == Domain::Face);
         let Some(Layer { values: LayerValues::Label(labels), index, .. }) = layer else {
             return Self::default();
         };
-        let mut files = Self { of_faces: index, ..Self::default() };
-        let textured =
-            mesh.materials.iter().filter_map(|m| Some((m.name.as_str(), diffuse_map(m)?)));
-        let textured: HashMap<&str, &str> = textured.collect();
+        let mut textures = Self { of_faces: index, ..Self::default() };
+        let textured = mesh.materials.iter().filter_map(|material| {
+            Some((material.name.as_str(), material.texture(TextureRole::BaseColor)?))
+        });
+        let textured: HashMap<&str, &Texture> = textured.collect();
         for label in labels.iter().filter(|_| !textured.is_empty()) {
-            let name = textured.get(label.as_str()).copied();
-            let place = name.map(|name| {
-                let known = files.names.iter().position(|known| *known == name);
+            let place = textured.get(label.as_str()).map(|texture| {
+                let known = textures.list.iter().position(|known| is_same(known, texture));
                 known.unwrap_or_else(|| {
-                    files.names.push(name);
-                    files.names.len() - 1
+                    textures.list.push(texture);
+                    textures.list.len() - 1
                 })
             });
-            files.of_labels.push(place);
+            textures.of_labels.push(place);
         }
-        files
+        textures
     }
 
-    /// The place of a face's texture in [`TextureFiles::names`].
+    /// The place of a face's texture in [`FaceTextures::list`].
     pub fn of_face(&self, face: usize) -> Option<usize> {
         *self.of_labels.get(*self.of_faces.get(face)? as usize)?
     }
 }
 
-/// The name of the picture that a material is colored by.
-fn diffuse_map(material: &Material) -> Option<&str> {
-    let is_map = |keyword: &str| keyword.eq_ignore_ascii_case("map_Kd");
-    let (_, text) = material.statements.iter().find(|(keyword, _)| is_map(keyword))?;
-    let name = without_options(text);
-    (!name.is_empty()).then_some(name)
-}
-
-/// What follows the options of a texture statement: `-s 1 1 1 -clamp on wood.png`.
-fn without_options(text: &str) -> &str {
-    let first_word = |text: &'_ str| text.find(char::is_whitespace).unwrap_or(text.len());
-    let mut rest = text.trim();
-    while rest.starts_with('-') {
-        let (option, after) = rest.split_at(first_word(rest));
-        rest = after.trim_start();
-        let is_numeric = matches!(option, "-o" | "-s" | "-t" | "-mm");
-        for at in 0..3 {
-            let (word, after) = rest.split_at(first_word(rest));
-            let is_argument = if is_numeric { word.parse::<f64>().is_ok() } else { at == 0 };
-            if !is_argument || after.is_empty() {
-                break;
-            }
-            rest = after.trim_start();
-        }
+/// Whether two textures show one picture, or name the one that is missing.
+fn is_same(a: &Texture, b: &Texture) -> bool {
+    match (&a.image, &b.image) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => a.name == b.name,
+        _ => false,
     }
-    rest
 }
 
 /// Makes the pictures, none of them with a side longer than `most`.
@@ -142,13 +117,12 @@ pub fn pictures(source: &TextureSource, most: u32) -> Result<Pictures, String> {
             let picture = RgbaImage::from_raw(width as u32, height as u32, pixels);
             Ok(Pictures::new(vec![picture.ok_or("the picture has no pixels")?], None))
         }
-        TextureSource::Files(mesh, folders) => {
-            let names = TextureFiles::of(&mesh.0).names;
-            if names.len() > MOST_FILES {
-                return Err(format!("more than {MOST_FILES} textures cannot be shown"));
+        TextureSource::Materials(mesh) => {
+            let textures = FaceTextures::of(&mesh.0).list;
+            if textures.len() > MOST_PICTURES {
+                return Err(format!("more than {MOST_PICTURES} textures cannot be shown"));
             }
-            let read = names.iter().map(|name| read(name, folders)).collect();
-            of_one_size(read, most)
+            of_one_size(textures.into_iter().map(picture_of).collect(), most)
         }
     }
 }
@@ -182,40 +156,17 @@ fn of_one_size(read: Vec<Result<RgbaImage, String>>, most: u32) -> Result<Pictur
     Ok(Pictures::new(read.into_iter().map(layer).collect(), problem))
 }
 
-/// Reads a texture from the first folder that has it.
-fn read(name: &str, folders: &[PathBuf]) -> Result<RgbaImage, String> {
-    let Some(path) = candidates(name, folders).into_iter().find(|path| path.is_file()) else {
-        return Err(match folders {
-            [] => format!("texture {name}: it is not known which folder it is in"),
-            _ => format!("texture {name} is not there"),
-        });
+/// The picture of a texture, as the GPU takes it.
+fn picture_of(texture: &Texture) -> Result<RgbaImage, String> {
+    let name = &texture.name;
+    let Some(pixels) = texture.image.as_deref().map(TextureImage::pixels) else {
+        let message = "is not there or cannot be read: see the warnings of its loader";
+        return Err(format!("texture {name} {message}"));
     };
-    let message = |error: ImageError| match error {
-        ImageError::IoError(error) => format!("texture {name} cannot be read: {error}"),
-        ImageError::Limits(_) => format!("texture {name} is too large"),
-        ImageError::Unsupported(_) => format!("texture {name} is neither a PNG nor a JPEG file"),
-        error => format!("texture {name} is no picture: {error}"),
-    };
-    let reader = ImageReader::open(&path).and_then(ImageReader::with_guessed_format);
-    let mut reader = reader.map_err(|error| message(ImageError::IoError(error)))?;
-    let mut limits = Limits::no_limits();
-    (limits.max_image_width, limits.max_image_height) = (Some(LIMITS.0), Some(LIMITS.0));
-    limits.max_alloc = Some(LIMITS.1);
-    reader.limits(limits);
-    Ok(reader.decode().map_err(message)?.into_rgba8())
-}
-
-/// The paths that a name may mean, in the order in which to try them: as it is written, and its
-/// last part alone, for names that hold a path of the machine where they were written.
-fn candidates(name: &str, folders: &[PathBuf]) -> Vec<PathBuf> {
-    let slashes = name.replace('\\', "/");
-    let mut names = vec![slashes.as_str()];
-    // A comment may follow; but names may hold its sign, too.
-    names.extend(slashes.split_once(" #").map(|(name, _)| name.trim_end()));
-    let alone: Vec<&str> = names.iter().filter_map(|name| name.rsplit('/').next()).collect();
-    names.extend(alone);
-    let in_folders = |name| folders.iter().map(move |folder: &PathBuf| folder.join(name));
-    names.into_iter().flat_map(in_folders).collect()
+    let (width, height) = (pixels.width, pixels.height);
+    let picture = RgbaImage::from_raw(width as u32, height as u32, rgba(pixels, [width, height]));
+    let picture = picture.filter(|picture| !picture.is_empty());
+    picture.ok_or_else(|| format!("texture {name} has no pixels"))
 }
 
 /// Smaller and smaller versions of a picture, the last a single pixel.
@@ -230,11 +181,6 @@ fn smaller(picture: &RgbaImage) -> Vec<RgbaImage> {
         let half = |side: u32| (side / 2).max(1);
         made.push(resize(last, half(width), half(height), FilterType::Triangle));
     }
-}
-
-/// The source for the pictures of a mesh's own materials.
-pub fn files_of(mesh: &Arc<TriMesh>, folders: &[PathBuf]) -> TextureSource {
-    TextureSource::Files(Same(Arc::clone(mesh)), folders.to_vec())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align2, FontId, Pos2, Stroke, Vec2, vec2};
 
-use super::{Layer, Overlay};
+use super::{Depth, Overlay};
 use crate::views::camera::Bounds;
 use crate::views::mesh::look::settings::{Switch, SwitchHome};
 use crate::views::mesh::scene::MeshPicture;
@@ -23,7 +23,7 @@ impl Overlay for BoundingBox {
         })
     }
 
-    fn paint(&self, layer: Layer, picture: &MeshPicture) {
+    fn paint(&self, layer: Depth, picture: &MeshPicture) {
         if let Some(bounds) = &picture.bounds {
             paint_box(layer, picture, bounds);
         }
@@ -31,7 +31,7 @@ impl Overlay for BoundingBox {
 }
 
 /// Paints the edges behind what is in the box, or the others, with the lengths.
-fn paint_box(layer: Layer, picture: &MeshPicture, bounds: &Bounds) {
+fn paint_box(layer: Depth, picture: &MeshPicture, bounds: &Bounds) {
     let MeshPicture { painter, screen, camera, line_color: color, .. } = picture;
     let corners = bounds.corners();
     let eye_depth = |i: &usize| -camera.view_of(corners[*i]).z;
@@ -48,7 +48,7 @@ fn paint_box(layer: Layer, picture: &MeshPicture, bounds: &Bounds) {
             let is_behind = from == farthest || to == farthest;
             let ends = [from, to].map(|i| camera.project(corners[i], aspect));
             let [Some(a), Some(b)] = ends.map(|at| at.map(|at| screen.place(at))) else { continue };
-            if is_behind == (layer == Layer::Behind) {
+            if is_behind == (layer == Depth::Behind) {
                 painter.line_segment([a, b], Stroke::new(1.0, *color));
             }
             // The edge that is farthest out has free space beyond it; of two, the lower one.
@@ -59,7 +59,7 @@ fn paint_box(layer: Layer, picture: &MeshPicture, bounds: &Bounds) {
                 labeled = Some((middle + 14.0 * out.normalized() * vec2(1.8, 1.0), score));
             }
         }
-        if let (Some((place, _)), Layer::Ahead) = (labeled, layer) {
+        if let (Some((place, _)), Depth::Ahead) = (labeled, layer) {
             let length = (bounds.high - bounds.low)[axis];
             let text = format!("{} {}", ["x", "y", "z"][axis], number_text(length));
             painter.text(place, Align2::CENTER_CENTER, text, FontId::proportional(12.0), *color);

@@ -7,7 +7,7 @@
 use eframe::egui;
 
 use super::lines::{LineChoice, LineSet};
-use super::look::settings::{Settings, Switch};
+use super::look::settings::{MeshSettings, Switch};
 use super::scene::{MeshPicture, MeshScene};
 
 /// Something that lies on the pictures of meshes. All but `switch` and `lines` is called only
@@ -24,7 +24,7 @@ pub trait Overlay {
     }
 
     /// Paints behind or before the picture of one mesh.
-    fn paint(&self, _layer: Layer, _picture: &MeshPicture) {}
+    fn paint(&self, _layer: Depth, _picture: &MeshPicture) {}
 
     /// Shows what belongs to the whole panel, once all pictures are there.
     fn show(&mut self, _ui: &mut egui::Ui, _scene: &mut MeshScene) {}
@@ -32,7 +32,7 @@ pub trait Overlay {
 
 /// On which side of a picture something is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layer {
+pub enum Depth {
     /// Hidden by the mesh.
     Behind,
     /// Over it.
@@ -81,7 +81,7 @@ impl Overlays {
     }
 
     /// The kinds of lines, and which of them are shown.
-    pub fn lines(&self, settings: &mut Settings) -> Vec<LineChoice> {
+    pub fn lines(&self, settings: &mut MeshSettings) -> Vec<LineChoice> {
         let choice = |overlay: &dyn Overlay| {
             Some(LineChoice { set: overlay.lines()?, is_on: is_on(overlay, settings) })
         };
@@ -89,7 +89,7 @@ impl Overlays {
     }
 
     /// Paints behind or before the picture of one mesh.
-    pub fn paint(&self, layer: Layer, picture: &MeshPicture, settings: &mut Settings) {
+    pub fn paint(&self, layer: Depth, picture: &MeshPicture, settings: &mut MeshSettings) {
         for overlay in self.all() {
             if is_on(overlay, settings) {
                 overlay.paint(layer, picture);
@@ -107,7 +107,7 @@ impl Overlays {
     }
 }
 
-fn is_on(overlay: &dyn Overlay, settings: &mut Settings) -> bool {
+fn is_on(overlay: &dyn Overlay, settings: &mut MeshSettings) -> bool {
     overlay.switch().is_none_or(|switch| *(switch.place)(settings))
 }
 
@@ -119,15 +119,15 @@ mod tests {
     #[test]
     fn the_shader_has_a_color_for_all_kinds_of_lines_and_switches_differ() {
         let overlays = Overlays::default();
-        assert!(overlays.lines(&mut Settings::default()).len() <= MOST_LINE_SETS);
+        assert!(overlays.lines(&mut MeshSettings::default()).len() <= MOST_LINE_SETS);
         // Each switches itself alone.
         let switches = overlays.switches();
         for (at, switch) in switches.iter().enumerate() {
-            let mut settings = Settings::default();
+            let mut settings = MeshSettings::default();
             *(switch.place)(&mut settings) ^= true;
             for (other_at, other) in switches.iter().enumerate() {
                 let is_as_before =
-                    *(other.place)(&mut settings) == *(other.place)(&mut Settings::default());
+                    *(other.place)(&mut settings) == *(other.place)(&mut MeshSettings::default());
                 assert_eq!(is_as_before, at != other_at, "{} {}", switch.label, other.label);
             }
         }

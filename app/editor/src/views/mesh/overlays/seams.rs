@@ -8,7 +8,7 @@ use mve_modules::data::{Domain, Layer, LayerValues, TriMesh};
 
 use super::Overlay;
 use crate::views::mesh::arrays::Arrays;
-use crate::views::mesh::arrays::edges::{Side, ends_of, sides_of};
+use crate::views::mesh::arrays::edges::{EdgeUse, ends_of, sides_of};
 use crate::views::mesh::lines::{LineIndices, LineSet};
 use crate::views::mesh::look::settings::{Switch, SwitchHome};
 
@@ -45,7 +45,7 @@ impl Overlay for Seams {
 fn seams(mesh: &TriMesh, drawn: &Arrays) -> Vec<u32> {
     let coords = corner_texcoords(mesh);
     let sides = sides_of(mesh, drawn);
-    let is_cut = |sides: &[Side]| match sides {
+    let is_cut = |sides: &[EdgeUse]| match sides {
         [_] => true,
         [first, rest @ ..] => {
             let of_first = coords_of_side(mesh, drawn, &coords, first);
@@ -75,7 +75,7 @@ fn coords_of_side(
     mesh: &TriMesh,
     drawn: &Arrays,
     coords: &CornerTexcoords,
-    side: &Side,
+    side: &EdgeUse,
 ) -> [Option<DVec2>; 2] {
     let (face, k) = (drawn.faces[side.place as usize / 3] as usize, side.place as usize % 3);
     let next = (k + 1) % 3;

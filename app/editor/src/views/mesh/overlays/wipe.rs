@@ -3,7 +3,7 @@
 use eframe::egui::{self, Rect, Sense, vec2};
 
 use super::Overlay;
-use crate::views::mesh::look::settings::{Arrangement, Settings};
+use crate::views::mesh::look::settings::{Arrangement, MeshSettings};
 use crate::views::mesh::scene::MeshScene;
 
 /// The overlay of the line, which the pointer moves.
@@ -18,7 +18,7 @@ impl Overlay for WipeLine {
     }
 }
 
-fn show_line(ui: &egui::Ui, rect: Rect, settings: &mut Settings) {
+fn show_line(ui: &egui::Ui, rect: Rect, settings: &mut MeshSettings) {
     let x = rect.left() + settings.balance * rect.width();
     let line = Rect::from_x_y_ranges(x..=x, rect.y_range());
     let id = ui.id().with("wipe line");

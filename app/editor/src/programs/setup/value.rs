@@ -4,9 +4,9 @@ use eframe::egui::{self, Id, Ui};
 use mve_core::{ParamSpec, brief_value, chosen, with_param};
 use serde_json::Value as Json;
 
-use super::declare::{Declared, default_of};
-use super::widgets::{named, small_button};
 use crate::forms::{CELL_WIDTH, Field, FormEvent, Look, line, pick};
+use crate::programs::setup::declare::{Declared, default_of};
+use crate::programs::widgets::{named, small_button};
 
 /// Shows the field of a value; what it was changed to. `name` is what a screen reader says, `id`
 /// tells the field from others.

@@ -9,9 +9,10 @@ use eframe::egui::{
 };
 use mve_core::Better;
 
-use super::results::{Column, Row, Sheet, State, label};
-use super::widgets::{button_if, count, icon_button};
-use super::{Action, ProgramPanel, Scene, check, load_step};
+use crate::programs::results::sheet::{Column, Row, Sheet, State, label};
+use crate::programs::run::check;
+use crate::programs::widgets::{button_if, count, icon_button};
+use crate::programs::{Action, ProgramPanel, Scene, load_step};
 
 const ROW_HEIGHT: f32 = 20.0;
 /// A column's name stands in two lines: the node, and what of it.
@@ -46,12 +47,12 @@ struct Layout {
 
 impl ProgramPanel {
     /// Rows of steps that failed.
-    pub(super) fn failed_rows(&self) -> impl Iterator<Item = &Row> {
+    pub(in crate::programs) fn failed_rows(&self) -> impl Iterator<Item = &Row> {
         self.sheet.rows.iter().filter(|row| matches!(row.state, State::Failed(_)))
     }
 
     /// Shows failed steps, each with its reason.
-    pub(super) fn show_failed(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    pub(in crate::programs) fn show_failed(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let n_failed = self.failed_rows().count();
         if n_failed == 0 {
             return;
@@ -82,7 +83,12 @@ impl ProgramPanel {
     }
 
     /// Shows the table, and above it what is selected.
-    pub(super) fn show_table(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    pub(in crate::programs) fn show_table(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) {
         if self.sheet.program.is_none() {
             ui.weak("The steps stand here once the program can run.");
             return;
@@ -103,7 +109,12 @@ impl ProgramPanel {
     }
 
     /// A line on the selected step.
-    pub(super) fn show_selected(&self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    pub(in crate::programs) fn show_selected(
+        &self,
+        ui: &mut Ui,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) {
         let selected = self.table.selected.as_deref();
         let mut rows = (0..self.sheet.rows.len()).filter_map(|row| {
             Some((row, self.sheet.step(row).filter(|step| Some(step.id.as_str()) == selected)?))

@@ -5,10 +5,12 @@ use std::collections::HashSet;
 use eframe::egui::{self, Color32, ComboBox, DragValue, ProgressBar, RichText, TextEdit, Ui};
 use mve_core::{Problem, ProgramSpec, Retry, Sharing};
 
-use super::pace::{Pace, in_words};
-use super::results::{State, label};
-use super::widgets::{button_if, count, icon_button, named};
-use super::{Action, ProgramPanel, Scene, check, fresh_name, job};
+use crate::programs::results::sheet::{State, label};
+use crate::programs::run::check;
+use crate::programs::run::job;
+use crate::programs::run::pace::{Pace, in_words};
+use crate::programs::widgets::{button_if, count, icon_button, named};
+use crate::programs::{Action, ProgramPanel, Scene, fresh_name};
 
 /// Problems and running steps that are listed; more would push the rest away.
 const MOST_LINES: usize = 6;
@@ -22,7 +24,12 @@ pub struct BarState {
 
 impl ProgramPanel {
     /// Shows the head.
-    pub(super) fn show_bar(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    pub(in crate::programs) fn show_bar(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Scene,
+        actions: &mut Vec<Action>,
+    ) {
         self.show_chooser(ui, scene, actions);
         let Some(name) = self.name(scene.map).map(str::to_owned) else { return };
         self.show_runs(ui, scene, &name);
@@ -102,9 +109,9 @@ impl ProgramPanel {
     fn choose(&mut self, name: &str) {
         if self.chosen.as_deref() != Some(name) {
             self.chosen = Some(name.to_owned());
-            self.setup = super::setup::SetupState::default();
-            self.plot = super::plot::PlotState::default();
-            self.table = super::table::TableState::default();
+            self.setup = crate::programs::setup::SetupState::default();
+            self.plot = crate::programs::results::plot::PlotState::default();
+            self.table = crate::programs::results::table::TableState::default();
             self.note = None;
         }
     }

@@ -9,12 +9,12 @@ use egui_plot::{
 };
 use mve_core::brief;
 
-use super::ProgramPanel;
-use super::curves::{
+use crate::programs::ProgramPanel;
+use crate::programs::results::curves::{
     Choice, Curve, Spot, can_be_log, curves, default_series, default_x, default_y, is_wide, room,
 };
-use super::results::{Column, Sheet, Source, label};
-use super::widgets::named;
+use crate::programs::results::sheet::{Column, Sheet, Source, label};
+use crate::programs::widgets::named;
 use crate::views::make_room;
 
 /// How near the pointer must be to a point, in points of the screen.
@@ -41,7 +41,7 @@ pub struct PlotState {
 
 impl ProgramPanel {
     /// Shows the plot and the choice of what it shows.
-    pub(super) fn show_plot(&mut self, ui: &mut Ui) {
+    pub(in crate::programs) fn show_plot(&mut self, ui: &mut Ui) {
         let found = self.plot.found.take().filter(|(made, _)| *made == self.sheet_made);
         let (made, found) = found.unwrap_or_else(|| {
             let choice = self.plot.choice(&self.sheet);

@@ -8,7 +8,7 @@ use mve_core::{Link, MODULE, Map, Node, ParamSpec, Registry, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::arrange::{self, Area};
-use super::edit::{Applied, Edit, EditError, Item};
+use super::edit::{Edit, EditError, EditOutcome, Item};
 use super::extras::{Extras, Frame, Note, Reroute};
 use super::fits;
 use super::names::{free_name, name_after, taken};
@@ -18,13 +18,13 @@ use super::rename::Renaming;
 const FARTHEST: f64 = 1e7;
 
 /// A map in the making.
-pub(super) struct Draft<'a> {
+pub(super) struct Transaction<'a> {
     pub map: Map,
     pub extras: Extras,
     pub registry: &'a Registry,
     /// Sizes of nodes as they were drawn.
     pub sizes: &'a HashMap<String, [f64; 2]>,
-    pub applied: Applied,
+    pub applied: EditOutcome,
 }
 
 /// A place or size as a map keeps it.
@@ -60,7 +60,7 @@ pub(super) fn places_of_others(map: &Map) -> IndexMap<String, [f64; 2]> {
     places
 }
 
-impl Draft<'_> {
+impl Transaction<'_> {
     /// Does one edit.
     pub fn edit(&mut self, edit: &Edit) -> Result<(), EditError> {
         if moves_others(edit) {

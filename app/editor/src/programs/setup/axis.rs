@@ -4,11 +4,11 @@ use eframe::egui::{self, DragValue, Id, RichText, Ui};
 use mve_core::{ParamSpec, ProgramSpec, chosen};
 use serde_json::Value as Json;
 
-use super::Scene;
-use super::declare::{Declared, current, declared, paths, second};
-use super::edit::{Axis, Edit, axis_of, is_even, n_rows};
-use super::generate::{self, Range, Spacing};
-use super::widgets::{count, named, small_button};
+use crate::programs::Scene;
+use crate::programs::setup::declare::{Declared, current, declared, paths, second};
+use crate::programs::setup::edit::{Axis, Edit, axis_of, is_even, n_rows};
+use crate::programs::setup::generate::{self, Range, Spacing};
+use crate::programs::widgets::{count, named, small_button};
 
 /// A list to be made.
 pub enum Draft {

@@ -40,7 +40,7 @@ impl Subject {
 }
 
 /// What a check found.
-pub struct Checked {
+pub struct ProgramCheck {
     /// What was checked.
     pub subject: Subject,
     /// The program, if it can run.
@@ -54,7 +54,7 @@ pub struct Checked {
 }
 
 /// Checks a program, and looks into its store without changing it.
-pub fn check(subject: Subject) -> Checked {
+pub fn check(subject: Subject) -> ProgramCheck {
     let Subject { map, name, folder, map_file, registry, store } = &subject;
     let mut problems: Vec<Problem> = map.problems().to_vec();
     let mut program = None;
@@ -78,7 +78,7 @@ pub fn check(subject: Subject) -> Checked {
         }
         _ => {}
     }
-    Checked { subject, program, problems, records, trouble }
+    ProgramCheck { subject, program, problems, records, trouble }
 }
 
 /// The folder of a program's results: the one that `mve program` takes by itself.

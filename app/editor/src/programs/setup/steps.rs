@@ -5,10 +5,11 @@ use indexmap::{IndexMap, IndexSet};
 use mve_core::ProgramSpec;
 use serde_json::Value as Json;
 
-use super::declare::{current, declared, paths};
-use super::edit::Edit;
-use super::widgets::{count, icon_button, named, small_button};
-use super::{Scene, value};
+use crate::programs::Scene;
+use crate::programs::setup::declare::{current, declared, paths};
+use crate::programs::setup::edit::Edit;
+use crate::programs::setup::value;
+use crate::programs::widgets::{count, icon_button, named, small_button};
 
 /// Seconds that a limit begins with when it is switched on.
 const FIRST_LIMIT: f64 = 60.0;

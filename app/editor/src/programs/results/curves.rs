@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::Color32;
 
-use super::results::{Sheet, Source, State};
+use crate::programs::results::sheet::{Sheet, Source, State};
 
 /// Quotients of the largest and smallest number for which a logarithmic axis shows more. Beyond
 /// them the smallest is a rounding error, which would take up most of the axis.
@@ -184,8 +184,8 @@ pub fn room(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::{Cell, Column, Row, State};
     use super::*;
+    use crate::programs::results::sheet::{Cell, Column, Row, State};
 
     fn sheet(columns: &[(&str, Source)], rows: &[&[&str]]) -> Sheet {
         let cell = |text: &&str| Cell { text: (*text).to_owned(), number: text.parse().ok() };

@@ -5,7 +5,7 @@ use std::path::Path;
 use mve_core::{Link, MODULE, Map, OptionSpec, ParamSpec, Registry, chosen, declared_at, given_at};
 use serde_json::Value as Json;
 
-use super::generate;
+use crate::programs::setup::generate;
 
 /// What a path may be set to.
 #[derive(Clone, Copy)]

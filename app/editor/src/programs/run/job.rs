@@ -13,7 +13,7 @@ use mve_core::{
 };
 use mve_report::{Format, Report};
 
-use super::{Message, Wake};
+use crate::programs::{Message, Wake};
 
 /// The report's name in a store, as `mve program` has it.
 pub const PAGE: &str = "report.html";

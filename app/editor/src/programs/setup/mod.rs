@@ -1,17 +1,24 @@
 //! The table of a program's axes: each one or more parameters whose values advance together.
 
+pub mod axis;
+pub mod declare;
+pub mod edit;
+mod generate;
+mod steps;
+mod value;
+
 use eframe::egui::{self, Frame, Grid, Id, RichText, ScrollArea, Ui};
 use mve_core::ProgramSpec;
 use serde_json::Value as Json;
 
-use super::axis::{
+use crate::programs::setup::axis::{
     Draft, add_value, can_generate, every, join, pick_path, range_of, show_handle, show_head,
     show_row_buttons, show_title, vary,
 };
-use super::declare::{Declared, declared};
-use super::edit::{Axis, Edit, axis_of, n_rows};
-use super::widgets::{drop_zone, icon_button, named, small_button};
-use super::{Action, Scene, generate, steps, value};
+use crate::programs::setup::declare::{Declared, declared};
+use crate::programs::setup::edit::{Axis, Edit, axis_of, n_rows};
+use crate::programs::widgets::{drop_zone, icon_button, named, small_button};
+use crate::programs::{Action, Scene};
 
 /// Rows of an axis beyond which it scrolls by itself.
 const MOST_ROWS: usize = 14;
