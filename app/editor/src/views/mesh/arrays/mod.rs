@@ -55,7 +55,8 @@ impl Shading {
 pub enum Sharing {
     /// Those of one vertex with one normal: enough for values over vertices.
     Wedges,
-    /// None: for values over corners and faces. DrawingKey vertex 3 i + k is corner k of drawn face i.
+    /// None: for values over corners and faces. DrawingKey vertex 3 i + k is corner k of drawn face
+    /// i.
     Corners,
 }
 
