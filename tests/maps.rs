@@ -8,11 +8,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use mve_core::Control;
 use mve_core::testing::{plan_options, program_options, run_options};
 use mve_core::{
     CancelToken, FileHashes, Map, Plan, PlanOptions, Program, ProgramOptions, RunOptions, Scalar,
-    Store, assign, run, run_program,
+    Store, run, run_program,
 };
 use mve_modules::registry;
 use mve_tests::{maps, root};
@@ -54,39 +53,17 @@ fn saving_a_map_changes_no_byte() {
     }
 }
 
-/// The map, with a file of its own where it needs one.
-fn load(path: &Path, folder: &Path) -> Map {
-    let mut map = Map::load(path).unwrap();
-    if map.nodes.get("load").is_some_and(|node| node.module == "ObjLoader") {
-        let model = folder.join("model.obj");
-        let mesh = mve_modules::geometry::generate::surface(&Default::default());
-        mve_modules::formats::obj::save(&mesh, &model, Control::none()).unwrap();
-        assign(&mut map, &registry(), "load.path", model.to_str().unwrap().into()).unwrap();
-    }
-    map
-}
-
-/// Maps whose programs take minutes, or files that may not be there: their programs are planned
-/// only.
+/// Maps whose programs take minutes: these are planned only.
 const LONG: [&str; 1] = ["image_driven.json"];
-
-/// Plans a program of a long map; files may be missing.
-fn plan_only(map: &Map, name: &str) {
-    if let Err(problems) = Program::new(map, name, &registry(), &root().join("maps")) {
-        for problem in problems {
-            assert!(problem.message.contains("there is no such file"), "{problem}");
-        }
-    }
-}
 
 /// Scalars and values of a run of the map, and of all steps of its programs.
 fn summary(path: &Path) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let map = load(path, folder.path());
+    let map = Map::load(path).unwrap();
+    let home = path.parent().unwrap();
     let mut text = String::new();
     let files = FileHashes::new();
-    let options =
-        PlanOptions { output_folder: Some(folder.path()), ..plan_options(folder.path(), &files) };
+    let options = PlanOptions { output_folder: Some(folder.path()), ..plan_options(home, &files) };
     let plan = Plan::new(&map, &registry(), &options).unwrap_or_else(|p| panic!("{p:?}"));
     let cancel = CancelToken::new();
     let options = RunOptions { threads: 2, ..run_options(folder.path(), &cancel) };
@@ -98,12 +75,11 @@ fn summary(path: &Path) -> String {
         assert!(node.record.files.iter().all(|file| folder.path().join(file).is_file()));
     }
     for name in map.programs.keys() {
+        let program =
+            Program::new(&map, name, &registry(), home).unwrap_or_else(|p| panic!("{p:?}"));
         if path.file_name().is_some_and(|file| LONG.iter().any(|long| file == *long)) {
-            plan_only(&map, name);
             continue;
         }
-        let program = Program::new(&map, name, &registry(), folder.path())
-            .unwrap_or_else(|p| panic!("{p:?}"));
         let store = Store::open(&folder.path().join(format!("program-{name}"))).unwrap();
         let options = ProgramOptions { jobs: 2, threads: 2, ..program_options(&cancel) };
         let outcome = run_program(&program, &store, &options).unwrap();

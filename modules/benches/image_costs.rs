@@ -6,7 +6,6 @@
 //! `MVE_MODELS`; without it, only the generated torus is measured.
 
 use std::cell::Cell;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use mve_core::{Cancelled, Control};
@@ -120,12 +119,7 @@ fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, 
 }
 
 fn model(name: &str) -> Option<TriMesh> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, Into::into);
-    let Ok(text) = std::fs::read(folder.join(name)) else {
-        println!("skipped: no {name} in {}", folder.display());
-        return None;
-    };
+    let text = std::fs::read(mve_modules::testing::model(name)?).ok()?;
     let mut no_mtl = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     mve_modules::formats::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
 }

@@ -19,6 +19,8 @@ pub mod metric;
 pub mod picture;
 pub mod placement;
 mod prelude;
+#[doc(hidden)]
+pub mod testing;
 
 use mve_core::{ModuleList, Registry};
 

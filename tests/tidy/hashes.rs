@@ -6,7 +6,7 @@ use mve_modules::{cost::COSTS, picture::cameras::CAMERA_SETS};
 use mve_tests::root;
 use tempfile::TempDir;
 
-use crate::sources::{SourceHashes, source_hashes, tokens, without_tests};
+use super::sources::{SourceHashes, source_hashes, tokens, without_tests};
 
 const CRATE: &str = "mve-modules";
 const QUADRIC: &str = "mve_modules::cost::quadric";

@@ -2,7 +2,8 @@
 //! -- docs/pictures`. They are drawn without a display, by the same hand that the tests have. Maps
 //! named after the folder are drawn in their place.
 
-#[path = "../tests/hand/mod.rs"]
+#[allow(dead_code)] // A part of what tests need.
+#[path = "../tests/editor/hand/mod.rs"]
 mod hand;
 
 use std::path::{Path, PathBuf};

@@ -159,3 +159,34 @@ pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
         other => other.to_string(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use mve_core::{Expression, Param, Points, Selection, SelectionDomain};
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_node_shows_values_in_a_few_characters() {
+        let text = |spec: ParamSpec, given: Json| value_text(&spec, Some(&given));
+        let number = Param::<f64>::number("x", "", 0.5).spec();
+        assert_eq!(value_text(&number, None), "0.5");
+        assert_eq!(text(number, json!(0.123_456_789)), "0.12346");
+        let off = Param::<Option<i64>>::maybe_integer("n", "", None).spec();
+        assert_eq!((value_text(&off, None), text(off, json!(3))), (OFF.to_owned(), "3".to_owned()));
+        assert_eq!(text(Param::flag("f", "", false).spec(), json!(true)), "yes");
+        let file = Param::input_file("p", "", &[]).spec();
+        assert_eq!(
+            (value_text(&file, None), text(file, json!("a/b.obj"))),
+            ("".into(), "b.obj".into())
+        );
+        let points = Param::<Points>::points("p", "", &[]).spec();
+        assert_eq!(value_text(&points, None), "no points");
+        let faces = Param::<Selection>::selection("s", "", SelectionDomain::Faces, "mesh").spec();
+        assert_eq!(text(faces, json!([3, [10, 20]])), "12 faces");
+        assert_eq!(text(faces, json!([3, 1])), "[3,1]"); // as it stands
+        let formula = Param::<Expression>::expression("e", "", "x", &[("x", "")]).spec();
+        assert_eq!(text(formula, json!("x ^ 2")), "x ^ 2");
+    }
+}

@@ -1,26 +1,21 @@
 //! The meshes that benches have in common: generated tori, and real models where they are at hand.
-//!
-//! Models are read from the folder that `MVE_MODELS` names, or from `../shared/models` beside the
-//! workspace.
 
 // Each bench uses a part of this.
 #![allow(dead_code)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::mesh::fixtures::torus;
+use mve_modules::testing;
 
 /// The model that benches measure where they measure one: 69,451 faces.
 pub const BUNNY: &str = "stanford-bunny.obj";
 
 /// The bytes of a file among the models; `None`, after a line saying so, where it is not there.
 pub fn bytes(name: &str) -> Option<Vec<u8>> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or_else(beside, PathBuf::from);
-    let bytes = std::fs::read(folder.join(name));
-    bytes.map_err(|error| eprintln!("skipped: {name} in {}: {error}", folder.display())).ok()
+    std::fs::read(testing::model(name)?).ok()
 }
 
 /// Positions and faces of the first object of an OBJ file among the models, read by another

@@ -1,29 +1,22 @@
 //! Real models for tests: read where they are, reported on one line where they are not.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
 use crate::data::{TriMesh, VertexId};
+use crate::testing;
 
-/// The folder of models: `MVE_MODELS`, or `../shared/models` beside the workspace. References are
-/// in `../refs` of it.
-pub fn folder() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from)
-}
-
-/// The model of this file name from the folder `MVE_MODELS` or `../shared/models` beside the
-/// workspace; `None`, after a line saying so, when it is not there.
+/// The model of this file name; `None`, after a line saying so, when it is not there.
 pub fn model(name: &str) -> Option<TriMesh> {
-    Some(read(&text_in(&folder(), name)?))
+    Some(read(&text_in(&testing::model(name)?)))
 }
 
-/// The text of a file of reference values, from the folder `refs` beside that of the models; a
-/// name that ends in `.gz` is unpacked. `None`, after a line saying so, when it is not there.
+/// The text of a file of reference values; a name that ends in `.gz` is unpacked. `None`, after a
+/// line saying so, when it is not there.
 pub fn reference(name: &str) -> Option<String> {
-    text_in(&folder().join("../refs"), name)
+    Some(text_in(&testing::reference(name)?))
 }
 
 /// A mesh among the reference values.
@@ -31,22 +24,14 @@ pub fn reference_mesh(name: &str) -> Option<TriMesh> {
     Some(read(&reference(name)?))
 }
 
-fn text_in(folder: &Path, name: &str) -> Option<String> {
-    let unpacked = |bytes: Vec<u8>| {
-        let mut text = String::new();
-        if name.ends_with(".gz") {
-            flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
-            return Ok(text);
-        }
-        String::from_utf8(bytes).map_err(std::io::Error::other)
-    };
-    match std::fs::read(folder.join(name)).and_then(unpacked) {
-        Ok(text) => Some(text),
-        Err(error) => {
-            eprintln!("skipped: {} in {}: {error}", name, folder.display());
-            None
-        }
+fn text_in(path: &Path) -> String {
+    let bytes = std::fs::read(path).unwrap();
+    if path.extension().is_none_or(|extension| extension != "gz") {
+        return String::from_utf8(bytes).unwrap();
     }
+    let mut text = String::new();
+    flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text).unwrap();
+    text
 }
 
 /// All vertices, and faces cut in fans; nothing else of the format.

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::test_models::folder;
+use crate::mesh::test_models::reference;
+use crate::testing;
 
 /// The window written out: a double sum at every pixel.
 fn by_definition(a: &[u8], b: &[u8], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> f64 {
@@ -44,14 +45,10 @@ fn pictures_smaller_than_the_window_have_no_interior() {
 
 #[test]
 fn references_of_scikit_image() {
-    let refs = folder().join("../refs");
-    let Ok(text) = std::fs::read_to_string(refs.join("metrics.json")) else {
-        eprintln!("skipped: no metrics.json in {}", refs.display());
-        return;
-    };
+    let Some(text) = reference("metrics.json") else { return };
     let known: serde_json::Value = serde_json::from_str(&text).unwrap();
     let read = |name: &str| {
-        let path = refs.join("images").join(format!("{name}.png"));
+        let path = testing::reference(&format!("images/{name}.png")).unwrap();
         let picture = image::open(path).unwrap().into_luma8();
         ([picture.width() as usize, picture.height() as usize], picture.into_raw())
     };

@@ -222,7 +222,7 @@ impl Field<'_> {
             left
         };
         let left = match self.look {
-            Look::Row => ui.vertical(&show).inner,
+            Look::Row => ui.vertical(show).inner,
             Look::Cell => show(ui),
         };
         // A formula with a fault is kept, as the check of the map tells of it too.

@@ -115,3 +115,26 @@ fn drag(ui: &mut Ui, name: &str, title: &str, number: &mut f64, hard: (f64, f64)
         *number = before;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_is_taken_or_empty_is_put_back() {
+        let spec = PointsSpec { on: None, numbers: &[] };
+        let first = spec.another_point(&Points::default());
+        let second = spec.another_point(&Points(vec![first.clone()]));
+        let before = Points(vec![first, second]);
+        for name in ["point 1", ""] {
+            let mut changed = before.clone();
+            changed.0[1].name = name.to_owned();
+            keep_names_apart(&mut changed, &before);
+            assert_eq!(changed, before);
+        }
+        let mut changed = before.clone();
+        changed.0[1].name = "nose".to_owned();
+        keep_names_apart(&mut changed, &before);
+        assert_eq!(changed.0[1].name, "nose");
+    }
+}

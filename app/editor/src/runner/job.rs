@@ -6,7 +6,7 @@ use mve_core::{CancelToken, Event, EventKind, Keep, OutputScope, RunOptions, run
 
 use super::check::{Part, check};
 use super::log::{Line, Loudness};
-use super::{Message, RunRecord, Shared, Subject};
+use super::{Message, NodeResult, Shared, Subject};
 
 /// Plans a part of the map and runs it. Everything that happens is told; nothing is returned.
 pub fn run_job(
@@ -41,7 +41,7 @@ pub fn run_job(
             EventKind::Log { text } => said(Loudness::Note, text),
             EventKind::Warning { text } => said(Loudness::Warning, text),
             EventKind::Ended { record, outputs } => {
-                let ended = RunRecord { record: record.clone(), outputs: outputs.to_vec() };
+                let ended = NodeResult { record: record.clone(), outputs: outputs.to_vec() };
                 Message::Ended(node.to_owned(), Box::new(ended))
             }
         });

@@ -76,12 +76,12 @@ enum Message {
     Started(String),
     Progress(String, f64),
     Said(Line),
-    Ended(String, Box<RunRecord>),
+    Ended(String, Box<NodeResult>),
     Finished,
 }
 
 /// What came of a node.
-pub struct RunRecord {
+pub struct NodeResult {
     /// How it ended.
     pub record: NodeRecord,
     /// Values of its outputs, in the order of their declarations.
@@ -106,7 +106,7 @@ pub struct Runner {
     to_check: Option<Subject>,
     is_checking: bool,
     checked: MapCheck,
-    ended: IndexMap<String, RunRecord>,
+    ended: IndexMap<String, NodeResult>,
     /// Seconds that the last run took.
     last_run: Option<Duration>,
     /// Everything that was said.
@@ -208,7 +208,7 @@ impl Runner {
     }
 
     /// What became of a node when it ran last.
-    pub fn ended(&self, node: &str) -> Option<&RunRecord> {
+    pub fn ended(&self, node: &str) -> Option<&NodeResult> {
         self.ended.get(node)
     }
 
@@ -218,7 +218,7 @@ impl Runner {
     }
 
     /// What became of all nodes that ran, in the order in which they ended.
-    pub fn all_ended(&self) -> impl Iterator<Item = (&str, &RunRecord)> {
+    pub fn all_ended(&self) -> impl Iterator<Item = (&str, &NodeResult)> {
         self.ended.iter().map(|(name, ended)| (name.as_str(), ended))
     }
 
@@ -284,7 +284,7 @@ impl Runner {
         }
     }
 
-    fn end(&mut self, node: String, ended: RunRecord) {
+    fn end(&mut self, node: String, ended: NodeResult) {
         match &ended.record.status {
             NodeStatus::Failed { error } => {
                 self.log.add(Line::of(Some(&node), Loudness::Error, error));

@@ -5,25 +5,15 @@
 //! Suzanne those are 12.468539112387251 and 2.593076421933958, since both fan its four concave
 //! quadrilaterals to the outside; the numbers below are with these four cut within.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::tests::{read, written};
 use super::*;
 use crate::data::{Layer, TriMesh, VertexId};
+use crate::testing::model;
 use mve_core::Control;
-
-/// The folder of the models, which are not in the repository; says so where it is missing.
-fn models() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("MVE_MODELS").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: no models in {} (set MVE_MODELS)", folder.display());
-    None
-}
 
 fn load_model(path: &Path) -> TriMesh {
     let (mesh, warnings) = load(path, Control::none()).expect("load");
@@ -38,7 +28,6 @@ fn is_near(found: f64, expected: f64) -> bool {
 
 #[test]
 fn models_measure_what_trimesh_and_meshlab_find() {
-    let Some(folder) = models() else { return };
     for (name, n_vertices, n_faces, area, volume) in [
         ("cow", 2903, 5804, 108.84536412297015, 53.567445842479465),
         ("suzanne", 507, 968, 12.46424717406228, 2.5931172725300677),
@@ -46,7 +35,8 @@ fn models_measure_what_trimesh_and_meshlab_find() {
         ("fandisk", 6475, 12946, 60.669109234919674, 20.243374882839458),
         ("stanford-bunny", 35947, 69451, 0.057128786060864294, 0.0007700565238985447),
     ] {
-        let mesh = load_model(&folder.join(format!("{name}.obj")));
+        let Some(path) = model(&format!("{name}.obj")) else { continue };
+        let mesh = load_model(&path);
         assert_eq!((mesh.positions.len(), mesh.faces.len()), (n_vertices, n_faces), "{name}");
         let found = (mesh.area(), mesh.signed_volume());
         assert!(is_near(found.0, area), "{name}: {found:?}");
@@ -56,9 +46,9 @@ fn models_measure_what_trimesh_and_meshlab_find() {
 
 #[test]
 fn models_survive_a_round_trip() {
-    let Some(folder) = models() else { return };
     for name in ["cow", "suzanne", "spot", "fandisk"] {
-        let mesh = load_model(&folder.join(format!("{name}.obj")));
+        let Some(path) = model(&format!("{name}.obj")) else { continue };
+        let mesh = load_model(&path);
         let text = written(&mesh);
         let (again, warnings) = read(&text).expect("read");
         assert_eq!((again == mesh, warnings), (true, Vec::new()), "{name}");
@@ -68,8 +58,8 @@ fn models_survive_a_round_trip() {
 
 #[test]
 fn seams_of_spot_have_several_texture_coordinates_a_vertex() {
-    let Some(folder) = models() else { return };
-    let mesh = load_model(&folder.join("spot.obj"));
+    let Some(path) = model("spot.obj") else { return };
+    let mesh = load_model(&path);
     let layer = mesh.layer(Layer::TEXCOORD).expect("texcoord");
     assert_eq!(layer.values.len(), 3225);
     let corners = mesh.faces.iter().flatten().zip(&layer.index);
@@ -100,9 +90,9 @@ fn peer_triangles(text: &[u8]) -> (Vec<[DVec3; 3]>, Vec<tobj::Model>) {
 
 #[test]
 fn tobj_reads_the_same_triangles() {
-    let Some(folder) = models() else { return };
     for name in ["cow", "spot", "fandisk", "stanford-bunny"] {
-        let text = std::fs::read(folder.join(format!("{name}.obj"))).expect("read");
+        let Some(path) = model(&format!("{name}.obj")) else { continue };
+        let text = std::fs::read(path).expect("read");
         let (mesh, _) = read(&text).expect("ours");
         let ours: Vec<[DVec3; 3]> =
             mesh.faces.iter().map(|f| f.map(|v| mesh.positions[v.idx()])).collect();

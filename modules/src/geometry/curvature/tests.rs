@@ -1,11 +1,9 @@
 //! Tests of curvature: spheres and tori whose curvature is known, borders, odd meshes.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
-
 use super::*;
 use crate::geometry::surface::subdivide::{Scheme, subdivide};
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+use crate::mesh::test_models;
 use mve_core::Control;
 
 const FITS: [FitOptions; 3] = [
@@ -129,18 +127,7 @@ type Expected = (bool, [f64; 4]);
 
 /// A reference mesh with what is known of its vertices.
 fn reference(name: &str) -> Option<(TriMesh, Vec<Expected>)> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let models = std::env::var_os("MVE_MODELS").map_or_else(beside, PathBuf::from);
-    let read = |file: String| {
-        let path = models.join("../refs/models").join(file);
-        let Ok(packed) = std::fs::read(&path) else {
-            eprintln!("skipped: {} is not there", path.display());
-            return None;
-        };
-        let mut text = String::new();
-        flate2::read::GzDecoder::new(packed.as_slice()).read_to_string(&mut text).unwrap();
-        Some(text)
-    };
+    let read = |file: String| test_models::reference(&format!("models/{file}"));
     let mut mtl = |_: &str| Ok(Vec::new());
     let obj = read(format!("curv_{name}.obj.gz"))?;
     let (mesh, _) = crate::formats::obj::parse(obj.as_bytes(), &mut mtl, Control::none()).unwrap();

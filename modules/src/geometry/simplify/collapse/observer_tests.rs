@@ -87,6 +87,7 @@ impl Recorder {
         true
     }
 
+    #[allow(clippy::type_complexity)] // Positions, faces and values, each once.
     /// The mesh in the input's ids, with the value of each corner.
     fn mesh(&self) -> (Vec<DVec3>, Vec<[VertexId; 3]>, Vec<[Option<DVec3>; 3]>) {
         let mut positions = vec![DVec3::NAN; self.positions.len()];

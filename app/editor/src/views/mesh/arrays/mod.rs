@@ -55,7 +55,7 @@ impl Shading {
 pub enum Sharing {
     /// Those of one vertex with one normal: enough for values over vertices.
     Wedges,
-    /// None: for values over corners and faces. DrawingKey vertex 3 i + k is corner k of drawn face
+    /// None: for values over corners and faces. Drawn vertex 3 i + k is corner k of drawn face
     /// i.
     Corners,
 }
@@ -79,7 +79,7 @@ pub struct Arrays {
     pub normals: Vec<PackedNormal>,
     /// The corner (3 × face + k) of the mesh that each was made for.
     pub corners: Vec<u32>,
-    /// DrawingKey vertices of the drawn faces, three each.
+    /// Drawn vertices of the drawn faces, three each.
     pub indices: Vec<u32>,
     /// The face of the mesh that each drawn face is.
     pub faces: Vec<u32>,
@@ -171,7 +171,7 @@ struct LocalSurface<'a> {
     face_normals: &'a [Vec3],
 }
 
-/// DrawingKey vertices of a run of vertices of the mesh.
+/// Drawn vertices of a run of vertices of the mesh.
 #[derive(Default)]
 struct Wedges {
     normals: Vec<PackedNormal>,

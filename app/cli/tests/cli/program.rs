@@ -1,11 +1,9 @@
 //! `mve program`: stores, tables, shards, and what an interruption leaves.
 
-mod common;
-
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use common::Folder;
+use crate::common::{self, Folder};
 
 #[test]
 fn a_program_prints_its_table_and_resumes() {

@@ -1,8 +1,6 @@
 //! `mve report`, and the page that `mve program` leaves.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 const MAP: &str = r#"{"mve": 1, "title": "Cuts <of> a box",
   "nodes": {

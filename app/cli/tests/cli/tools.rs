@@ -1,11 +1,9 @@
 //! The commands around maps: documentation, schema, completions, pages, and new files.
 
-mod common;
-
 use std::path::Path;
 use std::process::Stdio;
 
-use common::{Answer, Folder};
+use crate::common::{Answer, Folder};
 
 #[test]
 fn help_comes_alone_and_names_the_exit_codes() {

@@ -1,8 +1,6 @@
 //! `mve run` and `mve check`: results, messages and exit codes.
 
-mod common;
-
-use common::Folder;
+use crate::common::{self, Folder};
 
 #[test]
 fn a_run_prints_logs_and_a_table() {

@@ -1,8 +1,6 @@
 //! Drives the window by the names that a screen reader says.
 
-mod hand;
-
-use hand::Hand;
+use crate::hand::Hand;
 use mve_core::NodeStatus;
 
 /// A cube of twelve triangles, in a file.

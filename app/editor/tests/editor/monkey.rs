@@ -1,11 +1,9 @@
 //! Thousands of events at random: the window must not panic, and its map must stay sound.
 
-mod hand;
-
 use std::collections::HashSet;
 
+use crate::hand::Hand;
 use eframe::egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
-use hand::Hand;
 use mve_core::Map;
 
 /// A generator of random numbers that gives the same ones in every run (Marsaglia 2003, xorshift).

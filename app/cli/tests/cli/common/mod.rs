@@ -1,8 +1,5 @@
 //! Running the built command in a folder of its own.
 
-// Every test file is a crate of its own and uses what it needs of this.
-#![allow(dead_code)]
-
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 

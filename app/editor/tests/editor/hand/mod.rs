@@ -1,7 +1,5 @@
 //! A hand at the window: it knows things by their accessible names, and nothing else.
 
-#![allow(dead_code)] // Each test needs a part of it.
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,24 +1,21 @@
 //! A few pictures of the window, compared with those in `tests/snapshots/`.
 //!
-//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a
-//! machine decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required`
-//! they fail. `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor --test snapshots` makes the pictures
-//! anew: look at them before they go in.
+//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a machine
+//! decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required` they fail.
+//! `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor snapshots` makes the pictures anew: look at
+//! them before they go in.
 //!
 //! The tolerance is for another version of Mesa, which may round coverage and colors in another
 //! way: see [`tolerance`].
 
-#[path = "hand/mod.rs"]
-mod hand;
-
 use std::sync::Arc;
 
+use crate::hand::Hand;
 use eframe::egui::{self, Theme, Vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuSetup};
 use eframe::wgpu;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use egui_kittest::{Harness, SnapshotOptions};
-use hand::Hand;
 use mve_core::Value;
 use mve_editor::views::{Pinned, PortState, StandardView, Viewer};
 use mve_modules::data::{Domain, Field, TriMesh};

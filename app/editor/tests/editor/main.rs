@@ -1,0 +1,10 @@
+//! The window from outside: documents, the panel of programs, and a hand at the whole window. One
+//! program, since each would link all that draws.
+
+mod document;
+#[allow(dead_code)] // The example that draws the pictures of README uses the rest.
+mod hand;
+mod monkey;
+mod programs;
+mod snapshots;
+mod window;

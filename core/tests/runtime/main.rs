@@ -1,0 +1,9 @@
+//! The runtime from outside: maps, plans, runs and programs over small modules.
+
+mod kinds;
+mod modes;
+mod nested_files;
+mod plan;
+mod program;
+mod run;
+mod swap;

@@ -1,0 +1,8 @@
+//! The tests that cross the crates of mve. One program, since each would be linked by itself; but
+//! for `cancel`, which measures time and runs alone.
+
+mod contracts;
+mod experiment;
+mod fuzz;
+mod maps;
+mod tidy;
