@@ -7,15 +7,11 @@ use mve_core::describe_all;
 use mve_modules::registry;
 use mve_tests::root;
 
-#[path = "tidy/graph.rs"]
 mod graph;
-#[path = "tidy/hashes.rs"]
 mod hashes;
-#[path = "tidy/layers.rs"]
 mod layers;
 #[path = "../modules/sources/mod.rs"]
 mod sources;
-#[path = "tidy/width.rs"]
 mod width;
 
 /// Longest file, in lines.

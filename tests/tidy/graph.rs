@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mve_tests::root;
 
-use crate::sources::{FOR_TESTS, Token, sources, tokens, without_tests};
+use super::sources::{FOR_TESTS, Token, sources, tokens, without_tests};
 
 /// The files of a crate and what they name of each other.
 pub struct Graph {

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mve_tests::root;
 
-use crate::graph::{Edge, Graph, module_of, paths};
-use crate::sources::tokens;
+use super::graph::{Edge, Graph, module_of, paths};
+use super::sources::tokens;
 
 /// The parts of `modules/src`; each may name those before it.
 const MODULES: [&str; 15] = [

@@ -1,6 +1,6 @@
 //! No line is wider than the formatter would make it, which leaves comments and prose alone.
 
-use crate::files;
+use super::files;
 
 /// Most signs in a line.
 const WIDEST: usize = 100;
