@@ -1,7 +1,5 @@
 //! What holds for every registered module: its declaration is whole, and it stands any input.
 
-mod cost_promises;
-
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -2,6 +2,7 @@
 //! for `cancel`, which measures time and runs alone.
 
 mod contracts;
+mod cost_promises;
 mod experiment;
 mod fuzz;
 mod maps;
