@@ -227,8 +227,8 @@ fn read(
     let fingerprint = files.fingerprint(path);
     let fingerprint = fingerprint.map_err(|why| format!("{}: {why}", path.display()))?;
     reads.push((path.to_owned(), fingerprint));
-    // What a file names may be missing; the module says so when it matters. Which of them is missing
-    // decides the result as well.
+    // What a file names may be missing; the module says so when it matters. Which of them is
+    // missing decides the result as well.
     for path in also_reads(path) {
         let fingerprint = files.fingerprint(&path).unwrap_or_else(|_| no_file());
         reads.push((path, fingerprint));

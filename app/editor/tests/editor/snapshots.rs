@@ -1,9 +1,9 @@
 //! A few pictures of the window, compared with those in `tests/snapshots/`.
 //!
-//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a machine
-//! decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required` they fail.
-//! `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor snapshots` makes the pictures anew: look at
-//! them before they go in.
+//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a
+//! machine decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required`
+//! they fail. `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor snapshots` makes the pictures anew: look
+//! at them before they go in.
 //!
 //! The tolerance is for another version of Mesa, which may round coverage and colors in another
 //! way: see [`tolerance`].
