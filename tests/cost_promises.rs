@@ -110,7 +110,7 @@ impl Watched {
         let mut findings = self.findings.lock().expect("no panic");
         let distances = distances(mesh, collapse.kept);
         let reach = self.cost.exact_reach().map(|reach| reach.max(self.placement.reach()));
-        let largest = now.values().filter_map(|prices| least(prices)).fold(0.0, f64::max);
+        let largest = now.values().filter_map(least).fold(0.0, f64::max);
         // What was around the edge, and what is around the merged vertex.
         let touched: Vec<Rect> = self.touched(mesh, collapse);
         for (&edge, prices) in &now {

@@ -8,6 +8,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::stored::Stored;
+
 /// The declaration of a data type. Two are the same type when their ids are equal.
 #[derive(Clone, Copy, Debug)]
 pub struct DataType {
@@ -54,6 +56,11 @@ pub trait Data: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Tests what must hold for every value of the type, after it was read from a cache.
     fn check(&self) -> Result<(), String> {
         Ok(())
+    }
+
+    /// The files that the value is a handle to, for types whose content need not fit into memory.
+    fn stored(&self) -> Vec<Stored> {
+        Vec::new()
     }
 }
 
@@ -146,6 +153,11 @@ impl Value {
         self.0.cells()
     }
 
+    /// The files that it is a handle to.
+    pub(crate) fn stored(&self) -> Vec<Stored> {
+        self.0.stored()
+    }
+
     /// The value as bytes, equal for equal values.
     pub fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
         self.0.encode()
@@ -174,6 +186,7 @@ trait Erased: Send + Sync {
     fn scalar(&self) -> Option<Scalar>;
     fn cells(&self) -> Vec<(String, Scalar)>;
     fn encode(&self) -> Result<Vec<u8>, postcard::Error>;
+    fn stored(&self) -> Vec<Stored>;
     fn into_any(self: Arc<Self>) -> Arc<dyn Any + Send + Sync>;
 }
 
@@ -200,6 +213,10 @@ impl<T: Data> Erased for T {
 
     fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
         postcard::to_stdvec(self)
+    }
+
+    fn stored(&self) -> Vec<Stored> {
+        Data::stored(self)
     }
 
     fn into_any(self: Arc<Self>) -> Arc<dyn Any + Send + Sync> {

@@ -2,6 +2,7 @@
 //!
 //! One file a key: the hash of the rest, then the outputs. A file that does not hash to what it
 //! says is not there; nothing here is ever an error, because a cache can always be done without.
+//! Files that a value is a handle to ([`Stored`](crate::Stored)) are kept beside it, by their hash.
 
 use std::fs;
 use std::io::Write;
@@ -11,10 +12,12 @@ use std::time::SystemTime;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::data::Value;
 use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
 use crate::node_outputs::{LogLine, NodeOutputs};
+use crate::stored::{self, Stored};
 
 /// Outputs made in less time than this are made again sooner than they are read.
 const WORTH_SECONDS: f64 = 0.02;
@@ -66,7 +69,10 @@ impl DiskCache {
         let outputs = stored.outputs.iter().zip(module.outputs).map(|((type_id, bytes), spec)| {
             (type_id == spec.data_type.id).then(|| (spec.decode)(bytes).ok()).flatten()
         });
-        let outputs: Vec<_> = outputs.collect::<Option<_>>()?;
+        let outputs: Vec<Value> = outputs.collect::<Option<_>>()?;
+        if !outputs.iter().flat_map(Value::stored).all(|file| file.find_in(&self.folder)) {
+            return None;
+        }
         // The time of the file is the time of its last use; if it cannot be set, it goes sooner.
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
@@ -90,12 +96,18 @@ impl DiskCache {
         let stored = FileContent { outputs, log: results.log.clone(), seconds: results.seconds };
         // A full disk costs the next process time, and nothing else.
         if let Ok(content) = postcard::to_stdvec(&stored) {
-            let _ = self.write(key, &content);
+            let files: Vec<_> = results.outputs.iter().flat_map(Value::stored).collect();
+            let _ = self.write(key, &content, &files);
         }
     }
 
-    fn write(&self, key: Fingerprint, content: &[u8]) -> std::io::Result<()> {
-        self.make_room(content.len() as u64)?;
+    fn write(&self, key: Fingerprint, content: &[u8], files: &[Stored]) -> std::io::Result<()> {
+        let of_files: u64 = files.iter().map(Stored::n_bytes).sum();
+        if of_files > self.budget {
+            return Ok(());
+        }
+        self.make_room(content.len() as u64 + of_files)?;
+        files.iter().try_for_each(|file| file.keep_in(&self.folder, TEMPORARY))?;
         let mut file = fresh_file(&self.folder, TEMPORARY)?;
         file.write_all(blake3::hash(content).as_bytes())?;
         file.write_all(content)?;
@@ -128,16 +140,16 @@ impl DiskCache {
     }
 }
 
-/// Whether a file of this name is one of ours: `<key>.values`, or what a killed process left.
+/// Whether a file of this name is one of ours: `<key>.values`, `<id>.stored`, or what a killed
+/// process left.
 fn is_own(name: &str) -> bool {
-    let key = name.strip_suffix(".values").is_some_and(|key| key.parse::<Fingerprint>().is_ok());
-    key || name.starts_with(TEMPORARY)
+    let hash = name.strip_suffix(".values").or_else(|| name.strip_suffix(stored::SUFFIX));
+    hash.is_some_and(|hash| hash.parse::<Fingerprint>().is_ok()) || name.starts_with(TEMPORARY)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Value;
     use crate::testing::ECHO;
 
     fn outputs(text: &str) -> NodeOutputs {

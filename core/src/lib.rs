@@ -33,6 +33,7 @@ mod program;
 mod registry;
 mod run;
 mod schema;
+mod stored;
 mod template;
 pub mod testing;
 
@@ -65,6 +66,7 @@ pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
+pub use stored::{BLOCK, Stored, StoredWriter};
 
 /// The version of mve, as packages name it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

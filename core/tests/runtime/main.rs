@@ -6,4 +6,5 @@ mod nested_files;
 mod plan;
 mod program;
 mod run;
+mod stored;
 mod swap;
