@@ -1,19 +1,17 @@
 //! What holds for every registered module: its declaration is whole, and it stands any input.
 
+use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
-use mve_core::Control;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Value};
 use mve_modules::data::{
     DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
     TextureImage, TextureRole, TriMesh, VertexId,
 };
-use mve_modules::formats::png::write_png;
-use mve_modules::formats::save_atomic;
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 use mve_modules::registry;
@@ -136,22 +134,66 @@ fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json
     params.iter().filter_map(named).collect()
 }
 
-/// A file that a loader of these extensions can read.
+/// A file that a loader of these extensions can read: `tests/data/example.*`, with what it names.
 fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
-    let picture = folder.join("in.png");
-    let image = Image::filled("a", [3, 2], PixelKind::Rgb, 9);
-    save_atomic(&picture, |out| write_png(&image, out, Control::none()))
-        .expect("the folder can be written");
-    if extensions == ["png"] {
-        return picture;
+    let examples = mve_tests::root().join("tests/data");
+    for file in std::fs::read_dir(&examples).expect("the folder is there") {
+        let file = file.expect("a file");
+        std::fs::copy(file.path(), folder.join(file.file_name())).expect("it can be copied");
     }
-    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
-    let obj = format!("mtllib in.mtl\nusemtl a\n{corners}f 1//1 2//1 3//1\n");
-    let mtl = "newmtl a\nmap_Kd in.png\nmap_Ks gone.png\n";
-    for (name, text) in [("in.mtl", mtl), ("in.obj", &obj)] {
-        std::fs::write(folder.join(name), text).expect("the folder can be written");
+    let extension = extensions.first().copied().unwrap_or_default();
+    let path = folder.join("example").with_extension(extension);
+    assert!(path.is_file(), "put a small example.{extension} into {}", examples.display());
+    path
+}
+
+/// Whole files, cut ones, ones with bytes changed, and noise.
+fn damaged(bytes: &[u8]) -> Vec<Vec<u8>> {
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    // Marsaglia's xorshift, 2003.
+    let mut random = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state as usize
+    };
+    let cuts = (0..8).map(|part| bytes[..bytes.len() * part / 8].to_vec());
+    let mut all: Vec<Vec<u8>> = cuts.collect();
+    for n in 1..40 {
+        let mut changed = bytes.to_vec();
+        for _ in 0..n.min(9) {
+            let place = random() % changed.len();
+            changed[place] = random() as u8;
+        }
+        all.push(changed);
     }
-    folder.join("in.obj")
+    all.extend((0..8).map(|n| (0..n * 37).map(|_| random() as u8).collect()));
+    all
+}
+
+#[test]
+fn loaders_give_a_result_or_an_error_for_any_bytes() {
+    let n_loaders = Cell::new(0);
+    each_module(|info| {
+        for spec in info.module.params {
+            let Some(file) = spec.input_file() else { continue };
+            n_loaders.set(n_loaders.get() + 1);
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = example_file(file.extensions, folder.path());
+            let example = std::fs::read(&path).expect("the example");
+            let load = |bytes: &[u8]| {
+                std::fs::write(&path, bytes).expect("the folder can be written");
+                Trial::of(info.module).set(spec.name, json!(path)).run()
+            };
+            assert!(load(&example).is_ok(), "{} does not load its example", info.module.id);
+            for (place, bytes) in damaged(&example).iter().enumerate() {
+                if let Err(ModuleError::Bug(bug)) = load(bytes) {
+                    panic!("{}, damaged file {place}: {bug}", info.module.id);
+                }
+            }
+        }
+    });
+    assert!(n_loaders.get() >= 2);
 }
 
 fn run(module: &'static Module, mesh: &TriMesh) -> Result<Outputs, ModuleError> {

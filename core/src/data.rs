@@ -273,6 +273,27 @@ impl Data for String {
     }
 }
 
+impl Data for Stored {
+    const TYPE: DataType =
+        DataType { id: "Stored", doc: "Bytes that stay in a file.", color: [140, 140, 120] };
+
+    fn byte_size(&self) -> usize {
+        self.handle_size()
+    }
+
+    fn summary(&self) -> String {
+        format!("{} bytes in a file", self.n_bytes())
+    }
+
+    fn check(&self) -> Result<(), String> {
+        Stored::check(self)
+    }
+
+    fn stored(&self) -> Vec<Stored> {
+        vec![self.clone()]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

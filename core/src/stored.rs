@@ -2,7 +2,7 @@
 //!
 //! A [`Stored`] is a handle. Its content is cut into blocks of [`BLOCK`] bytes, each with a hash of
 //! its own, so that any range is read and verified without reading the rest. A data type that holds
-//! such handles names them in [`Data::stored`]; the cache on disk then keeps the files themselves,
+//! such handles names them in [`Data::stored`](crate::Data::stored); the cache on disk then keeps the files themselves,
 //! by a second name where the file system allows that, and never copies them through memory.
 
 use std::fs::File;
@@ -13,7 +13,6 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use serde::{Deserialize, Serialize};
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::data::{Data, DataType};
 use crate::files::fresh_file;
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
 
@@ -143,27 +142,18 @@ impl PartialEq for Stored {
 
 impl Eq for Stored {}
 
-impl Data for Stored {
-    const TYPE: DataType =
-        DataType { id: "Stored", doc: "Bytes that stay in a file.", color: [140, 140, 120] };
-
-    fn byte_size(&self) -> usize {
+impl Stored {
+    /// Bytes of memory that the handle takes.
+    pub(crate) fn handle_size(&self) -> usize {
         size_of::<Content>() + self.0.blocks.len() * size_of::<Fingerprint>()
     }
 
-    fn summary(&self) -> String {
-        format!("{} bytes in a file", self.0.n_bytes)
-    }
-
-    fn check(&self) -> Result<(), String> {
+    /// Tests that there is a hash for each block.
+    pub(crate) fn check(&self) -> Result<(), String> {
         let n_blocks = self.0.n_bytes.div_ceil(BLOCK as u64);
         let found = self.0.blocks.len();
         let complaint = || format!("{found} blocks for {} bytes", self.0.n_bytes);
         if n_blocks == found as u64 { Ok(()) } else { Err(complaint()) }
-    }
-
-    fn stored(&self) -> Vec<Stored> {
-        vec![self.clone()]
     }
 }
 

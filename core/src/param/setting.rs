@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::kind::Misfit;
 use super::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
 use crate::data::Scalar;
 use crate::error::ModuleError;
@@ -80,6 +79,14 @@ pub struct Settings(pub(crate) Vec<(&'static str, Setting)>);
 pub(crate) struct Fault {
     pub path: String,
     pub message: String,
+}
+
+/// Why JSON is no value of a parameter.
+pub(crate) enum Misfit {
+    /// What was expected, after "… is not".
+    Expected(String),
+    /// A whole sentence.
+    Sentence(String),
 }
 
 impl Settings {

@@ -109,9 +109,9 @@ impl Plan {
             problems.push(Problem::error("the map has no nodes: there is nothing to run"));
         }
         let whole = map;
-        let settled = modes::settle(whole, registry, &mut problems);
-        let map = settled.as_ref().map_or(whole, |settled| &settled.map);
-        let left_out = settled.as_ref().map_or(&[][..], |settled| &settled.left_out);
+        let active = modes::without_inactive(whole, registry, &mut problems);
+        let map = active.as_ref().map_or(whole, |active| &active.map);
+        let left_out = active.as_ref().map_or(&[][..], |active| &active.left_out);
         let left_out = quoted(whole, left_out, registry, options);
         let wiring = wiring::wire(map, registry, &mut problems);
         let mut nodes = Vec::with_capacity(map.nodes.len());

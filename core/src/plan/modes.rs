@@ -1,7 +1,10 @@
 //! Muted and bypassed nodes: the map as if they were not there.
 //!
-//! Everything else in a plan is made from the map that comes out of here, so keys, names and
-//! orders know nothing of modes.
+//! A muted node does not run, nor does any that needs a value of it; optional inputs are as if
+//! unlinked. A bypassed node passes on, at each output, what is linked to its first input of that
+//! type; without such an input it acts as muted. Each node that is left out is told as a warning, and
+//! names of output files may still quote its parameters. Everything else in a plan is made from the
+//! map that comes out of here, so keys, names and orders know nothing of modes.
 
 use std::collections::HashMap;
 
@@ -11,7 +14,7 @@ use crate::problem::Problem;
 use crate::registry::Registry;
 
 /// A map without the nodes that do not run.
-pub(super) struct Settled {
+pub(super) struct ActiveMap {
     /// What runs.
     pub map: Map,
     /// The names of the nodes that do not.
@@ -19,11 +22,11 @@ pub(super) struct Settled {
 }
 
 /// Takes the nodes out that do not run; `None` where all do. Each is told as a warning.
-pub(super) fn settle(
+pub(super) fn without_inactive(
     map: &Map,
     registry: &Registry,
     problems: &mut Vec<Problem>,
-) -> Option<Settled> {
+) -> Option<ActiveMap> {
     if map.nodes.values().all(|node| node.mode.is_active()) {
         return None;
     }
@@ -50,7 +53,7 @@ pub(super) fn settle(
         problems.push(Problem::error(message));
     }
     let left_out = map.nodes.keys().filter(|name| left_out.contains_key(name.as_str()));
-    Some(Settled { map: settled, left_out: left_out.cloned().collect() })
+    Some(ActiveMap { map: settled, left_out: left_out.cloned().collect() })
 }
 
 /// Nodes that do not run, each with the reason.

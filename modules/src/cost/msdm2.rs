@@ -7,14 +7,13 @@
 //! vertex and its neighbors: farther off they change by little, and asking again there would take
 //! several times as long.
 
-use mve_core::Entry;
+use mve_core::{Cancelled, Control, Entry};
 
 use super::{Cost, MakeCost};
 use crate::geometry::perception::msdm2::Msdm2Error;
 use crate::geometry::perception::msdm2::collapse::{CollapsePrices, Counting};
 use crate::geometry::simplify::collapse::{Batch, Collapse, Reach, WorkingMesh};
 use crate::prelude::*;
-use mve_core::{Cancelled, Control};
 
 impl Enumeration for Counting {
     const NAMES: &'static [(&'static str, &'static str)] = &[

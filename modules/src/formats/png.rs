@@ -7,9 +7,9 @@ use std::io::{self, Cursor, Write};
 
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageError, Limits};
+use mve_core::Control;
 
 use crate::data::{Image, PixelKind};
-use mve_core::Control;
 
 /// Most pixels in a row, or rows, of a picture that is read.
 const MAX_SIDE: u32 = 1 << 15;

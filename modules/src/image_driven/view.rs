@@ -1,5 +1,6 @@
 //! One camera: its picture, all faces behind it, and how a collapse changes it.
 
+use mve_core::{Cancelled, Control};
 use wide::{f32x8, i32x8};
 
 use super::canvas::{BYTES, Block, Canvas, all};
@@ -11,7 +12,6 @@ use crate::geometry::simplify::collapse::WorkingMesh;
 use crate::picture::render::{
     Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, luminance, may_be_seen,
 };
-use mve_core::{Cancelled, Control};
 
 /// A camera of an image-driven cost.
 #[derive(Debug)]

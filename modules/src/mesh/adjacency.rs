@@ -4,9 +4,10 @@
 //! have no face. All lists are compact arrays in an order that depends on the mesh alone: corners
 //! ascending, edges by their lower and then their higher vertex.
 
+use mve_core::{Cancelled, Control};
+
 use super::union_find::UnionFind;
 use crate::data::{FaceId, TriMesh, VertexId};
-use mve_core::{Cancelled, Control};
 
 /// Index of an edge of a mesh: in [`Adjacency::edges`], or in a working mesh of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -2,7 +2,7 @@
 //!
 //! See [`crate::geometry::distance::hausdorff`] for how they are measured and what is guaranteed.
 
-use mve_core::Entry;
+use mve_core::{Control, Entry};
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
@@ -10,7 +10,6 @@ use crate::geometry::distance::hausdorff::{
     Directed, Hausdorff, HausdorffError, HausdorffOptions, MeshRole, hausdorff,
 };
 use crate::prelude::*;
-use mve_core::Control;
 
 /// Unit of lengths.
 const LENGTH: &str = "model units";

@@ -9,14 +9,13 @@
 //! and not on how normals are averaged, and both sides are drawn, so that open surfaces are not
 //! invisible for half of the cameras.
 
-use mve_core::Entry;
+use mve_core::{Control, Entry};
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure};
 use crate::picture::view::View;
 use crate::prelude::*;
-use mve_core::Control;
 
 /// Unit of luminance.
 const LUMINANCE: &str = "of 255";

@@ -3,7 +3,7 @@
 //! See [`crate::picture::ssim`] for the index, and [`crate::metric::ImageRmsMetric`] for how
 //! pictures are taken and why.
 
-use mve_core::Entry;
+use mve_core::{Control, Entry};
 use rayon::prelude::*;
 
 use super::pictures::{VIEW, take_pair};
@@ -13,7 +13,6 @@ use crate::picture::render::to_byte;
 use crate::picture::ssim::{Ssim, ssim};
 use crate::picture::view::View;
 use crate::prelude::*;
-use mve_core::Control;
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageSsim",

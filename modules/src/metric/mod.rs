@@ -15,10 +15,9 @@ pub use image_ssim::ImageSsimMetric;
 pub use msdm::MsdmMetric;
 pub use msdm2::Msdm2Metric;
 
-use mve_core::{Choices, Entry, ModuleError, Settings};
+use mve_core::{Cancelled, Choices, Control, Entry, ModuleError, Settings};
 
 use crate::data::{Field, Images, Measure, TriMesh};
-use mve_core::{Cancelled, Control};
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =

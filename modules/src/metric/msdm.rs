@@ -2,14 +2,13 @@
 //!
 //! See [`crate::geometry::perception::msdm`] for the source, the choices and the departures.
 
-use mve_core::Entry;
+use mve_core::{Control, Entry};
 
 use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::perception::msdm::{MsdmOptions, msdm};
 use crate::prelude::*;
-use mve_core::Control;
 
 const DEFAULT: MsdmOptions = MsdmOptions::DEFAULT;
 

@@ -2,14 +2,13 @@
 //!
 //! See [`crate::geometry::perception::msdm2`] for the source, the rules and the departures.
 
-use mve_core::Entry;
+use mve_core::{Control, Entry};
 
 use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::perception::msdm2::{MAX_LEVELS, Msdm2Options, Variant, msdm2};
 use crate::prelude::*;
-use mve_core::Control;
 
 const DEFAULT: Msdm2Options = Msdm2Options::DEFAULT;
 

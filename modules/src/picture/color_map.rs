@@ -3,12 +3,12 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 use thiserror::Error;
 
 use super::color_scale::{ColorTable, Scale};
 use super::text::{Font, draw_text};
 use crate::data::{Field, Image, PixelKind};
-use mve_core::{Cancelled, Control};
 
 /// The color of what is not a number, and, if wanted, of what is outside of the range.
 pub const GRAY: DVec3 = DVec3::splat(0.5);

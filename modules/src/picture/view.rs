@@ -5,14 +5,15 @@
 //! of who declares; `&VIEW.specs()` goes into the list of parameters, and `VIEW.read(settings)`
 //! gives the [`View`].
 
-use mve_core::{ChoiceParam, Enumeration, ModuleError, Param, ParamSpec, Settings};
+use mve_core::{
+    Cancelled, ChoiceParam, Control, Enumeration, ModuleError, Param, ParamSpec, Settings,
+};
 
 use crate::data::{Images, PixelKind, TriMesh};
 use crate::picture::cameras::{CAMERA_SETS, MakeCameras};
 use crate::picture::render::{
     CameraSet, Frame, NormalSource, Paint, PictureOptions, Shading, Sides, Surface,
 };
-use mve_core::{Cancelled, Control};
 
 impl Enumeration for Shading {
     const NAMES: &'static [(&'static str, &'static str)] = &[

@@ -7,7 +7,7 @@
 
 use serde_json::Value as Json;
 
-use super::{Fault, OptionSpec, ParamSpec, Setting};
+use super::{Fault, Misfit, OptionSpec, ParamSpec, Setting};
 use crate::data::DataType;
 use crate::fingerprint::FingerprintBuilder;
 use crate::port::InputSpec;
@@ -77,14 +77,6 @@ pub(crate) trait ParamKind {
 
     /// Changes a value for a repeat, from 0.
     fn repeat(&self, _: &mut Setting, _: u32) {}
-}
-
-/// Why JSON is no value of a parameter.
-pub(crate) enum Misfit {
-    /// What was expected, after "… is not".
-    Expected(String),
-    /// A whole sentence.
-    Sentence(String),
 }
 
 /// Declares the files of the kinds, and [`Kind`] over them.

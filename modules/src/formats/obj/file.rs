@@ -6,6 +6,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use mve_core::Control;
+
 use super::cursor::{Comments, Cursor};
 use super::parse::parse_with;
 use super::textures::{self, Pictures, Placed, placed};
@@ -14,7 +16,6 @@ use crate::data::{Material, TriMesh};
 use crate::formats::plain_file::read_plain;
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
-use mve_core::Control;
 
 /// Bytes of the largest material file that is read; real ones have a few thousand.
 const MAX_MTL_BYTES: u64 = 64 << 20;

@@ -8,12 +8,12 @@
 use std::path::Path;
 
 use glam::DVec3;
+use mve_core::Control;
 
 use super::tests::{read, written};
 use super::*;
 use crate::data::{Layer, TriMesh, VertexId};
 use crate::testing::model;
-use mve_core::Control;
 
 fn load_model(path: &Path) -> TriMesh {
     let (mesh, warnings) = load(path, Control::none()).expect("load");

@@ -7,6 +7,7 @@
 use std::io;
 
 use glam::{DVec2, DVec3};
+use mve_core::Control;
 
 use super::builder::{Corner, MeshBuilder};
 use super::cursor::{Comments, Cursor, quoted};
@@ -14,7 +15,6 @@ use super::number::{finite, integer, numbers};
 use super::triangulate::{Cut, Triangulator};
 use super::{Companions, MtlSource, ObjError, Warning, Warnings, materials};
 use crate::data::{Material, NO_VALUE, TriMesh};
-use mve_core::Control;
 
 /// Bytes between two calls of the control.
 const PROGRESS_STEP: usize = 1 << 20;

@@ -6,11 +6,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
+use mve_core::Control;
 
 use super::*;
 use crate::data::{Domain, LayerValues, NO_VALUE, TriMesh};
 use crate::data::{Layer, VertexId};
-use mve_core::Control;
 
 /// Reads text whose material files are not there.
 pub(super) fn read(text: impl AsRef<[u8]>) -> Result<(TriMesh, Vec<Warning>), ObjError> {

@@ -4,12 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
+use mve_core::Control;
+
 use super::tests::read;
 use super::textures::texture_of;
 use super::*;
 use crate::data::{Image, PixelKind, Texture, TextureImage, TextureRole, TriMesh};
 use crate::formats::png::write_png;
-use mve_core::Control;
 
 /// A PNG file of one gray value.
 pub(super) fn png(value: u8) -> Vec<u8> {

@@ -4,11 +4,12 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use mve_core::Control;
+
 use super::Warnings;
 use crate::data::{Material, Texture, TextureImage, TextureRole};
 use crate::formats::plain_file::read_plain;
 use crate::formats::texture_file::read_texture;
-use mve_core::Control;
 
 /// Bytes of the largest picture file that is read.
 const MAX_FILE_BYTES: u64 = 1 << 30;

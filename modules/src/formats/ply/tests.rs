@@ -3,11 +3,11 @@
 //! That others read them was tried with pymeshlab 2025.7, trimesh 5.2.0 and vtk 9.7.2.
 
 use glam::DVec3;
+use mve_core::Control;
 
 use super::*;
 use crate::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
 use crate::mesh::fixtures::mesh_of;
-use mve_core::Control;
 
 fn triangle(color: Domain) -> TriMesh {
     let mut mesh =

@@ -5,10 +5,10 @@
 use std::io::{self, Write};
 
 use glam::DVec3;
+use mve_core::Control;
 
 use crate::data::{Domain, Field, Layer, LayerValues, TriMesh};
 use crate::picture::color_map::bytes_of;
-use mve_core::Control;
 
 /// Bytes that are gathered before they go to the writer.
 const CHUNK: usize = 1 << 16;

@@ -1,10 +1,11 @@
 //! Tests of curvature: spheres and tori whose curvature is known, borders, odd meshes.
 
+use mve_core::Control;
+
 use super::*;
 use crate::geometry::surface::subdivide::{Scheme, subdivide};
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 use crate::mesh::test_models;
-use mve_core::Control;
 
 const FITS: [FitOptions; 3] = [
     FitOptions { ring: 1, degree: 2 },

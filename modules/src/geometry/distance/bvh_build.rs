@@ -3,11 +3,11 @@
 //! node by splitting the largest part again.
 
 use glam::{DVec3, Vec3A};
+use mve_core::{Cancelled, Control};
 
 use super::bvh::{BoxFrame, Bvh, EMPTY, LEAF, Node, is_usable};
 use super::point_triangle::PreparedTriangle;
 use crate::data::{FaceId, TriMesh};
-use mve_core::{Cancelled, Control};
 
 /// Bins along the longest axis.
 const N_BINS: usize = 16;

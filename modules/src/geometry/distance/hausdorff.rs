@@ -10,6 +10,7 @@
 //! order.
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -18,7 +19,6 @@ use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
 use super::sample::{SurfaceSampler, sample_edges};
 use crate::data::{Domain, Field, TriMesh};
 use crate::mesh::morton::{morton_order, sort_by_code};
-use mve_core::{Cancelled, Control};
 
 /// Samples of one chunk: about a millisecond of work.
 const CHUNK: usize = 8192;

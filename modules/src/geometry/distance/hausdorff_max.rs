@@ -19,12 +19,12 @@
 //! split in four. Parts are looked at in rounds, whose results do not depend on threads.
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, Hit, Walker};
 use super::point_triangle::PreparedTriangle;
 use crate::data::{FaceId, TriMesh};
-use mve_core::{Cancelled, Control};
 
 /// Parts of one chunk.
 const CHUNK: usize = 1024;

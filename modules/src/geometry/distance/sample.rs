@@ -14,10 +14,10 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 
 use crate::data::{FaceId, TriMesh};
 use crate::mesh::morton::morton_order;
-use mve_core::{Cancelled, Control};
 
 /// Faces or edges between two looks whether the work was cancelled.
 const STRIDE: usize = 1 << 15;

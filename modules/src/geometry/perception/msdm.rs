@@ -16,13 +16,14 @@
 //! and deviations below 1e-6 (`FLAT`) count as zero: what is flat on both sides does not differ,
 //! and where one side alone is flat C and S are 1.
 
+use mve_core::{Cancelled, Control};
+
 use super::msdm2::curvature::curvatures;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};
 use super::msdm2::{
     Carried, Level, Levels, Msdm2, Msdm2Error, OneSided, Pair, Seen, Variant, carry, one_sided_of,
 };
 use crate::data::TriMesh;
-use mve_core::{Cancelled, Control};
 
 /// Dimensionless curvature below this is rounding. A crease of an angle of 1 has about 80.
 const FLAT: f64 = 1e-6;

@@ -1,11 +1,11 @@
 //! What kind of surface a mesh is: counts, topology, area, volume, bounds.
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
 use crate::mesh::union_find::UnionFind;
-use mve_core::{Cancelled, Control};
 
 /// The facts about one mesh.
 #[derive(Clone, Debug, PartialEq)]

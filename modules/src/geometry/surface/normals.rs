@@ -6,10 +6,10 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 
 use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
-use mve_core::{Cancelled, Control};
 
 /// How much a face counts in the normal of its vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

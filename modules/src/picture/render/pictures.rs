@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::project::STEPS;
 use super::{Camera, CameraSet, Corner, Lens, Sides, Surface, Visible, corners};
 use crate::data::{Image, Images, PixelKind, TriMesh, VertexId};
-use mve_core::{Cancelled, Control};
 
 /// Pixels from one look for a stop to the next, those of the boxes around faces: a few
 /// milliseconds.

@@ -14,6 +14,7 @@
 //! the nearest color, as weights are kept from being negative.
 
 use glam::{DVec2, DVec3};
+use mve_core::{Cancelled, Control};
 
 use super::luminance::{NTSC, cosine, normal, to_byte};
 use super::project::{Corner, Lens};
@@ -21,7 +22,6 @@ use super::raster::{FaceSide, Sides};
 use super::visible::{NO_FACE, Visible, side_seen};
 use crate::data::{Domain, FaceId, Image, Layer, LayerValues, PixelKind, TriMesh};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
-use mve_core::{Cancelled, Control};
 
 /// How a surface is lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -6,11 +6,11 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 
 use super::Variant;
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId};
-use mve_core::{Cancelled, Control};
 
 /// The least part of a disc that a vertex on a border counts as.
 const LEAST_SHARE: f64 = 1.0 / 16.0;

@@ -1,13 +1,13 @@
 //! The nearest points of the reference, and its curvature there.
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::surface::Surface;
 use super::{MAX_LEVELS, Variant};
 use crate::geometry::distance::bvh::Walker;
 use crate::mesh::morton::morton_order;
-use mve_core::{Cancelled, Control};
 
 /// Vertices of one chunk.
 const CHUNK: usize = 256;

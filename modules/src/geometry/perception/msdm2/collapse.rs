@@ -14,6 +14,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use mve_core::Control;
 use rayon::prelude::*;
 
 use super::bend::{Bend, normal, turn_rad};
@@ -25,7 +26,6 @@ use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::collapse::{Batch, Collapse, Proposal, WorkingMesh};
-use mve_core::Control;
 
 /// Faces at a vertex beyond which it is left out; bounds the time of one price.
 const MOST_FACES: usize = 64;

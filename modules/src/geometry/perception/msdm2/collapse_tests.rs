@@ -1,6 +1,7 @@
 //! The cost: what it says on meshes whose answer is known, and how it compares.
 
 use glam::DVec3;
+use mve_core::Control;
 
 use super::collapse::Counting;
 use super::tests::measured_published;
@@ -12,7 +13,6 @@ use crate::geometry::simplify::collapse::{Simplified, SimplifyOptions, Stop, sim
 use crate::mesh::fixtures::torus;
 use crate::mesh::test_models::model;
 use crate::placement::Midpoint;
-use mve_core::Control;
 
 fn simplified(mesh: &TriMesh, cost: &mut dyn Cost, faces: usize) -> Simplified {
     let stop = Stop { faces: Some(faces), ..Stop::default() };

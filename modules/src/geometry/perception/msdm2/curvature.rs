@@ -11,13 +11,13 @@
 
 use std::f64::consts::PI;
 
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::bend::Bend;
 use super::surface::Surface;
 use super::walk::Walk;
 use super::{CHUNK, Levels, MAX_LEVELS};
-use mve_core::{Cancelled, Control};
 
 /// The mean of the two principal magnitudes at every vertex and level, times `size`: dimensionless.
 pub(in crate::geometry) fn curvatures(

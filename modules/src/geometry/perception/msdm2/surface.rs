@@ -1,6 +1,7 @@
 //! A mesh made ready for walks: clean faces, half-edges around each vertex, the bend of each edge.
 
 use glam::DVec3;
+use mve_core::Control;
 
 use super::bend::{Bend, bends};
 use super::{Msdm2Error, Variant};
@@ -8,7 +9,6 @@ use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::mesh::adjacency::Adjacency;
-use mve_core::Control;
 
 /// Exponents beyond this are left alone, so that a scale is a finite power of two.
 const MOST_EXPONENT: i32 = 1000;

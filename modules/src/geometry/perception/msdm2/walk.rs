@@ -5,8 +5,9 @@
 //! cut are looked at again, and nothing else. The order of the walk does not change which edges and
 //! vertices it meets.
 
-use super::surface::Surface;
 use mve_core::{Cancelled, Control};
+
+use super::surface::Surface;
 
 /// A length fraction below this is rounding; the program that is followed takes 0.01 in its place.
 const LEAST_CUT: f64 = 1e-16;

@@ -1,12 +1,12 @@
 //! The local values: both curvatures compared within the window around a vertex.
 
 use glam::DVec3;
+use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::surface::Surface;
 use super::walk::{Cut, Walk};
 use super::{CHUNK, Carried, Levels, MAX_LEVELS};
-use mve_core::{Cancelled, Control};
 
 /// What the statistics read of a vertex, in one place.
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+use mve_core::Cancelled;
 
 use super::complex::{Complex, next_in_face, previous_in_face};
 use super::options::Seams;
@@ -20,7 +21,6 @@ use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
 use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
 use crate::mesh::adjacency::EdgeId;
-use mve_core::Cancelled;
 
 /// A layer of the working mesh. Every kind of value is held as three numbers.
 #[derive(Debug)]

@@ -3,6 +3,8 @@
 //! Order of a vertex and the conditions on it follow T. K. Dey, H. Edelsbrunner, S. Guha and
 //! D. V. Nekhayev, "Topology preserving edge contraction", Publ. Inst. Math. 66, 1999.
 
+use mve_core::Cancelled;
+
 use super::complex::{Complex, Face, Vertex, flag, next_in_face, previous_in_face};
 use super::marks::VertexMarks;
 use super::order::{NONE, Order, inverse};
@@ -10,7 +12,6 @@ use super::ticker::{CHUNK, Ticker};
 use crate::data::TriMesh;
 use crate::mesh::adjacency::EdgeId;
 use crate::mesh::union_find::UnionFind;
-use mve_core::Cancelled;
 
 impl Complex {
     /// Links the faces of a mesh. Faces that name a vertex twice or one that is not there are

@@ -3,6 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use mve_core::{Cancelled, Control};
+
 use super::cost::Cost;
 use super::marks::VertexMarks;
 use super::merge::Merged;
@@ -20,7 +22,6 @@ use super::stop::Outcome;
 use super::ticker::Ticker;
 use crate::data::{TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
-use mve_core::{Cancelled, Control};
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {

@@ -3,6 +3,7 @@
 //! With quadrics and the queue, a run takes 170 to 190 bytes a face of the input at its peak.
 
 use glam::DVec3;
+use mve_core::Cancelled;
 
 use super::attributes::Attributes;
 use super::complex::{Complex, flag};
@@ -18,7 +19,6 @@ use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
 use crate::data::{Domain, FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
 use crate::mesh::quadric::Quadric;
-use mve_core::Cancelled;
 
 /// The working mesh.
 ///

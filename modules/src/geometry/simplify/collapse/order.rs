@@ -7,11 +7,11 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use mve_core::Cancelled;
 
 use super::ticker::{CHUNK, Ticker};
 use crate::data::TriMesh;
 use crate::mesh::morton::interleave;
-use mve_core::Cancelled;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;

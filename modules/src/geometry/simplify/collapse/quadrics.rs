@@ -1,13 +1,13 @@
 //! The quadrics of the vertices of the working mesh, which cost and placement may share.
 
 use glam::DVec3;
+use mve_core::Cancelled;
 
 use super::complex::{Complex, Face};
 use super::options::{Boundary, QuadricOptions};
 use super::order::NONE;
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;
-use mve_core::Cancelled;
 
 /// The quadric of each vertex about its own position; none unless a part asked for them.
 #[derive(Debug, Default)]

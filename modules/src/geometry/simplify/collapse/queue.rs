@@ -13,9 +13,10 @@
 
 use std::collections::BinaryHeap;
 
+use mve_core::Cancelled;
+
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::adjacency::EdgeId;
-use mve_core::Cancelled;
 
 /// An edge on the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]

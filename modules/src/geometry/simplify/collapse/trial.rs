@@ -1,6 +1,7 @@
 //! Asks a cost or a placement about every edge of a mesh, for their tests.
 
 use glam::DVec3;
+use mve_core::Control;
 
 use super::marks::VertexMarks;
 use super::options::{Boundary, Seams};
@@ -8,7 +9,6 @@ use super::quadrics::Quadrics;
 use super::ticker::Ticker;
 use super::{Candidates, Contraction, Cost, Placement, QuadricOptions, WorkingMesh};
 use crate::data::TriMesh;
-use mve_core::Control;
 
 fn working(mesh: &TriMesh, quadrics: Option<QuadricOptions>) -> (WorkingMesh, Vec<Contraction>) {
     let mut ticker = Ticker::new(Control::none());
