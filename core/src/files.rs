@@ -23,7 +23,7 @@ pub(crate) fn fresh_file(folder: &Path, prefix: &str) -> std::io::Result<NamedTe
 }
 
 /// Whether `path` is below its base by its text alone: no `..`, no root, no drive.
-pub(crate) fn is_below(path: &Path) -> bool {
+pub fn is_below(path: &Path) -> bool {
     path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 

@@ -44,7 +44,7 @@ pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
 pub use error::ModuleError;
-pub use files::FileHashes;
+pub use files::{FileHashes, is_below};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
@@ -59,7 +59,7 @@ pub use problem::{Place, Problem, Severity, did_you_mean};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
     ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
-    brief, brief_value, run_program, stands_for,
+    brief, brief_value, exact, run_program, stands_for,
 };
 pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{

@@ -6,13 +6,13 @@
 use std::collections::HashMap;
 use std::fs;
 use std::io::Cursor;
-use std::path::{Component, Path};
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::imageops::FilterType;
 use image::{ImageFormat, ImageReader, Limits};
-use mve_core::Fingerprint;
+use mve_core::{Fingerprint, is_below};
 
 use crate::results::{Case, Results};
 
@@ -124,11 +124,6 @@ fn of_case(results: &Results, case: &Case, n_left: &mut usize) -> (Vec<Picture>,
         }
     }
     (own, n_more)
-}
-
-/// Whether a path stays in its folder, whatever a record says.
-fn is_below(path: &Path) -> bool {
-    path.components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 /// The content of a file that begins as a PNG does, and is not too large.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mve_core::{Better, brief};
+use mve_core::{Better, brief, exact};
 
 use crate::answers::Answer;
 use crate::columns::{self, MeasureColumn};
@@ -40,23 +40,17 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
         }
         for column in &columns {
             let (value, half) = match (estimate(&case.exact_numbers(column)), case.cell(column)) {
-                (Some(exact), _) => (number(exact.mean), exact.half_width),
+                (Some(found), _) => (exact(found.mean), found.half_width),
                 (None, Cell::Text(text)) => (text, None),
                 (None, _) => (String::new(), None),
             };
             row.push(value);
-            row.extend(has_repeats.then(|| half.map_or(String::new(), number)));
+            row.extend(has_repeats.then(|| half.map_or(String::new(), exact)));
         }
         row.push(case.status().to_owned());
         let _ = writer.write_record(&row);
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
-}
-
-/// A number that reads back as the same bits, with an exponent where it would be long.
-fn number(value: f64) -> String {
-    let is_long = value != 0.0 && !(1e-5..1e16).contains(&value.abs());
-    if is_long { format!("{value:e}") } else { value.to_string() }
 }
 
 /// The columns of the long table behind the parameters: measures, other chief outputs, seconds.

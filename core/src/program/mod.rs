@@ -10,7 +10,7 @@ mod tables;
 pub use plan_file::{PlanFile, RunNote};
 pub use report_spec::{Better, Measure, Question, ReportSpec, stands_for};
 pub use store::{StepRecord, StepStatus, Store, StoreError};
-pub use tables::{brief, brief_value};
+pub use tables::{brief, brief_value, exact};
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;

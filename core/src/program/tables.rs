@@ -59,7 +59,7 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
             let scalar = record.nodes.get(node).and_then(|node| node.scalars.get(name));
             scalar.map_or(String::new(), cell)
         }));
-        row.push(number(record.seconds));
+        row.push(exact(record.seconds));
         row.extend(times.iter().map(|(node, phase)| {
             let seconds = record.nodes.get(node).and_then(|node| match phase {
                 None => node.seconds,
@@ -166,13 +166,13 @@ fn word(json: &Json) -> String {
 
 fn cell(scalar: &Scalar) -> String {
     match scalar {
-        Scalar::Number(value) => number(*value),
+        Scalar::Number(value) => exact(*value),
         other => other.to_string(),
     }
 }
 
 /// The shortest text that reads back as the number, with an exponent where it is long.
-fn number(value: f64) -> String {
+pub fn exact(value: f64) -> String {
     // Where there is no number, there is an empty cell.
     if value.is_nan() {
         return String::new();
@@ -322,10 +322,10 @@ mod tests {
     #[test]
     fn numbers_read_back_exactly() {
         for value in [0.0, 0.1, 1e-300, 1e300, 123_456.0, -1.5e-7, f64::MIN_POSITIVE] {
-            assert_eq!(number(value).parse::<f64>().unwrap(), value);
-            assert!(number(value).len() < 25);
+            assert_eq!(exact(value).parse::<f64>().unwrap(), value);
+            assert!(exact(value).len() < 25);
         }
-        assert_eq!(number(f64::NAN), "");
+        assert_eq!(exact(f64::NAN), "");
     }
 
     #[test]
