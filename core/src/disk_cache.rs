@@ -2,7 +2,7 @@
 //!
 //! One file a key: the hash of the rest, then the outputs. A file that does not hash to what it
 //! says is not there; nothing here is ever an error, because a cache can always be done without.
-//! Files that a value is a handle to ([`Stored`](crate::Stored)) are kept beside it, by their hash.
+//! Files that a value is a handle to ([`Stored`]) are kept beside it, by their hash.
 
 use std::fs;
 use std::io::Write;

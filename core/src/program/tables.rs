@@ -65,7 +65,7 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
                 None => node.seconds,
                 Some(phase) => node.phases.get(phase).copied(),
             });
-            seconds.map_or(String::new(), number)
+            seconds.map_or(String::new(), exact)
         }));
         row.push(record.status.word().to_owned());
         row.push(record.status.reason().unwrap_or_default().to_owned());
