@@ -1,6 +1,6 @@
 //! The list of costs: what a collapse is worth, one file a cost.
 //!
-//! The trait is [`Cost`](crate::geometry::simplify::collapse::Cost), of the engine.
+//! The trait is [`Cost`], of the engine.
 
 mod pictures;
 

@@ -1,6 +1,6 @@
 //! The list of placements: where the vertex of a collapse goes, one file a placement.
 //!
-//! The trait is [`Placement`](crate::geometry::simplify::collapse::Placement), of the engine.
+//! The trait is [`Placement`], of the engine.
 
 mve_core::registered! {
     static ENTRIES: Entry<MakePlacement> = PLACEMENT in endpoint, midpoint, optimal;
