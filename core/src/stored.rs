@@ -2,8 +2,9 @@
 //!
 //! A [`Stored`] is a handle. Its content is cut into blocks of [`BLOCK`] bytes, each with a hash of
 //! its own, so that any range is read and verified without reading the rest. A data type that holds
-//! such handles names them in [`Data::stored`](crate::data::Data::stored); the cache on disk then keeps the files themselves,
-//! by a second name where the file system allows that, and never copies them through memory.
+//! such handles names them in [`Data::stored`](crate::data::Data::stored); the cache on disk then
+//! keeps the files themselves, by a second name where the file system allows that, and never copies
+//! them through memory.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};

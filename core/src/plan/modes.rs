@@ -2,9 +2,9 @@
 //!
 //! A muted node does not run, nor does any that needs a value of it; optional inputs are as if
 //! unlinked. A bypassed node passes on, at each output, what is linked to its first input of that
-//! type; without such an input it acts as muted. Each node that is left out is told as a warning, and
-//! names of output files may still quote its parameters. Everything else in a plan is made from the
-//! map that comes out of here, so keys, names and orders know nothing of modes.
+//! type; without such an input it acts as muted. Each node that is left out is told as a warning,
+//! and names of output files may still quote its parameters. Everything else in a plan is made from
+//! the map that comes out of here, so keys, names and orders know nothing of modes.
 
 use std::collections::HashMap;
 
