@@ -1,4 +1,4 @@
-//! What holds for every registered module: its declaration is whole, and it stands any input.
+//! What holds for every registered module: its declaration is whole, and no input makes it panic.
 
 use std::cell::Cell;
 use std::collections::HashSet;

@@ -3,7 +3,7 @@
 //! Any list of triangles is a mesh here: open, non-manifold, degenerate and in several components.
 //! Only two things hold for every [`TriMesh`] that a loader or a module puts out, and
 //! [`TriMesh::check`] tests them: indices are in range, and layers fit their domain. Coordinates
-//! are finite when they come from a loader; algorithms stand other numbers without panicking.
+//! are finite when they come from a loader; no algorithm panics on other numbers.
 
 use glam::DVec3;
 use mve_core::{Data, DataType};

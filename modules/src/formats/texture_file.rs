@@ -1,6 +1,6 @@
 //! Pictures that materials name: PNG and JPEG files, whatever their names end in.
 //!
-//! Reading stands any bytes: they give a picture or an error, within the limits of PNG files.
+//! Any bytes may be read: they give a picture or an error, within the limits of PNG files.
 
 use std::io::Cursor;
 

@@ -7,7 +7,7 @@
 //! are a vertex layer. Polygons are cut into triangles on their own vertices, so that n corners
 //! give n - 2 triangles in the place of the polygon.
 //!
-//! Reading stands what files in the wild contain: any line end, continued lines, comments
+//! The reader takes what files in the wild contain: any line end, continued lines, comments
 //! anywhere, faces before their vertices, names that are not UTF-8, lines of no known kind. What
 //! is left out is reported as a [`Warning`]; what is wrong is an [`ObjError`] with its line.
 //! Left out without a word, since they say nothing about the surface: smoothing groups (`s`) and
