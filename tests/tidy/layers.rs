@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mve_tests::root;
 
-use super::graph::{Edge, Graph, module_of, paths};
+use super::graph::{Graph, module_of, paths};
 use super::sources::tokens;
 
 /// The parts of `modules/src`; each may name those before it.
