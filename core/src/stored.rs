@@ -102,7 +102,12 @@ impl Stored {
     pub(crate) fn keep_in(&self, folder: &Path, prefix: &str) -> io::Result<()> {
         let place = self.0.place.get().ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
         let kept = folder.join(self.file_name());
-        if kept.exists() || std::fs::hard_link(&place.path, &kept).is_ok() {
+        if std::fs::metadata(&kept).is_ok_and(|about| about.len() == self.0.n_bytes) {
+            return Ok(());
+        }
+        // What a full disk or a hand has cut short is no copy.
+        let _ = std::fs::remove_file(&kept);
+        if std::fs::hard_link(&place.path, &kept).is_ok() {
             return Ok(());
         }
         let mut copy = fresh_file(folder, prefix)?;

@@ -107,6 +107,17 @@ fn the_cache_keeps_the_file_and_a_damaged_block_is_made_again() {
 }
 
 #[test]
+fn a_file_that_was_cut_short_is_kept_anew() {
+    let cache = tempfile::tempdir().unwrap();
+    let budget = 1 << 30;
+    read(cache.path(), budget, 0);
+    let [file] = files(cache.path()).try_into().unwrap();
+    std::fs::File::options().write(true).open(&file).unwrap().set_len(77).unwrap();
+    assert_eq!(read(cache.path(), budget, 0).nodes["write"].record.cached, None);
+    assert_eq!(read(cache.path(), budget, 0).nodes["write"].record.cached, Some(CacheUse::Disk));
+}
+
+#[test]
 fn the_budget_counts_files() {
     let cache = tempfile::tempdir().unwrap();
     let outcome = read(cache.path(), (N_BLOCKS * BLOCK - 1) as u64, 3 * BLOCK);
