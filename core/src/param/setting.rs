@@ -223,6 +223,14 @@ impl Settings {
 }
 
 impl Setting {
+    /// A value with parts, if it is of this type.
+    pub(crate) fn structured<T: Any + Clone + Send + Sync>(&self) -> Option<T> {
+        match self {
+            Self::Structured(value) => value.get::<T>().map(|shared| (*shared).clone()),
+            _ => None,
+        }
+    }
+
     /// The setting as a map file would say it.
     pub fn to_json(&self) -> Json {
         match self {

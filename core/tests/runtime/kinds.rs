@@ -174,6 +174,10 @@ fn schema_and_help_tell_of_them() {
     let params = &module["properties"]["params"]["properties"];
     let point = &params["marks"]["items"]["properties"];
     assert_eq!(point["radius"]["default"], 1.0);
+    assert_eq!(
+        (&point["radius"]["minimum"], &point["radius"]["maximum"]),
+        (&json!(0.0), &json!(100.0))
+    );
     assert_eq!(point["barycentric"]["maxItems"], 3);
     assert_eq!(params["faces"]["default"], json!([]));
     assert_eq!(params["weight"]["type"], "string");

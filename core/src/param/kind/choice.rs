@@ -201,14 +201,6 @@ impl ParamKind for ChoiceSpec {
 }
 
 impl ParamSpec {
-    /// Of a choice, its list and its default.
-    pub fn choice(&self) -> Option<ChoiceSpec> {
-        match self.kind {
-            Kind::Choice(spec) => Some(spec),
-            _ => None,
-        }
-    }
-
     /// Whether it is an output file, or has one among the parameters of an entry.
     pub(crate) fn writes_files(&self) -> bool {
         let below = |entry: EntrySpec| entry.params.iter().any(Self::writes_files);
