@@ -145,7 +145,7 @@ impl Trial {
                 *resolved = written.as_str().into();
             }
         });
-        let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener);
+        let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener, None);
         let outputs = contained(|| (self.module.run)(&mut io)).and_then(|()| io.finish())?;
         Ok(self.module.outputs.iter().map(|output| output.name).zip(outputs).collect())
     }
