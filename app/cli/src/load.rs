@@ -23,20 +23,20 @@ pub struct MapArgs {
     /// The value is read as JSON, and as a text where it is not JSON. NODE.module=Id puts another
     /// module in a node's place. Input files are relative to the working directory, output files
     /// to the output folder.
-    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_setting)]
-    pub set: Vec<Setting>,
+    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_assignment)]
+    pub set: Vec<Assignment>,
 }
 
 /// One `--set`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct Assignment {
     path: String,
     value: Json,
     /// The value as it was typed.
     text: String,
 }
 
-fn parse_setting(text: &str) -> Result<Setting, String> {
+fn parse_assignment(text: &str) -> Result<Assignment, String> {
     let form = "write NODE.PARAM=VALUE, such as simplify.target_faces=300";
     let (path, value) = text.split_once('=').ok_or(form)?;
     if !path.contains('.') {
@@ -44,10 +44,10 @@ fn parse_setting(text: &str) -> Result<Setting, String> {
     }
     let (path, text) = (path.trim().to_owned(), value.to_owned());
     let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));
-    Ok(Setting { path, value, text })
+    Ok(Assignment { path, value, text })
 }
 
-impl Setting {
+impl Assignment {
     /// The value for the parameter that it is meant for: a text stays one even where it looks like
     /// a number, and a file is where the person who types is, not where the map is.
     fn value_for(&self, map: &Map, registry: &Registry) -> Json {
@@ -85,14 +85,14 @@ impl MapArgs {
     pub fn load(&self) -> Result<Loaded, Stop> {
         let mut map = Map::load(&self.map).map_err(|error| self.explain(error))?;
         let registry = mve_modules::registry();
-        let mut settings: Vec<_> = self.set.iter().collect();
+        let mut assignments: Vec<_> = self.set.iter().collect();
         // Modules and choices are set before their own parameters, whatever the order on the line.
         let is_module = |path: &str| path.split_once('.').is_some_and(|(_, p)| p == "module");
-        settings.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
+        assignments.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
         let mut complaints = Vec::new();
-        for setting in settings {
-            let path = &setting.path;
-            let value = setting.value_for(&map, &registry);
+        for assignment in assignments {
+            let path = &assignment.path;
+            let value = assignment.value_for(&map, &registry);
             if let Err(problem) = assign(&mut map, &registry, path, value) {
                 let message = format!("--set {path}: {}", problem.message);
                 complaints.push(Problem { message, place: Place::default(), ..problem });
@@ -103,7 +103,7 @@ impl MapArgs {
 
     /// The paths that `--set` names.
     pub fn set_paths(&self) -> impl Iterator<Item = &str> {
-        self.set.iter().map(|setting| setting.path.as_str())
+        self.set.iter().map(|assignment| assignment.path.as_str())
     }
 
     fn explain(&self, error: MapError) -> Stop {
@@ -188,8 +188,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_json_or_text() {
-        let value = |text: &str| parse_setting(text).unwrap().value;
+    fn values_are_json_or_text() {
+        let value = |text: &str| parse_assignment(text).unwrap().value;
         assert_eq!(value("a.x=5"), Json::from(5));
         assert_eq!(value("a.x=null"), Json::Null);
         assert_eq!(value("a.x=Quadric"), Json::from("Quadric"));
@@ -197,6 +197,6 @@ mod tests {
         assert_eq!(value("a.x={\"Q\": {\"w\": 1}}")["Q"]["w"], Json::from(1));
         assert_eq!(value("a.x=b=c"), Json::from("b=c"));
         assert_eq!(value("a.x="), Json::from(""));
-        assert!(parse_setting("a.x").is_err() && parse_setting("x=5").is_err());
+        assert!(parse_assignment("a.x").is_err() && parse_assignment("x=5").is_err());
     }
 }

@@ -10,7 +10,7 @@ use mve_core::Control;
 
 use super::cursor::{Comments, Cursor};
 use super::parse::parse_with;
-use super::textures::{self, Pictures, Placed, placed};
+use super::textures::{self, Pictures, TextureFolder, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh};
 use crate::formats::plain_file::read_plain;
@@ -97,7 +97,8 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     let mut folder_name = path.file_stem().unwrap_or_default().to_owned();
     folder_name.push(TEXTURE_FOLDER);
     let folder = path.with_file_name(&folder_name);
-    let Placed { materials, files } = placed(&mesh.materials, &folder_name.to_string_lossy());
+    let TextureFolder { materials, files } =
+        texture_folder(&mesh.materials, &folder_name.to_string_lossy());
     if !files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }

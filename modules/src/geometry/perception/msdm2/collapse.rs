@@ -22,7 +22,7 @@ use super::carry::carry_to;
 use super::curvature::curvatures;
 use super::surface::{Surface, common_scale};
 use super::window::{Sample, Sums};
-use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
+use super::{Levels, MAX_LEVELS, Msdm2Error, ReferencePoint, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::collapse::{Batch, Collapse, Proposal, WorkingMesh};
@@ -249,7 +249,7 @@ impl CollapsePrices {
         true
     }
 
-    fn carry(&self, point: DVec3) -> Carried {
+    fn carry(&self, point: DVec3) -> ReferencePoint {
         let mut walker = self.reference.bvh.walker();
         carry_to(point, &self.reference, &self.curvature, Variant::Published, &mut walker)
     }

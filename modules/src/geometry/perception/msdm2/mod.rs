@@ -37,7 +37,7 @@ pub(super) mod window;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-pub(super) use carry::{Carried, carry};
+pub(super) use carry::{ReferencePoint, carry};
 use surface::{Surface, common_scale};
 use window::{Kernel, Moments, Windows, local_values};
 
@@ -238,11 +238,11 @@ pub fn msdm2(
 }
 
 /// A mesh with its curvature at each vertex.
-pub(super) type Seen<'a> = (&'a Surface, &'a [[f64; MAX_LEVELS]]);
+pub(super) type MeshCurvature<'a> = (&'a Surface, &'a [[f64; MAX_LEVELS]]);
 
 /// The value over the vertices of the second mesh, with the first as the reference.
 fn one_sided(
-    [(reference, of_reference), (degraded, of_degraded)]: [Seen; 2],
+    [(reference, of_reference), (degraded, of_degraded)]: [MeshCurvature; 2],
     levels: &Levels,
     (variant, scale): (Variant, f64),
     control: Control,

@@ -99,7 +99,7 @@ fn take_their_faces(
     table: &str,
     pair: &Pair,
     curvature: &[[f64; MAX_LEVELS]],
-    carried: &mut [Carried],
+    carried: &mut [ReferencePoint],
 ) -> usize {
     let mut n_other = 0;
     for row in rows(table) {
