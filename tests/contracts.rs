@@ -147,8 +147,8 @@ fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json
     params.iter().filter_map(named).collect()
 }
 
-/// A file that a loader of these extensions can read: `tests/data/example.*`, with what it names. One
-/// that reads anything gets a mesh.
+/// A file that a loader of these extensions can read: `tests/data/example.*`, with what it names.
+/// One that reads anything gets a mesh.
 fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
     let examples = mve_tests::root().join("tests/data");
     for file in std::fs::read_dir(&examples).expect("the folder is there") {
