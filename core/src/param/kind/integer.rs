@@ -4,7 +4,7 @@ use serde_json::Value as Json;
 
 use super::super::{Param, ParamType, Setting};
 use super::Kind;
-use super::range::{Number, RangeSpec};
+use super::range::{RangeSpec, RangeValue};
 
 /// A whole number.
 pub type IntegerSpec = RangeSpec<i64>;
@@ -12,7 +12,7 @@ pub type IntegerSpec = RangeSpec<i64>;
 /// Whole numbers to 2^53, which every program that reads JSON keeps exactly.
 const INTEGERS: (i64, i64) = (-(1 << 53), 1 << 53);
 
-impl Number for i64 {
+impl RangeValue for i64 {
     const NOUN: &'static str = "whole number";
     const JSON_TYPE: &'static str = "integer";
     const IS_WHOLE: bool = true;

@@ -4,14 +4,14 @@ use serde_json::Value as Json;
 
 use super::super::{Param, ParamType, Setting};
 use super::Kind;
-use super::range::{Number, RangeSpec};
+use super::range::{RangeSpec, RangeValue};
 
 /// A finite number.
 pub type NumberSpec = RangeSpec<f64>;
 
 const NUMBERS: (f64, f64) = (f64::MIN, f64::MAX);
 
-impl Number for f64 {
+impl RangeValue for f64 {
     const NOUN: &'static str = "number";
     const JSON_TYPE: &'static str = "number";
     const IS_WHOLE: bool = false;

@@ -19,7 +19,7 @@ pub struct RangeSpec<T> {
 }
 
 /// What whole numbers and others answer differently.
-pub trait Number: Copy + PartialOrd + Into<Json> {
+pub trait RangeValue: Copy + PartialOrd + Into<Json> {
     /// What a value is, for messages and the documentation.
     const NOUN: &'static str;
     /// What a JSON schema calls it.
@@ -39,7 +39,7 @@ pub trait Number: Copy + PartialOrd + Into<Json> {
     fn large_example(spec: &RangeSpec<Self>) -> Self;
 }
 
-impl<T: Number> RangeSpec<T> {
+impl<T: RangeValue> RangeSpec<T> {
     /// The number that this JSON is, if it is allowed.
     pub(super) fn read(&self, json: &Json) -> Option<T> {
         T::from_json(json).filter(|number| (self.hard.0..=self.hard.1).contains(number))
@@ -51,7 +51,7 @@ impl<T: Number> RangeSpec<T> {
     }
 }
 
-impl<T: Number> ParamKind for RangeSpec<T> {
+impl<T: RangeValue> ParamKind for RangeSpec<T> {
     fn default_json(&self) -> Option<Json> {
         Some(self.default.map_or(Json::Null, Into::into))
     }
