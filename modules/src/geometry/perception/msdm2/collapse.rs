@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use super::bend::{Bend, normal, turn_rad};
 use super::carry::carry_to;
 use super::curvature::curvatures;
-use super::surface::{Surface, common_scale};
+use super::curvature_mesh::{CurvatureMesh, common_scale};
 use super::window::{Sample, Sums};
 use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
@@ -50,7 +50,7 @@ pub enum Counting {
 /// The state of the prices. Ids of vertices are those of the input.
 #[derive(Debug)]
 pub struct CollapsePrices {
-    reference: Surface,
+    reference: CurvatureMesh,
     curvature: Vec<[f64; MAX_LEVELS]>,
     levels: Levels,
     scale: f64,
@@ -132,7 +132,7 @@ impl CollapsePrices {
     ) -> Result<Self, Msdm2Error> {
         let scale = common_scale([mesh, mesh]);
         let (side, variant) = (MeshRole::Original, Variant::Published);
-        let reference = Surface::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
+        let reference = CurvatureMesh::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
         let levels = Levels::new(reference.longest_side, n_levels);
         let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;
         let known = |(&point, &own): (&DVec3, &[f64; MAX_LEVELS])| {
