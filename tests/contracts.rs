@@ -130,7 +130,7 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
 
 /// Values of the parameters without a default: files, made in a folder. Those that a choice's entry
 /// needs come with the choice.
-fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json> {
+pub fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json> {
     let value = |spec: &ParamSpec| {
         if let Some(file) = spec.output_file() {
             let extension = file.extensions.first().copied().unwrap_or("out");

@@ -4,7 +4,7 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 use super::{MAX_LEVELS, Variant};
 use crate::geometry::distance::bvh::Walker;
 use crate::mesh::morton::morton_order;
@@ -28,8 +28,8 @@ impl ReferencePoint {
 
 /// Carries the curvature of the reference to the vertices of the degraded mesh.
 pub(in crate::geometry) fn carry(
-    reference: &Surface,
-    degraded: &Surface,
+    reference: &CurvatureMesh,
+    degraded: &CurvatureMesh,
     curvature: &[[f64; MAX_LEVELS]],
     variant: Variant,
     control: Control,
@@ -59,7 +59,7 @@ pub(in crate::geometry) fn carry(
 /// Carries the curvature of the reference to one point.
 pub(in crate::geometry) fn carry_to(
     position: DVec3,
-    reference: &Surface,
+    reference: &CurvatureMesh,
     curvature: &[[f64; MAX_LEVELS]],
     variant: Variant,
     walker: &mut Walker,

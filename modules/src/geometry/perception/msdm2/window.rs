@@ -4,7 +4,7 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 use super::walk::{Cut, Walk};
 use super::{CHUNK, Levels, MAX_LEVELS, ReferencePoint};
 
@@ -135,7 +135,7 @@ impl Moments {
 
 /// The windows of all levels.
 pub(in crate::geometry) struct Windows<'a> {
-    pub surface: &'a Surface,
+    pub surface: &'a CurvatureMesh,
     pub levels: &'a Levels,
     /// The curvature of the surface, a vertex each.
     pub curvature: &'a [[f64; MAX_LEVELS]],

@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
-use mve_modules::picture::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
-use mve_modules::picture::color_scale::{ColorTable, Scale};
+use mve_modules::picture::color_map::{
+    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
+};
+use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -369,21 +371,6 @@ fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) 
     Some(Values { name, unit, domain, values, extent, spacing })
 }
 
-/// Lowest and highest finite value; 0 and 1 without one.
-pub fn extent_of(values: &[f64]) -> [f64; 2] {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) =
-        (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
-    if low <= high { [low, high] } else { [0.0, 1.0] }
-}
-
-/// Where a value lies between low (0) and high (1); 0 in a range without length.
-fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
-    // Halves, as the whole range may be larger than the largest number.
-    let length = 0.5 * high - 0.5 * low;
-    if length > 0.0 { (0.5 * value - 0.5 * low) / length } else { 0.0 * value }
-}
-
 /// How values become colors: what the module `ColorMap` offers, and logarithms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleSettings {
@@ -444,21 +431,18 @@ impl ScaleSettings {
     pub fn place_of_share(&self, extent: [f64; 2], range: [f64; 2]) -> [f32; 2] {
         let length = 0.5 * range[1] - 0.5 * range[0];
         if length <= 0.0 {
-            return [0.0, if self.options().is_symmetric { 0.5 } else { 0.0 }];
+            return [0.0, self.options().share_without_length() as f32];
         }
         let factor = (0.5 * extent[1] - 0.5 * extent[0]) / length;
-        let offset = (0.5 * extent[0] - 0.5 * range[0]) / length;
-        [factor as f32, offset as f32]
+        [factor as f32, share(extent[0], range) as f32]
     }
 
     /// The colors from the first to the last in equal steps, as bytes with full opacity.
     pub fn table(&self) -> Vec<[u8; 4]> {
-        let table = ColorTable::new(self.scale);
+        let map = ColorMap::new([0.0, 1.0], &self.options());
         let last = (TABLE_LENGTH - 1) as f64;
         let color = |i: usize| {
-            let t = i as f64 / last;
-            let t = if self.is_reversed { 1.0 - t } else { t };
-            let [r, g, b] = bytes_of(table.color(t));
+            let [r, g, b] = bytes_of(map.color(i as f64 / last));
             [r, g, b, 255]
         };
         (0..TABLE_LENGTH).map(color).collect()
