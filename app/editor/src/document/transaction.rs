@@ -8,9 +8,10 @@ use mve_core::{Link, MODULE, Map, Node, ParamSpec, Registry, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::arrange::{self, Area};
-use super::edit::{Edit, EditError, EditOutcome, Item};
+use super::edit::{Edit, EditError, EditOutcome};
 use super::extras::{Extras, Frame, Note, Reroute};
 use super::fits;
+use super::item::Item;
 use super::names::{free_name, name_after, taken};
 use super::rename::Renaming;
 
