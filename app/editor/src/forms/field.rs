@@ -4,13 +4,13 @@
 use std::cell::RefCell;
 
 use eframe::egui::emath::Numeric;
-use eframe::egui::text::{CCursor, CCursorRange};
-use eframe::egui::text_edit::TextEditState;
-use eframe::egui::{self, ComboBox, DragValue, Id, Slider, SliderClamping, Ui};
-use mve_core::{Expression, Kind, OptionSpec, ParamSpec, Selection, brief_value, chosen};
+use eframe::egui::{self, DragValue, Id, Slider, SliderClamping, Ui};
+use mve_core::{Expression, Kind, ParamSpec, PointsSpec, Selection, brief_value, chosen};
 use serde_json::Value as Json;
 
-use super::{FormEvent, OFF, is_off, points};
+use super::points::edit_points;
+use super::widgets::{line, name_it, pick};
+use super::{FormEvent, OFF, is_off};
 
 /// Room for the buttons behind a field, in points.
 const BACK_WIDTH: f32 = 28.0;
@@ -44,7 +44,7 @@ pub struct Field<'a> {
 }
 
 impl Field<'_> {
-    pub(super) fn set(&mut self, value: Option<Json>) {
+    fn set(&mut self, value: Option<Json>) {
         self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
 
@@ -84,7 +84,7 @@ impl Field<'_> {
             Kind::InputFile(_) => self.text(ui, id, value, "path of a file"),
             Kind::OutputFile(_) => self.text(ui, id, value, "name, or {node.parameter}"),
             Kind::Enumeration(_) | Kind::Choice(_) => self.combo(ui, id, value),
-            Kind::Points(spec) => points::show(self, ui, id, &spec, value),
+            Kind::Points(spec) => self.points(ui, id, value, &spec),
             Kind::Selection(spec) => self.selection(ui, id, value, spec.domain.name()),
             Kind::Expression(spec) => self.expression(ui, id, value, spec.variables),
         }
@@ -200,6 +200,17 @@ impl Field<'_> {
         }
     }
 
+    /// A row for each point; in a table, and where they cannot be read, their JSON on a line.
+    fn points(&mut self, ui: &mut Ui, id: Id, value: &Json, spec: &PointsSpec) {
+        if let (Ok(points), Look::Row) = (spec.read(value), self.look) {
+            if let Some(changed) = edit_points(ui, id, &self.name, spec, &points) {
+                self.set(Some(spec.to_json(&changed)));
+            }
+        } else if let (Some(text), _) = self.line(ui, id, &value.to_string(), "[]") {
+            self.set(Some(serde_json::from_str(&text).unwrap_or(Json::String(text))));
+        }
+    }
+
     /// A formula, and what is wrong with it, while it is typed too.
     fn expression(
         &mut self,
@@ -265,56 +276,6 @@ fn whole(value: &Json) -> Option<i64> {
     value.as_i64().or_else(|| value.as_f64().filter(|x| x.fract() == 0.0).map(|x| x as i64))
 }
 
-/// A list of names to pick one from; what was picked. Of the one that is there now its id, what is
-/// shown, and the width in points.
-pub fn pick(
-    ui: &mut Ui,
-    id: Id,
-    name: &str,
-    (current, text, width): (&str, &str, f32),
-    options: &[OptionSpec],
-) -> Option<&'static str> {
-    let combo = ComboBox::from_id_salt(id).selected_text(text).width(width).truncate();
-    let mut picked = None;
-    let shown = combo.show_ui(ui, |ui| {
-        for option in options {
-            let label = ui.selectable_label(option.id == current, option.id);
-            if label.on_hover_text(option.summary).clicked() {
-                picked = Some(option.id);
-            }
-        }
-    });
-    let selected = format!("{name}: {current}");
-    shown
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
-    picked
-}
-
-/// A line of text with a hint and a width: what it was changed to once the field is left or Enter
-/// is pressed, and what stands in it now.
-pub fn line(
-    ui: &mut Ui,
-    id: Id,
-    name: &str,
-    written: &str,
-    (hint, width): (&str, f32),
-) -> (Option<String>, String) {
-    let mut text =
-        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
-    let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
-    let response = ui.add(field.desired_width(width));
-    name_it(&response, name, written.chars().count());
-    if response.has_focus() {
-        ui.data_mut(|data| data.insert_temp(id, text.clone()));
-        return (None, text);
-    }
-    let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
-    ui.data_mut(|data| data.remove::<String>(id));
-    let is_changed = response.lost_focus() && text != written && !is_given_up;
-    (is_changed.then(|| text.clone()), text)
-}
-
 /// A number as a person types it: spaces and underscores part thousands.
 fn read_number(text: &str) -> Option<f64> {
     let is_digit = |c: &char| !c.is_whitespace() && *c != '_';
@@ -328,30 +289,6 @@ fn exact_text(number: f64) -> String {
         size if size != 0.0 && !(1e-6..1e15).contains(&size) => format!("{number:e}"),
         _ => number.to_string(),
     }
-}
-
-/// Gives a field of so many letters the name that a screen reader says, and the focus if it is
-/// asked for: then all of its text is selected, and what is typed takes its place.
-pub fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
-    let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
-    if is_asked.is_some() {
-        response.request_focus();
-        select_all(response, n_letters);
-    }
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-}
-
-/// Selects the text of a field of so many letters.
-pub fn select_all(field: &egui::Response, n_letters: usize) {
-    let mut state = TextEditState::default();
-    let all = CCursorRange::two(CCursor::new(0), CCursor::new(n_letters));
-    state.cursor.set_char_range(Some(all));
-    state.store(&field.ctx, field.id);
-}
-
-/// Where it is kept that the next field is to get the focus.
-pub(super) fn focus_asked() -> egui::Id {
-    egui::Id::new("form wants focus")
 }
 
 fn suffix(spec: &ParamSpec) -> String {
