@@ -45,6 +45,17 @@ pub struct Scene<'a> {
     pub output_folder: &'a Path,
 }
 
+impl Scene<'_> {
+    /// The folder of a program's results: the one that `mve program` takes by itself.
+    fn store_folder(&self, program: &str) -> PathBuf {
+        let stem = Path::new(&self.map_file).file_stem();
+        let stem = stem.map_or("map".into(), |stem| stem.to_string_lossy());
+        let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+        let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
+        self.output_folder.join(folder)
+    }
+}
+
 /// What the panel asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
@@ -283,7 +294,7 @@ impl ProgramPanel {
             folder: scene.folder.clone(),
             map_file: scene.map_file.clone(),
             registry: scene.registry.clone(),
-            store: run::check::store_folder(scene.output_folder, &scene.map_file, &name),
+            store: scene.store_folder(&name),
             name,
         })
     }

@@ -58,3 +58,16 @@ fn a_step_is_loaded_in_an_order_that_works() {
     let paths: Vec<_> = params.iter().map(|(_, path, _)| path.as_str()).collect();
     assert_eq!(paths, ["module", "way", "way.weight"]);
 }
+
+#[test]
+fn results_go_where_the_command_puts_them() {
+    let (map, registry) = (map(json!({})), Registry::new());
+    let folder = |map_file: &str, program| {
+        let (folder, output_folder) = (PathBuf::new(), Path::new("mve-out"));
+        let map_file = map_file.to_owned();
+        let scene = Scene { map: &map, folder, map_file, registry: &registry, output_folder };
+        scene.store_folder(program)
+    };
+    assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
+    assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
+}

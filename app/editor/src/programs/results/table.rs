@@ -10,7 +10,6 @@ use eframe::egui::{
 use mve_core::Better;
 
 use crate::programs::results::sheet::{Column, Row, Sheet, State, label};
-use crate::programs::run::check;
 use crate::programs::widgets::{button_if, count, icon_button};
 use crate::programs::{Action, ProgramPanel, Scene, load_step};
 
@@ -126,7 +125,7 @@ impl ProgramPanel {
         if icon_button(ui, "Load into the map", "Load selected step into the map").clicked() {
             actions.push(load_step(step));
         }
-        let store = check::store_folder(scene.output_folder, &scene.map_file, &self.sheet_name());
+        let store = scene.store_folder(&self.sheet_name());
         let folder = store.join("steps").join(&step.id);
         let row = &self.sheet.rows[row];
         let has_run = matches!(row.state, State::Done | State::Failed(_));

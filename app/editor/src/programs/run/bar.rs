@@ -6,7 +6,6 @@ use eframe::egui::{self, Color32, ComboBox, DragValue, ProgressBar, RichText, Te
 use mve_core::{Problem, ProgramSpec, Retry, Sharing};
 
 use crate::programs::results::sheet::{State, label};
-use crate::programs::run::check;
 use crate::programs::run::job;
 use crate::programs::run::pace::{Pace, in_words};
 use crate::programs::widgets::{button_if, count, icon_button, named};
@@ -63,7 +62,7 @@ impl ProgramPanel {
                 self.chosen = None;
                 actions.push(Action::SetProgram { name: name.clone(), spec: None });
             }
-            let store = check::store_folder(scene.output_folder, &scene.map_file, &name);
+            let store = scene.store_folder(&name);
             let is_there = store.is_dir();
             let text = RichText::new(store.display().to_string()).weak();
             let link = ui.add_enabled(is_there, egui::Link::new(text));
@@ -155,7 +154,7 @@ impl ProgramPanel {
             if switch.on_hover_text(about).changed() {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
-            let store = check::store_folder(scene.output_folder, &scene.map_file, name);
+            let store = scene.store_folder(name);
             let report = button_if(ui, self.has_results() || store.is_dir(), "Open report", "Open report", "nothing has run yet");
             if report.clicked() {
                 self.open_report(store);

@@ -1,7 +1,7 @@
 //! Checks a program on a thread: how many steps it has, what is wrong with it, and which steps its
 //! store has already.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mve_core::{Map, Problem, Program, Registry, StepRecord, Store};
@@ -79,24 +79,4 @@ pub fn check(subject: Subject) -> ProgramCheck {
         _ => {}
     }
     ProgramCheck { subject, program, problems, records, trouble }
-}
-
-/// The folder of a program's results: the one that `mve program` takes by itself.
-pub fn store_folder(output_folder: &Path, map_file: &str, program: &str) -> PathBuf {
-    let stem = Path::new(map_file).file_stem().map_or("map".into(), |stem| stem.to_string_lossy());
-    let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
-    let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
-    output_folder.join(folder)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_go_where_the_command_puts_them() {
-        let folder = |file, program| store_folder(Path::new("mve-out"), file, program);
-        assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
-        assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
-    }
 }
