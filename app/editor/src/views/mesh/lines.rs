@@ -62,7 +62,7 @@ impl MeshLines {
         self.indices.want(context, Same(Arc::clone(edges)), find);
         if let Some(indices) = self.indices.latest() {
             let (device, job) = (gpu.device().clone(), Arc::clone(&indices));
-            let upload = move || LineBuffer::new(&device, &job).ok();
+            let upload = move || LineBuffer::new(&device, &job.pairs[..job.n_indices]).ok();
             gpu.upload(&mut self.buffer, context, Same(indices), upload);
         }
     }

@@ -7,6 +7,7 @@
 
 pub mod coarse;
 pub mod edges;
+pub mod textures;
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::views::camera::Bounds;
-use crate::views::mesh::look::texture::FaceTextures;
+use textures::FaceTextures;
 
 /// How normals come about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

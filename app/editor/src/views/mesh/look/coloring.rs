@@ -13,9 +13,9 @@ use mve_modules::picture::color_scale::{ColorTable, Scale};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::mesh::arrays::{Arrays, Sharing};
 use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
-use crate::views::mesh::look::texture::FaceTextures;
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
