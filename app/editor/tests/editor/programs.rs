@@ -50,19 +50,16 @@ impl Bench {
     }
 
     fn show(&mut self, ui: &mut Ui) {
-        let scene = Scene {
-            map: &self.map,
-            folder: self.output_folder.clone(),
-            map_file: "box.json".to_owned(),
-            registry: &self.registry,
-            output_folder: &self.output_folder,
-        };
-        let actions = self.panel.show(ui, &scene);
-        self.carry_out(actions);
+        self.ask(|panel, scene| panel.show(ui, scene));
     }
 
     /// Makes a parameter an axis, as dragging it does.
     fn vary(&mut self, node: &str, param: &str) {
+        self.ask(|panel, scene| panel.vary(node, param, scene));
+    }
+
+    /// Does what the panel asks for, as a window would.
+    fn ask(&mut self, ask: impl FnOnce(&mut ProgramPanel, &Scene) -> Vec<Action>) {
         let scene = Scene {
             map: &self.map,
             folder: self.output_folder.clone(),
@@ -70,11 +67,7 @@ impl Bench {
             registry: &self.registry,
             output_folder: &self.output_folder,
         };
-        let actions = self.panel.vary(node, param, &scene);
-        self.carry_out(actions);
-    }
-
-    fn carry_out(&mut self, actions: Vec<Action>) {
+        let actions = ask(&mut self.panel, &scene);
         for action in &actions {
             let map = Arc::make_mut(&mut self.map);
             match action.clone() {
