@@ -5,7 +5,7 @@ mod points;
 mod widgets;
 
 use eframe::egui::{self, RichText, Ui};
-pub use field::{CELL_WIDTH, Field, Look};
+pub use field::{CELL_WIDTH, FieldPlace, ParamField};
 use mve_core::{ParamSpec, chosen};
 use serde_json::{Map as JsonMap, Value as Json};
 use widgets::focus_asked;
@@ -95,8 +95,8 @@ impl Form<'_> {
                     .on_hover_text("This parameter takes its value from a link.");
                 return;
             }
-            let look = Look::Row;
-            let mut field = Field { spec, name, path, given, look, events };
+            let place = FieldPlace::Row;
+            let mut field = ParamField { spec, name, path, given, place, events };
             if spec.can_be_off {
                 field.switch(ui);
             }

@@ -131,7 +131,7 @@ pub enum EditError {
     Number,
     /// The edit is none for items of this kind.
     #[error("{0}")]
-    Kind(&'static str),
+    WrongKind(&'static str),
     /// The text is no map.
     #[error("{0}")]
     Text(#[from] MapError),

@@ -33,7 +33,7 @@ use mve_core::{Map, MapError, Registry};
 
 pub use clip::Clip;
 pub use edit::{Alignment, Direction, Edit, EditError, EditOutcome};
-pub use extras::{Extras, Frame, Note, Reroute};
+pub use extras::{CanvasFrame, Extras, Note, Reroute};
 pub use files::{Recovered, Recovery};
 pub use fit::fits;
 pub use item::Item;

@@ -20,7 +20,7 @@ pub const CELL_WIDTH: f32 = 128.0;
 
 /// Where a field stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub enum FieldPlace {
     /// In a row of a form, with all the room that is left.
     Row,
     /// In a cell of a table, on one line.
@@ -28,7 +28,7 @@ pub enum Look {
 }
 
 /// What edits the value of one parameter.
-pub struct Field<'a> {
+pub struct ParamField<'a> {
     /// Its declaration.
     pub spec: &'a ParamSpec,
     /// The parameter as a person reads it.
@@ -38,12 +38,12 @@ pub struct Field<'a> {
     /// What the map says of it.
     pub given: Option<&'a Json>,
     /// Where it stands.
-    pub look: Look,
+    pub place: FieldPlace,
     /// What a person does in it.
     pub events: &'a mut Vec<FormEvent>,
 }
 
-impl Field<'_> {
+impl ParamField<'_> {
     fn set(&mut self, value: Option<Json>) {
         self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
@@ -92,13 +92,13 @@ impl Field<'_> {
 
     fn flag(&mut self, ui: &mut Ui, value: &Json) {
         let mut flag = value.as_bool().unwrap_or_default();
-        let text = match self.look {
-            Look::Row => "",
-            Look::Cell if flag => "yes",
-            Look::Cell => "no",
+        let text = match self.place {
+            FieldPlace::Row => "",
+            FieldPlace::Cell if flag => "yes",
+            FieldPlace::Cell => "no",
         };
         let response = ui.checkbox(&mut flag, text).on_hover_text(&self.name);
-        if self.look == Look::Cell {
+        if self.place == FieldPlace::Cell {
             name_it(&response, &self.name, 0);
         }
         if response.changed() {
@@ -137,7 +137,7 @@ impl Field<'_> {
         let range = range_text(hard.0.to_f64(), hard.1.to_f64(), self.spec);
         let response = response.on_hover_text(range);
         name_it(&response, &self.name, shown.chars().count());
-        if let (Some((from, to)), false, Look::Row) = (soft, is_off, self.look) {
+        if let (Some((from, to)), false, FieldPlace::Row) = (soft, is_off, self.place) {
             ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
             let slider = Slider::new(&mut changed, from..=to).show_value(false);
             let slider = slider.logarithmic(spans_decades(from.to_f64(), to.to_f64()));
@@ -164,13 +164,13 @@ impl Field<'_> {
     /// One of the names that the value may be.
     fn combo(&mut self, ui: &mut Ui, id: Id, value: &Json) {
         let current = chosen(value).map_or("", |(id, _)| id);
-        let (width, text) = match self.look {
-            Look::Row => (ui.available_width().clamp(60.0, 150.0), current.to_owned()),
-            Look::Cell => (CELL_WIDTH, brief_value(value)),
+        let (width, text) = match self.place {
+            FieldPlace::Row => (ui.available_width().clamp(60.0, 150.0), current.to_owned()),
+            FieldPlace::Cell => (CELL_WIDTH, brief_value(value)),
         };
         let picked = pick(ui, id, &self.name, (current, &text, width), &self.spec.options());
         // In a form, the entry that is there already says again what the map may leave out.
-        if let Some(picked) = picked.filter(|id| self.look == Look::Row || *id != current) {
+        if let Some(picked) = picked.filter(|id| self.place == FieldPlace::Row || *id != current) {
             self.set(Some(Json::from(picked)));
         }
     }
@@ -202,7 +202,7 @@ impl Field<'_> {
 
     /// A row for each point; in a table, and where they cannot be read, their JSON on a line.
     fn points(&mut self, ui: &mut Ui, id: Id, value: &Json, spec: &PointsSpec) {
-        if let (Ok(points), Look::Row) = (spec.read(value), self.look) {
+        if let (Ok(points), FieldPlace::Row) = (spec.read(value), self.place) {
             if let Some(changed) = edit_points(ui, id, &self.name, spec, &points) {
                 self.set(Some(spec.to_json(&changed)));
             }
@@ -225,16 +225,16 @@ impl Field<'_> {
             let (left, draft) = self.line(ui, id, &written, &names.join(", "));
             if let Err(why) = Expression::compile(&draft, variables) {
                 let color = ui.visuals().error_fg_color;
-                match self.look {
-                    Look::Row => ui.colored_label(color, &why),
-                    Look::Cell => ui.colored_label(color, "\u{26a0}").on_hover_text(&why),
+                match self.place {
+                    FieldPlace::Row => ui.colored_label(color, &why),
+                    FieldPlace::Cell => ui.colored_label(color, "\u{26a0}").on_hover_text(&why),
                 };
             }
             left
         };
-        let left = match self.look {
-            Look::Row => ui.vertical(show).inner,
-            Look::Cell => show(ui),
+        let left = match self.place {
+            FieldPlace::Row => ui.vertical(show).inner,
+            FieldPlace::Cell => show(ui),
         };
         // A formula with a fault is kept, as the check of the map tells of it too.
         if let Some(text) = left {
@@ -247,9 +247,9 @@ impl Field<'_> {
     fn line(&self, ui: &mut Ui, id: Id, written: &str, hint: &str) -> (Option<String>, String) {
         let is_input = self.spec.input_file().is_some();
         let room = if is_input { BROWSE_WIDTH + BACK_WIDTH } else { BACK_WIDTH };
-        let width = match self.look {
-            Look::Row => (ui.available_width() - room).max(60.0),
-            Look::Cell => CELL_WIDTH,
+        let width = match self.place {
+            FieldPlace::Row => (ui.available_width() - room).max(60.0),
+            FieldPlace::Cell => CELL_WIDTH,
         };
         line(ui, id, &self.name, written, (hint, width))
     }

@@ -8,7 +8,7 @@ use mve_core::{Map, Problem, Program, Registry, StepRecord, Store};
 
 /// A program of a map, to be checked.
 #[derive(Clone)]
-pub struct Subject {
+pub struct ProgramSubject {
     /// The map.
     pub map: Arc<Map>,
     /// Name of the program.
@@ -23,7 +23,7 @@ pub struct Subject {
     pub store: PathBuf,
 }
 
-impl Subject {
+impl ProgramSubject {
     /// Whether a check of one answers for the other: where nodes are drawn does not matter.
     pub fn asks_the_same_as(&self, other: &Self) -> bool {
         let same_map = Arc::ptr_eq(&self.map, &other.map)
@@ -42,7 +42,7 @@ impl Subject {
 /// What a check found.
 pub struct ProgramCheck {
     /// What was checked.
-    pub subject: Subject,
+    pub subject: ProgramSubject,
     /// The program, if it can run.
     pub program: Option<Arc<Program>>,
     /// What is wrong with it, and what is odd about it.
@@ -54,8 +54,8 @@ pub struct ProgramCheck {
 }
 
 /// Checks a program, and looks into its store without changing it.
-pub fn check(subject: Subject) -> ProgramCheck {
-    let Subject { map, name, folder, map_file, registry, store } = &subject;
+pub fn check(subject: ProgramSubject) -> ProgramCheck {
+    let ProgramSubject { map, name, folder, map_file, registry, store } = &subject;
     let mut problems: Vec<Problem> = map.problems().to_vec();
     let mut program = None;
     match Program::new(map, name, registry, folder) {

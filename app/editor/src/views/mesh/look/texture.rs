@@ -4,9 +4,9 @@ use image::RgbaImage;
 use image::imageops::{FilterType, resize};
 use mve_modules::data::{Images, Texture, TextureImage, TriMesh};
 
+use crate::views::memo::Same;
 use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::picture::{fitting_size, rgba};
-use crate::views::slot::Same;
 
 /// Bytes that the textures of one mesh may take on the GPU, smaller sizes aside.
 const MOST_BYTES: usize = 256 << 20;
