@@ -86,3 +86,9 @@ impl From<MetricError> for ModuleError {
         }
     }
 }
+
+/// What `mve new metric` begins with.
+#[cfg(test)]
+#[path = "../../templates/metric.rs"]
+#[expect(dead_code, reason = "it stands in no list")]
+mod template;

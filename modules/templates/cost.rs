@@ -8,17 +8,17 @@ use super::{Cost, MakeCost};
 use crate::geometry::simplify::collapse::{Batch, Contraction, WorkingMesh};
 
 pub static COST: Entry<MakeCost> = Entry {
-    id: "@ID@",
+    id: "Template",
     summary: "The squared length of the edge.",
     params: &[],
-    build: |_, _| Ok(Box::new(@ID@)),
+    build: |_, _| Ok(Box::new(Template)),
 };
 
 /// See the file's header. Stateless.
 #[derive(Clone, Copy, Debug)]
-struct @ID@;
+struct Template;
 
-impl Cost for @ID@ {
+impl Cost for Template {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
             let Contraction { kept, gone, .. } = proposal.contraction;
@@ -49,7 +49,7 @@ mod tests {
             stop: Stop { faces: Some(2), ..Stop::default() },
             ..SimplifyOptions::default()
         };
-        let result = simplify(&square(), &mut @ID@, &mut Endpoint, options, Control::none());
+        let result = simplify(&square(), &mut Template, &mut Endpoint, options, Control::none());
         let mesh = result.unwrap().mesh;
         assert_eq!(mesh.faces.len(), 2);
         assert_eq!(mesh.area(), 16.0);
