@@ -68,8 +68,9 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// Writes `mesh` as an OBJ file, and its materials, if there are any, as an MTL file of the same
 /// stem beside it. Their pictures go into a folder beside both, its name the stem and
 /// [`TEXTURE_FOLDER`]: as the files that they were read from, byte for byte, or else as PNG files.
-/// Names that two pictures share get a number, and those that a system refuses are changed. What else lies in that folder stays. A texture whose
-/// picture was not read keeps the name that it came with.
+/// Names that two pictures share get a number, and those that a system refuses are changed. What
+/// else lies in that folder stays. A texture whose picture was not read keeps the name that it came
+/// with.
 ///
 /// Pictures come first and the OBJ file last, so that no file names one that is not there; each
 /// file is replaced whole or not at all.

@@ -46,8 +46,8 @@ pub fn write_obj(mesh: &TriMesh, out: &mut dyn Write, mtl_name: Option<&str>) ->
     text.flush()
 }
 
-/// A relative path as a statement can say it: what begins an option or a comment, and a blank, would
-/// not be taken for a part of it at its start.
+/// A relative path as a statement can say it: what begins an option or a comment, and a blank,
+/// would not be taken for a part of it at its start.
 pub(super) fn path_text(path: &str) -> String {
     let is_plain = !path.starts_with(|c: char| matches!(c, '-' | '#') || c.is_whitespace());
     if is_plain { path.to_owned() } else { format!("./{path}") }
