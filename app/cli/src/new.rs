@@ -1,4 +1,4 @@
-//! `mve new`: a map, a module, a cost or a metric to start from.
+//! `mve new`: a map to start from, and files for whoever adds to mve.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,18 @@ use crate::{out, scaffold};
 
 const MAP: &str = include_str!("templates/map.json");
 
-/// Start a map, a module, a cost or a metric
+/// Start a map, a module, a cost, a placement, a metric, a loader, a data type or a view
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   mve new map first.json
   mve new module FillHoles --folder filters
   mve new cost CurvatureWeighted
   mve new image-cost ImageAbsolute
-  mve new metric NormalDeviation")]
+  mve new placement Centroid
+  mve new metric NormalDeviation
+  mve new loader OffLoader
+  mve new data Landmarks
+  mve new view Landmarks")]
 pub struct Args {
     #[command(subcommand)]
     what: What,
@@ -35,7 +39,7 @@ enum What {
     Module {
         /// Id in CamelCase: verbs change a mesh (FillHoles), nouns make or measure one (Volume)
         name: String,
-        /// Folder of modules/src: io, generate, filters, measure
+        /// Folder of modules/src: filters, generate, images, io, measure
         #[arg(long, default_value = "filters")]
         folder: String,
     },
@@ -53,11 +57,41 @@ enum What {
         /// Id in CamelCase, such as ImageAbsolute
         name: String,
     },
+    /// Write a placement, with a test, and enter it in the list of placements
+    ///
+    /// Works inside a checkout of mve: writes modules/src/placement/NAME.rs.
+    Placement {
+        /// Id in CamelCase, such as Centroid
+        name: String,
+    },
     /// Write a metric, with a test, and enter it in the list of metrics
     ///
     /// Works inside a checkout of mve: writes modules/src/metric/NAME.rs.
     Metric {
         /// Id in CamelCase, such as NormalDeviation
+        name: String,
+    },
+    /// Write a loader: a reader and a module, with tests and a small file to read
+    ///
+    /// Works inside a checkout of mve: writes modules/src/formats/FORMAT.rs, or FORMAT/read.rs
+    /// where there is a folder of the format, modules/src/io/NAME.rs and
+    /// tests/data/example.FORMAT, and enters both in their lists.
+    Loader {
+        /// Id in CamelCase, the format first: OffLoader
+        name: String,
+    },
+    /// Write a type of data, with a test, and enter it in the list of types
+    ///
+    /// Works inside a checkout of mve: writes modules/src/data/NAME.rs.
+    Data {
+        /// The type in CamelCase, such as Landmarks
+        name: String,
+    },
+    /// Write the view of a type of data, with a test, and enter it in the list of views
+    ///
+    /// Works inside a checkout of mve: writes app/editor/src/views/NAME.rs.
+    View {
+        /// The type in CamelCase, such as Landmarks
         name: String,
     },
 }
@@ -69,7 +103,11 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
         What::Module { name, folder } => scaffold::module(name, folder),
         What::Cost { name } => scaffold::cost(name),
         What::ImageCost { name } => scaffold::image_cost(name),
+        What::Placement { name } => scaffold::placement(name),
         What::Metric { name } => scaffold::metric(name),
+        What::Loader { name } => scaffold::loader(name),
+        What::Data { name } => scaffold::data(name),
+        What::View { name } => scaffold::view(name),
     }
 }
 

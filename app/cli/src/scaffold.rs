@@ -1,88 +1,227 @@
-//! Files for new modules, costs and metrics inside a checkout of mve: one file, and one name in a
-//! list.
+//! Files for whoever adds to mve, inside a checkout: each with its line in a list, as the formatter
+//! leaves it.
+//!
+//! What they begin with compiles, and its tests pass, where it stands: `modules/templates` and
+//! `app/editor/templates` are built with the tests of those crates.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use crate::exit::{Exit, Stop};
 use crate::out;
 
-const MODULE: &str = include_str!("templates/module.rs.txt");
-const COST: &str = include_str!("templates/cost.rs.txt");
-const IMAGE_COST: &str = include_str!("templates/image_cost.rs.txt");
-const METRIC: &str = include_str!("templates/metric.rs.txt");
+const MODULE: &str = include_str!("../../../modules/templates/module.rs");
+const COST: &str = include_str!("../../../modules/templates/cost.rs");
+const IMAGE_COST: &str = include_str!("../../../modules/templates/image_cost.rs");
+const METRIC: &str = include_str!("../../../modules/templates/metric.rs");
+const PLACEMENT: &str = include_str!("../../../modules/templates/placement.rs");
+const FORMAT: &str = include_str!("../../../modules/templates/format.rs");
+const LOADER: &str = include_str!("../../../modules/templates/loader.rs");
+const EXAMPLE: &str = include_str!("../../../modules/templates/example.txt");
+const DATA: &str = include_str!("../../../modules/templates/data.rs");
+const VIEW: &str = include_str!("../../../app/editor/templates/view.rs");
 
-/// Where a new file goes, and how its list begins.
-struct Target<'a> {
-    /// Folder of `modules/src`.
-    folder: &'a str,
-    /// What stands before the names in the folder's `mod.rs`.
-    before: &'static str,
-    /// What the file holds; `@ID@` stands for the id.
-    template: &'static str,
+/// Most signs in a line.
+const WIDEST: usize = 100;
+
+/// A file to write, and the line that names it.
+struct Part {
+    /// Below the checkout.
+    file: String,
+    text: String,
+    /// The file with the list, below the checkout, and what enters the line there.
+    list: Option<(String, Line)>,
+}
+
+/// A line that names a file.
+enum Line {
+    /// In the list behind `before`, at its place in the alphabet.
+    Sorted { before: &'static str, item: String },
+    /// In the list behind `before`, at its end.
+    Last { before: &'static str, item: String },
+    /// A declaration among those of its kind: `pub mod png;`.
+    Declaration(String),
+}
+
+impl Part {
+    /// An entry of the list in `modules/src/FOLDER/mod.rs`.
+    fn entry(folder: &str, id: &str, before: &'static str, template: &str) -> Result<Self, Stop> {
+        let item = file_name(id)?;
+        let folder = format!("modules/src/{folder}");
+        Ok(Self {
+            file: format!("{folder}/{item}.rs"),
+            text: template.replace("Template", id),
+            list: Some((format!("{folder}/mod.rs"), Line::Sorted { before, item })),
+        })
+    }
 }
 
 /// Writes a module.
 pub fn module(id: &str, folder: &str) -> Result<Exit, Stop> {
-    let registry = mve_modules::registry();
-    let is_taken = registry.modules().iter().any(|info| info.module.id.eq_ignore_ascii_case(id));
-    if is_taken {
-        return Err(Stop::usage(format!("there is a module \"{id}\" already")));
-    }
+    let checkout = find_checkout()?;
+    check_free(id)?;
     let before = "modules! {";
-    write(&find_checkout()?, id, &Target { folder, before, template: MODULE })
+    let sources = checkout.join("modules/src");
+    let list = fs::read_to_string(sources.join(folder).join("mod.rs"));
+    if !list.is_ok_and(|text| text.contains(before)) {
+        let folder = sources.join(folder);
+        let message = format!("{} has no list of its own", folder.display());
+        return Err(Stop::usage(format!("{message}; name one of {}", lists(&sources, before))));
+    }
+    write(&checkout, &[Part::entry(folder, id, before, MODULE)?], &test_of("mve-modules", id)?)
 }
 
 /// Writes a cost.
 pub fn cost(id: &str) -> Result<Exit, Stop> {
-    let before = "COST in";
-    write(&find_checkout()?, id, &Target { folder: "cost", before, template: COST })
+    entry("cost", id, "COST in", COST)
 }
 
 /// Writes a cost that looks at pictures.
 pub fn image_cost(id: &str) -> Result<Exit, Stop> {
-    let before = "COST in";
-    write(&find_checkout()?, id, &Target { folder: "cost", before, template: IMAGE_COST })
+    entry("cost", id, "COST in", IMAGE_COST)
+}
+
+/// Writes a placement.
+pub fn placement(id: &str) -> Result<Exit, Stop> {
+    entry("placement", id, "PLACEMENT in", PLACEMENT)
 }
 
 /// Writes a metric.
 pub fn metric(id: &str) -> Result<Exit, Stop> {
-    let before = "METRIC in";
-    write(&find_checkout()?, id, &Target { folder: "metric", before, template: METRIC })
+    entry("metric", id, "METRIC in", METRIC)
 }
 
-fn write(checkout: &Path, id: &str, target: &Target) -> Result<Exit, Stop> {
-    let name = file_name(id).map_err(Stop::usage)?;
-    let sources = checkout.join("modules").join("src");
-    let folder = sources.join(target.folder);
-    let (list, file) = (folder.join("mod.rs"), folder.join(format!("{name}.rs")));
-    let text = fs::read_to_string(&list).ok().filter(|text| text.contains(target.before));
-    let Some(text) = text else {
-        let message = format!("{} has no list of its own", folder.display());
-        return Err(Stop::usage(format!("{message}; name one of {}", lists(&sources, target))));
-    };
-    if file.exists() {
-        return Err(Stop::file(&file, &std::io::ErrorKind::AlreadyExists.into()));
-    }
-    let entered = enter(&text, target.before, &name).ok_or_else(|| {
-        Stop::usage(format!("{}: cannot read its list; add {name} by hand", list.display()))
+fn entry(folder: &str, id: &str, before: &'static str, template: &str) -> Result<Exit, Stop> {
+    let part = Part::entry(folder, id, before, template)?;
+    write(&find_checkout()?, &[part], &test_of("mve-modules", id)?)
+}
+
+/// Writes a loader: the reader of its format, the module, and a small file for the tests.
+pub fn loader(id: &str) -> Result<Exit, Stop> {
+    let checkout = find_checkout()?;
+    check_free(id)?;
+    let name = file_name(id)?;
+    let format = name.strip_suffix("_loader").ok_or_else(|| {
+        Stop::usage(format!("\"{id}\" does not name a format; write it like OffLoader"))
     })?;
-    out::write_file(&file, &target.template.replace("@ID@", id))?;
-    out::write_file(&list, &entered)?;
-    out::print(&format!(
-        "wrote {}\nentered {name} in {}\ntest it with: cargo test -p mve-modules {name}\n",
-        file.display(),
-        list.display()
-    ))
+    check_word(format)?;
+    let formats = "modules/src/formats";
+    // A format that is written already has a folder.
+    let (folder, reader, path) = match checkout.join(formats).join(format).is_dir() {
+        true => (format!("{formats}/{format}"), "read", format!("{format}::read")),
+        false => (formats.to_owned(), format, format.to_owned()),
+    };
+    let format_part = Part {
+        file: format!("{folder}/{reader}.rs"),
+        text: FORMAT.replace("template", format),
+        list: Some((format!("{folder}/mod.rs"), Line::Declaration(format!("pub mod {reader};")))),
+    };
+    let template = LOADER.replace("formats::template", &format!("formats::{path}"));
+    let module_part = Part::entry("io", id, "modules! {", &template.replace("template", format))?;
+    let example = format!("tests/data/example.{format}");
+    let has_example = checkout.join(&example).exists();
+    let example = Part { file: example, text: EXAMPLE.to_owned(), list: None };
+    let parts = [format_part, module_part, example];
+    let n_parts = if has_example { 2 } else { 3 };
+    write(&checkout, &parts[..n_parts], &format!("cargo test -p mve-modules {format}"))
+}
+
+/// Writes a data type.
+pub fn data(id: &str) -> Result<Exit, Stop> {
+    let (name, before) = (file_name(id)?, "data_types! {");
+    let part = Part {
+        file: format!("modules/src/data/{name}.rs"),
+        text: DATA.replace("Template", id),
+        list: Some((
+            "modules/src/data/mod.rs".to_owned(),
+            Line::Sorted { before, item: format!("{name}: {id}") },
+        )),
+    };
+    write(&find_checkout()?, &[part], &test_of("mve-modules", id)?)
+}
+
+/// Writes a view of a data type.
+pub fn view(id: &str) -> Result<Exit, Stop> {
+    let (name, before) = (file_name(id)?, "views! {");
+    let part = Part {
+        file: format!("app/editor/src/views/{name}.rs"),
+        text: VIEW.replace("Measures", id),
+        list: Some((
+            "app/editor/src/views/mod.rs".to_owned(),
+            Line::Last { before, item: format!("{name}::{id}View as {name}") },
+        )),
+    };
+    write(&find_checkout()?, &[part], &test_of("mve-editor", id)?)
+}
+
+/// The command that runs the tests of an id's file.
+fn test_of(package: &str, id: &str) -> Result<String, Stop> {
+    Ok(format!("cargo test -p {package} {}", file_name(id)?))
+}
+
+/// Refuses the id of a module that there is.
+fn check_free(id: &str) -> Result<(), Stop> {
+    let registry = mve_modules::registry();
+    match registry.modules().iter().any(|info| info.module.id.eq_ignore_ascii_case(id)) {
+        true => Err(Stop::usage(format!("there is a module \"{id}\" already"))),
+        false => Ok(()),
+    }
+}
+
+/// Writes the files and the lines that name them: all of them, or none where one is in the way.
+fn write(checkout: &Path, parts: &[Part], test: &str) -> Result<Exit, Stop> {
+    let mut files = Vec::new();
+    let mut said = String::new();
+    for Part { file, text, list } in parts {
+        let path = checkout.join(file);
+        if path.exists() {
+            return Err(Stop::file(&path, &std::io::ErrorKind::AlreadyExists.into()));
+        }
+        let text = if file.ends_with(".rs") { formatted(text, checkout) } else { text.clone() };
+        said += &format!("wrote {}\n", path.display());
+        files.push((path, text));
+        let Some((list, line)) = list else { continue };
+        let list = checkout.join(list);
+        let old = fs::read_to_string(&list).map_err(|error| Stop::file(&list, &error))?;
+        let (entered, line) = line.entered(&old);
+        let entered = entered.ok_or_else(|| {
+            let list = list.display();
+            Stop::usage(format!("{list}: cannot read its list; add `{line}` by hand"))
+        })?;
+        said += &format!("entered {line} in {}\n", list.display());
+        files.push((list, entered));
+    }
+    for (path, text) in &files {
+        out::write_file(path, text)?;
+    }
+    out::print(&format!("{said}test it with: {test}\n"))
+}
+
+/// The text as `rustfmt` leaves it, since lines are longer or shorter by the id; as it is where
+/// there is no `rustfmt`.
+fn formatted(text: &str, checkout: &Path) -> String {
+    let format = || -> Option<String> {
+        let mut command = Command::new("rustfmt");
+        command.arg("--config-path").arg(checkout);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn().ok()?;
+        // Taken, so that it is closed behind the text.
+        child.stdin.take()?.write_all(text.as_bytes()).ok()?;
+        let output = child.wait_with_output().ok()?;
+        output.status.success().then(|| String::from_utf8(output.stdout).ok())?
+    };
+    format().unwrap_or_else(|| text.to_owned())
 }
 
 /// The folders that have a list of the kind.
-fn lists(sources: &Path, target: &Target) -> String {
+fn lists(sources: &Path, before: &str) -> String {
     let folders = fs::read_dir(sources).into_iter().flatten().flatten();
     let mut names: Vec<_> = folders
         .filter(|folder| {
             let text = fs::read_to_string(folder.path().join("mod.rs"));
-            text.is_ok_and(|text| text.contains(target.before))
+            text.is_ok_and(|text| text.contains(before))
         })
         .map(|folder| folder.file_name().to_string_lossy().into_owned())
         .collect();
@@ -103,11 +242,12 @@ fn find_checkout() -> Result<PathBuf, Stop> {
 }
 
 /// The name of the file for an id: `FillHoles` becomes `fill_holes`.
-fn file_name(id: &str) -> Result<String, String> {
+fn file_name(id: &str) -> Result<String, Stop> {
     let is_camel = id.starts_with(|c: char| c.is_ascii_uppercase())
         && id.chars().all(|c| c.is_ascii_alphanumeric());
     if !is_camel {
-        return Err(format!("\"{id}\" is no id; write it in CamelCase, such as FillHoles"));
+        let message = format!("\"{id}\" is no id; write it in CamelCase, such as FillHoles");
+        return Err(Stop::usage(message));
     }
     let mut name = String::new();
     let mut before = 'A';
@@ -118,19 +258,43 @@ fn file_name(id: &str) -> Result<String, String> {
         name.push(c.to_ascii_lowercase());
         before = c;
     }
+    check_word(&name)?;
+    Ok(name)
+}
+
+/// Refuses what cannot be the name of a file of code.
+fn check_word(name: &str) -> Result<(), Stop> {
     // All strict and reserved words of the language, up to the edition of 2024.
     const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn \
         else enum extern false final fn for gen if impl in let loop macro match mod move mut \
         override priv pub ref return self static struct super trait true try type typeof unsafe \
         unsized use virtual where while yield";
     match KEYWORDS.split_whitespace().any(|word| word == name) {
-        true => Err(format!("\"{name}\" is a word of Rust; add a word to the id")),
-        false => Ok(name),
+        true => Err(Stop::usage(format!("\"{name}\" is a word of Rust; add a word to the id"))),
+        false => Ok(()),
     }
 }
 
-/// The text of a `mod.rs` with a name entered in its list, sorted.
-fn enter(text: &str, before: &str, name: &str) -> Option<String> {
+impl Line {
+    /// The text of a list's file with the line, if the list can be read and lacks it; and the line.
+    fn entered(&self, text: &str) -> (Option<String>, &str) {
+        match self {
+            Self::Sorted { before, item } => (enter(text, before, item, Place::Sorted), item),
+            Self::Last { before, item } => (enter(text, before, item, Place::Last), item),
+            Self::Declaration(line) => (declare(text, line), line),
+        }
+    }
+}
+
+/// Where an item of a list goes.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Sorted,
+    Last,
+}
+
+/// The text with an item entered in the list behind `before`.
+fn enter(text: &str, before: &str, item: &str, place: Place) -> Option<String> {
     let mut start = text.find(before)? + before.len();
     // The list of modules names its category first.
     let head = &text[start..];
@@ -139,21 +303,47 @@ fn enter(text: &str, before: &str, name: &str) -> Option<String> {
         start += category.len() + 1;
     }
     let end = start + text[start..].find(['}', ';'])?;
-    let mut names: Vec<&str> = text[start..end].split(',').map(str::trim).collect();
-    names.retain(|name| !name.is_empty());
-    let is_name = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || c == '_');
-    if names.contains(&name) || !names.iter().all(is_name) {
+    let mut items: Vec<&str> = text[start..end].split(',').map(str::trim).collect();
+    items.retain(|item| !item.is_empty());
+    let is_item =
+        |item: &&str| item.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | ':' | ' '));
+    if items.contains(&item) || !items.iter().all(is_item) {
         return None;
     }
-    names.push(name);
-    names.sort_unstable();
-    let is_long = text[start..end].contains('\n');
-    let list = match is_long {
-        true => format!("\n    {},\n", names.join(",\n    ")),
-        false if text[end..].starts_with('}') => format!(" {} ", names.join(", ")),
-        false => format!(" {}", names.join(", ")),
+    items.push(item);
+    if place == Place::Sorted {
+        items.sort_unstable();
+    }
+    let ends_item = text[end..].starts_with(';');
+    let short = format!(" {}{}", items.join(", "), if ends_item { "" } else { " " });
+    let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
+    let width = (text[line..start].to_owned() + &short).chars().count() + 1;
+    let list = if text[start..end].contains('\n') || width > WIDEST {
+        let n_blanks = text[line..].chars().take_while(|c| *c == ' ').count();
+        let gap = format!("\n{}", " ".repeat(n_blanks + 4));
+        let last = if ends_item { String::new() } else { format!(",\n{}", " ".repeat(n_blanks)) };
+        format!("{gap}{}{last}", items.join(&format!(",{gap}")))
+    } else {
+        short
     };
     Some(format!("{}{list}{}", &text[..start], &text[end..]))
+}
+
+/// The text with a declaration in the first block of declarations, at its place in the alphabet.
+fn declare(text: &str, line: &str) -> Option<String> {
+    let name = |line: &str| {
+        let line = line.strip_prefix("pub ").unwrap_or(line);
+        Some(line.strip_prefix("mod ")?.strip_suffix(';')?.to_owned())
+    };
+    let mut lines: Vec<&str> = text.split('\n').collect();
+    let first = lines.iter().position(|line| name(line).is_some())?;
+    let names: Vec<_> = lines[first..].iter().map_while(|line| name(line)).collect();
+    let own = name(line)?;
+    if names.contains(&own) {
+        return None;
+    }
+    lines.insert(first + names.iter().filter(|name| **name < own).count(), line);
+    Some(lines.join("\n"))
 }
 
 #[cfg(test)]
@@ -163,30 +353,65 @@ mod tests {
     #[test]
     fn ids_become_file_names() {
         let names = [("FillHoles", "fill_holes"), ("ObjLoader", "obj_loader"), ("QEM", "qem")];
-        names.iter().for_each(|(id, name)| assert_eq!(file_name(id).as_deref(), Ok(*name)));
+        for (id, name) in names {
+            assert_eq!(file_name(id).ok().as_deref(), Some(name));
+        }
         for bad in ["", "fillHoles", "Fill Holes", "Fill-Holes", "../Evil", "1st", "Box"] {
             assert!(file_name(bad).is_err(), "{bad}");
         }
     }
 
+    fn sorted(text: &str, before: &str, item: &str) -> Option<String> {
+        enter(text, before, item, Place::Sorted)
+    }
+
     #[test]
     fn a_name_is_entered_in_its_place() {
         let text = "mve_core::modules! { \"measure\": print }\n";
-        let once = enter(text, "modules! {", "volume").unwrap();
+        let once = sorted(text, "modules! {", "volume").unwrap();
         assert_eq!(once, "mve_core::modules! { \"measure\": print, volume }\n");
-        let twice = enter(&once, "modules! {", "area").unwrap();
+        let twice = sorted(&once, "modules! {", "area").unwrap();
         assert_eq!(twice, "mve_core::modules! { \"measure\": area, print, volume }\n");
-        assert_eq!(enter(&twice, "modules! {", "print"), None);
+        assert_eq!(sorted(&twice, "modules! {", "print"), None);
     }
 
     #[test]
     fn long_lists_and_lists_of_entries_keep_their_form() {
         let long = "mve_core::modules! { \"io\":\n    a,\n    c,\n}\n";
         let expected = "mve_core::modules! { \"io\":\n    a,\n    b,\n    c,\n}\n";
-        assert_eq!(enter(long, "modules! {", "b").as_deref(), Some(expected));
+        assert_eq!(sorted(long, "modules! {", "b").as_deref(), Some(expected));
         let costs =
             "registered! {\n    /// Costs.\n    static COSTS: Entry<B> = COST in a, c;\n}\n";
         let expected = costs.replace("a, c;", "a, b, c;");
-        assert_eq!(enter(costs, "COST in", "b").as_deref(), Some(&*expected));
+        assert_eq!(sorted(costs, "COST in", "b").as_deref(), Some(&*expected));
+        let views = "views! {\n    b::B as b,\n    a::A as a,\n}\n";
+        let expected = views.replace("as a,\n", "as a,\n    a_b::C as a_b,\n");
+        let entered = enter(views, "views! {", "a_b::C as a_b", Place::Last);
+        assert_eq!(entered.as_deref(), Some(&*expected));
+    }
+
+    #[test]
+    fn a_list_beyond_the_width_gets_a_line_an_item() {
+        // With b the first list is 100 signs wide, with cc it would be 101.
+        let name = "a".repeat(WIDEST - "modules! { \"io\": , b }".len());
+        let text = format!("modules! {{ \"io\": {name} }}");
+        let one = format!("modules! {{ \"io\": {name}, b }}");
+        assert_eq!(sorted(&text, "modules! {", "b"), Some(one));
+        let lines = format!("modules! {{ \"io\":\n    {name},\n    cc,\n}}");
+        assert_eq!(sorted(&text, "modules! {", "cc"), Some(lines));
+        let entries = format!("x {{\n    static E: T =\n        ITEM in {name}, bbbb;\n}}\n");
+        let lines = entries.replace(" a", "\n            a").replace(", b", ",\n            b");
+        let text = entries.replace(", bbbb", "");
+        assert_eq!(sorted(&text, "ITEM in", "bbbb"), Some(lines));
+    }
+
+    #[test]
+    fn a_declaration_stands_among_the_others() {
+        let text = "//! X.\n\nmod a;\npub mod c;\n\npub use a::A;\n\n#[cfg(test)]\nmod tests;\n";
+        let declared = declare(text, "pub mod b;").unwrap();
+        assert_eq!(declared, text.replace("mod a;\n", "mod a;\npub mod b;\n"));
+        let declared = declare(text, "pub mod d;").unwrap();
+        assert_eq!(declared, text.replace("mod c;\n", "mod c;\npub mod d;\n"));
+        assert_eq!(declare(text, "mod c;"), None);
     }
 }

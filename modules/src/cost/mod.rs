@@ -23,3 +23,15 @@ pub static COSTS: Choices<MakeCost> = Choices { entries: ENTRIES };
 
 /// Makes a cost for a mesh that is about to be simplified, from the cost's parameters.
 pub type MakeCost = fn(&TriMesh, &Settings) -> Result<Box<dyn Cost>, ModuleError>;
+
+/// What `mve new cost` begins with.
+#[cfg(test)]
+#[path = "../../templates/cost.rs"]
+#[expect(dead_code, reason = "it stands in no list")]
+mod template;
+
+/// What `mve new image-cost` begins with.
+#[cfg(test)]
+#[path = "../../templates/image_cost.rs"]
+#[expect(dead_code, reason = "it stands in no list")]
+mod image_template;

@@ -12,14 +12,20 @@ macro_rules! data_types {
             sample: |mesh| Value::new($file::sample(mesh)),
         }),+];
 
-        /// The types alone, for the files of modules.
+        /// The types alone, for the files of modules; one may be new, and no module use it yet.
+        #[allow(unused_imports)]
         pub(crate) mod types {
             $(pub use super::$type;)+
         }
     };
 }
 
-data_types! { field: Field, images: Images, measures: Measures, tri_mesh: TriMesh }
+data_types! {
+    field: Field,
+    images: Images,
+    measures: Measures,
+    tri_mesh: TriMesh,
+}
 
 mod layer;
 pub(crate) mod material;
@@ -39,3 +45,8 @@ pub struct DataTypeEntry {
     /// A small value that goes with a mesh.
     pub sample: fn(&TriMesh) -> Value,
 }
+
+/// What `mve new data` begins with.
+#[cfg(test)]
+#[path = "../../templates/data.rs"]
+mod template;

@@ -1,3 +1,8 @@
 //! Modules that take a mesh and give a mesh.
 
 mve_core::modules! { "filters": color_map, normal_computer, simplificator, subdivide }
+
+/// What `mve new module` begins with.
+#[cfg(test)]
+#[path = "../../templates/module.rs"]
+mod template;

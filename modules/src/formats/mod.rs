@@ -10,3 +10,8 @@ pub mod texture_file;
 
 pub use file_error::{FileAction, FileError};
 pub use save::save_atomic;
+
+/// What `mve new loader` begins with.
+#[cfg(test)]
+#[path = "../../templates/format.rs"]
+pub(crate) mod template;

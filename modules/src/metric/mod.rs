@@ -86,3 +86,9 @@ pub enum MetricError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+/// What `mve new metric` begins with.
+#[cfg(test)]
+#[path = "../../templates/metric.rs"]
+#[expect(dead_code, reason = "it stands in no list")]
+mod template;

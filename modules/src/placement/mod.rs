@@ -19,3 +19,9 @@ pub static PLACEMENTS: Choices<MakePlacement> = Choices { entries: ENTRIES };
 
 /// Makes a placement for a mesh that is about to be simplified, from the placement's parameters.
 pub type MakePlacement = fn(&TriMesh, &Settings) -> Result<Box<dyn Placement>, ModuleError>;
+
+/// What `mve new placement` begins with.
+#[cfg(test)]
+#[path = "../../templates/placement.rs"]
+#[expect(dead_code, reason = "it stands in no list")]
+mod template;

@@ -1,7 +1,7 @@
 //! The commands around maps: documentation, schema, completions, pages, and new files.
 
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use crate::common::{Answer, Folder};
 
@@ -91,14 +91,40 @@ fn a_new_map_is_written_once() {
 fn checkout() -> Folder {
     let folder = Folder::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    for file in ["core/Cargo.toml", "modules/src/lib.rs", "modules/src/measure/mod.rs"] {
+    const LISTS: [&str; 9] = [
+        "cost",
+        "data",
+        "filters",
+        "formats",
+        "formats/ply",
+        "io",
+        "measure",
+        "metric",
+        "placement",
+    ];
+    let lists = LISTS.map(|name| format!("modules/src/{name}/mod.rs"));
+    let others = ["core/Cargo.toml", "modules/src/lib.rs", "app/editor/src/views/mod.rs"];
+    for file in lists.iter().map(String::as_str).chain(others).chain([".rustfmt.toml"]) {
         folder.write(file, &std::fs::read_to_string(root.join(file)).unwrap());
     }
-    let list = "static COSTS: Entry<CostBuild> = COST in edge_length, quadric;";
-    folder.write("modules/src/cost/mod.rs", &format!("registered! {{\n    {list}\n}}\n"));
-    let list = "static ENTRIES: Entry<MakeMetric> = METRIC in hausdorff, image_rms;";
-    folder.write("modules/src/metric/mod.rs", &format!("registered! {{\n    {list}\n}}\n"));
     folder
+}
+
+/// Runs `mve new` for an entry of a list, and gives what it wrote; the list has the name as well.
+fn new_entry(what: &str, id: &str, name: &str, list: &str) -> String {
+    let folder = checkout();
+    let list = format!("modules/src/{list}");
+    let before = folder.read(&format!("{list}/mod.rs"));
+    folder.mve(&["new", what, id]).succeeds().says(&format!("{name}.rs\n"));
+    let names = |text: &str| -> Vec<String> {
+        text.split([',', ';', ' ', '\n']).filter(|n| !n.is_empty()).map(str::to_owned).collect()
+    };
+    let mut after = names(&folder.read(&format!("{list}/mod.rs")));
+    after.remove(after.iter().position(|n| n == name).unwrap());
+    assert_eq!(after, names(&before));
+    let text = folder.read(&format!("{list}/{name}.rs"));
+    assert!(text.contains(&format!("id: \"{id}\"")) && !text.contains("emplate"), "{text}");
+    text
 }
 
 #[test]
@@ -108,7 +134,7 @@ fn a_new_module_is_a_file_and_a_name_in_a_list() {
     let new = |id: &str| folder.mve(&["new", "module", id, "--folder", "measure"]);
     new("AaaVolume").succeeds().says("measure/aaa_volume.rs\n").says("cargo test");
     let module = folder.read("modules/src/measure/aaa_volume.rs");
-    assert!(module.contains("id: \"AaaVolume\"") && !module.contains('@'));
+    assert!(module.contains("id: \"AaaVolume\"") && !module.contains("emplate"));
     let after = folder.read("modules/src/measure/mod.rs");
     assert_eq!(after.replace("aaa_volume, ", "").replace("    aaa_volume,\n", ""), before);
     assert_ne!(after, before);
@@ -116,34 +142,96 @@ fn a_new_module_is_a_file_and_a_name_in_a_list() {
     new("Print").fails(2, "there is a module \"Print\" already");
     new("../Evil").fails(2, "write it in CamelCase");
     let answer = folder.mve(&["new", "module", "Abc", "--folder", "nowhere"]);
-    answer.fails(2, "has no list of its own; name one of measure\n");
+    answer.fails(2, "has no list of its own; name one of filters, io, measure\n");
 }
 
 #[test]
-fn a_new_cost_is_a_file_and_a_name_in_the_list() {
-    let folder = checkout();
-    folder.mve(&["new", "cost", "Longest"]).succeeds();
-    assert!(folder.read("modules/src/cost/longest.rs").contains("impl Cost for Longest"));
-    assert!(folder.read("modules/src/cost/mod.rs").contains("in edge_length, longest, quadric;"));
-}
-
-#[test]
-fn a_new_image_cost_is_a_file_and_a_name_in_the_list() {
-    let folder = checkout();
-    folder.mve(&["new", "image-cost", "ImageAbsolute"]).succeeds().says("image_absolute\n");
-    let cost = folder.read("modules/src/cost/image_absolute.rs");
+fn a_new_entry_is_a_file_and_a_name_in_its_list() {
+    let cost = new_entry("cost", "Longest", "longest", "cost");
+    assert!(cost.contains("impl Cost for Longest"));
+    let cost = new_entry("image-cost", "ImageAbsolute", "image_absolute", "cost");
     assert!(cost.contains("impl Difference for ImageAbsolute"));
-    assert!(cost.contains("id: \"ImageAbsolute\"") && !cost.contains('@'));
-    let list = folder.read("modules/src/cost/mod.rs");
-    assert!(list.contains("in edge_length, image_absolute, quadric;"));
+    let metric = new_entry("metric", "Areas", "areas", "metric");
+    assert!(metric.contains("impl Metric for Areas"));
+    let placement = new_entry("placement", "Centroid", "centroid", "placement");
+    assert!(placement.contains("impl Placement for Centroid"));
 }
 
 #[test]
-fn a_new_metric_is_a_file_and_a_name_in_the_list() {
+fn a_new_loader_is_a_reader_a_module_and_an_example() {
     let folder = checkout();
-    folder.mve(&["new", "metric", "Areas"]).succeeds().says("metric/areas.rs\n");
-    assert!(folder.read("modules/src/metric/areas.rs").contains("impl Metric for Areas"));
-    assert!(folder.read("modules/src/metric/mod.rs").contains("in areas, hausdorff, image_rms;"));
+    folder.mve(&["new", "loader", "OffLoader"]).succeeds().says("cargo test -p mve-modules off\n");
+    assert!(folder.read("modules/src/formats/off.rs").contains("pub fn read_off(bytes: &[u8]"));
+    assert!(folder.read("modules/src/formats/mod.rs").contains("pub mod obj;\npub mod off;\n"));
+    let module = folder.read("modules/src/io/off_loader.rs");
+    assert!(module.contains("use crate::formats::off::read_off;\n"));
+    assert!(module.contains("&[\"off\"]") && !module.contains("emplate"));
+    assert!(folder.read("modules/src/io/mod.rs").contains("off_loader"));
+    assert!(folder.has("tests/data/example.off"));
+    // A format that is written already has a folder, and an example stays as it is.
+    folder.write("tests/data/example.ply", "mine");
+    folder.mve(&["new", "loader", "PlyLoader"]).succeeds();
+    assert!(folder.read("modules/src/formats/ply/read.rs").contains("pub fn read_ply("));
+    let list = folder.read("modules/src/formats/ply/mod.rs");
+    assert!(list.contains("pub mod read;\nmod write;\n"), "{list}");
+    let module = folder.read("modules/src/io/ply_loader.rs");
+    assert!(module.contains("use crate::formats::ply::read::read_ply;\n"));
+    assert_eq!(folder.read("tests/data/example.ply"), "mine");
+    folder.mve(&["new", "loader", "Stl"]).fails(2, "\"Stl\" does not name a format");
+    folder.mve(&["new", "loader", "TypeLoader"]).fails(2, "\"type\" is a word of Rust");
+    // Where one of the files is in the way, nothing is written.
+    folder.write("modules/src/io/stl_loader.rs", "mine");
+    folder.mve(&["new", "loader", "StlLoader"]).fails(4, "a file of this name is in the way");
+    assert!(!folder.has("modules/src/formats/stl.rs"));
+}
+
+#[test]
+fn a_new_type_and_its_view_are_a_file_and_a_line_each() {
+    let folder = checkout();
+    folder.mve(&["new", "data", "Landmarks"]).succeeds();
+    let data = folder.read("modules/src/data/landmarks.rs");
+    assert!(data.contains("impl Data for Landmarks") && !data.contains("emplate"));
+    let list = folder.read("modules/src/data/mod.rs");
+    assert!(list.contains("    images: Images,\n    landmarks: Landmarks,\n"), "{list}");
+    folder.mve(&["new", "view", "Landmarks"]).succeeds().says("cargo test -p mve-editor landmarks");
+    let view = folder.read("app/editor/src/views/landmarks.rs");
+    assert!(view.contains("impl ValueView for LandmarksView") && !view.contains("easures"));
+    let list = folder.read("app/editor/src/views/mod.rs");
+    assert!(list.contains("    landmarks::LandmarksView as landmarks,\n}"), "{list}");
+}
+
+#[test]
+fn new_files_are_formatted_however_long_their_ids_are() {
+    let folder = checkout();
+    for id in ["Ab", "AWordThatGoesOnAndOnAndOn"] {
+        for what in ["module", "cost", "placement", "metric", "data", "view"] {
+            folder.mve(&["new", what, id]).succeeds();
+        }
+        folder.mve(&["new", "image-cost", &format!("{id}Image")]).succeeds();
+        folder.mve(&["new", "loader", &format!("{id}Loader")]).succeeds();
+    }
+    let mut files = Vec::new();
+    let mut folders = vec![folder.path().to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false if path.extension().is_some_and(|e| e == "rs") => files.push(path),
+                false => {}
+            }
+        }
+    }
+    files.retain(|path| !path.ends_with("mod.rs") && !path.ends_with("lib.rs"));
+    assert_eq!(files.len(), 2 * 9);
+    let mut command = Command::new("rustfmt");
+    let output = command.arg("--check").args(&files).current_dir(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    for path in files {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let is_wide = |line: &&str| line.chars().count() > 100;
+        assert_eq!(text.lines().find(is_wide), None, "{}", path.display());
+    }
 }
 
 #[test]

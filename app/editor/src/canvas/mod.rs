@@ -4,7 +4,7 @@
 //! (camera, gesture under way, open search), and answers each frame with [`Action`]s.
 //!
 //! Nodes are drawn with a painter, in the size of the zoom, and what is out of sight is skipped;
-//! `docs/ARCHITECTURE.md` says why, and `benches/canvas.rs` measures it.
+//! `docs/WINDOW.md` says why, and `benches/canvas.rs` measures it.
 
 mod camera;
 mod gesture;

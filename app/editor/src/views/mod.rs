@@ -22,6 +22,11 @@ mod wheel;
 #[cfg(test)]
 mod tests;
 
+/// What `mve new view` begins with.
+#[cfg(test)]
+#[path = "../../templates/view.rs"]
+mod template;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

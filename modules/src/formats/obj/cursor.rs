@@ -146,7 +146,8 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads what is left of the line as text without the blanks around it, and says by
-    /// `comments` whether a comment ends it. Bytes that are not UTF-8 become `U+FFFD`.
+    /// `comments` whether a comment ends it. What is not UTF-8 is read as Latin-1, where every byte
+    /// is the character of its number.
     pub fn text(&mut self, comments: Comments) -> String {
         self.skip_blanks();
         let mut text = Vec::new();
@@ -163,7 +164,9 @@ impl<'a> Cursor<'a> {
             }
         }
         let n_kept = text.iter().rposition(|&b| !is_blank(b)).map_or(0, |last| last + 1);
-        String::from_utf8_lossy(&text[..n_kept]).into_owned()
+        text.truncate(n_kept);
+        String::from_utf8(text)
+            .unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| char::from(byte)).collect())
     }
 }
 

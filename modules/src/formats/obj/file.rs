@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use mve_core::Control;
 
 use super::cursor::{Comments, Cursor};
+use super::materials::FileNames;
 use super::parse::parse_with;
 use super::textures::{self, Pictures, TextureFolder, texture_folder};
-use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
+use super::{Companions, ObjError, Warning, Warnings, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh};
 use crate::formats::plain_file::read_plain;
 use crate::formats::png::write_png;
@@ -67,8 +68,9 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// Writes `mesh` as an OBJ file, and its materials, if there are any, as an MTL file of the same
 /// stem beside it. Their pictures go into a folder beside both, its name the stem and
 /// [`TEXTURE_FOLDER`]: as the files that they were read from, byte for byte, or else as PNG files.
-/// Names that two pictures share get a number. What else lies in that folder stays. A texture whose
-/// picture was not read keeps the name that it came with.
+/// Names that two pictures share get a number, and those that a system refuses are changed. What
+/// else lies in that folder stays. A texture whose picture was not read keeps the name that it came
+/// with.
 ///
 /// Pictures come first and the OBJ file last, so that no file names one that is not there; each
 /// file is replaced whole or not at all.
@@ -149,7 +151,8 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
         if cursor.word() != STATEMENT {
             continue;
         }
-        for name in materials::candidates(&cursor.text(Comments::Cut)) {
+        let FileNames { whole, words } = FileNames::of(&cursor.text(Comments::Keep));
+        for name in whole.into_iter().chain(words) {
             let path = folder.join(&name);
             if name.is_empty() || !known.insert(path.clone()) {
                 continue;

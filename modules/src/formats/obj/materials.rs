@@ -41,18 +41,32 @@ fn add_statement(material: &mut Material, keyword: String, text: String) {
     }
 }
 
-/// The file names that a `mtllib` statement may mean, in the order in which to try them: its
-/// whole text, since names with blanks are about; then each of its words, as the format says.
-/// Backslashes between folders become slashes.
-pub(super) fn candidates(text: &str) -> Vec<String> {
-    let text = text.replace('\\', "/");
-    let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
-    let is_one_word = words.len() < 2;
-    let mut names = vec![text];
-    if !is_one_word {
-        names.extend(words);
+/// What the text of a `mtllib` statement may mean.
+pub(super) struct FileNames {
+    /// All of it as one name, since names with blanks are about, in the order in which to try
+    /// them: as it is written, with slashes between folders, without a comment.
+    pub whole: Vec<String>,
+    /// Without a comment each of its words, as the format says, if there are several.
+    pub words: Vec<String>,
+}
+
+impl FileNames {
+    /// Understands the text of a statement with its comment.
+    pub fn of(text: &str) -> Self {
+        let slashes = text.replace('\\', "/");
+        let plain = without_comment(&slashes);
+        let mut whole = vec![text.to_owned(), slashes.clone(), plain.to_owned()];
+        whole.dedup();
+        let words: Vec<_> = plain.split_whitespace().map(str::to_owned).collect();
+        Self { whole, words: if words.len() > 1 { words } else { Vec::new() } }
     }
-    names
+}
+
+/// A text up to a `#` at its start or after a blank.
+pub(super) fn without_comment(text: &str) -> &str {
+    let is_comment = |at: &usize| text[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    let at = text.match_indices('#').map(|(at, _)| at).find(is_comment);
+    text[..at.unwrap_or(text.len())].trim_end()
 }
 
 /// Reads the material files that an OBJ file names and warns of those that are missing, and of
@@ -66,13 +80,12 @@ pub(super) fn read_all(
     let mut materials: Vec<Material> = Vec::new();
     let mut is_complete = !libraries.is_empty();
     for library in libraries {
-        let names = candidates(library);
-        let (whole, words) = names.split_at(1);
-        let found =
-            whole.iter().filter_map(|name| Some((name, companions.material_file(name).ok()?)));
-        let mut found: Vec<_> = found.collect();
+        let FileNames { whole, words } = FileNames::of(library);
+        let mut read = whole.iter().map(|name| Some((name, companions.material_file(name).ok()?)));
+        let mut found: Vec<_> = read.find_map(|read| read).into_iter().collect();
         if found.is_empty() {
-            for name in if words.is_empty() { whole } else { words } {
+            let plain = &whole[whole.len() - 1..];
+            for name in if words.is_empty() { plain } else { &words } {
                 match companions.material_file(name) {
                     Ok(bytes) => found.push((name, bytes)),
                     Err(error) => {

@@ -420,8 +420,9 @@ impl<'p> Reader<'p> {
             b"g" => self.mesh.group.set(cursor.text(Comments::Cut)),
             b"usemtl" => self.mesh.material.set(cursor.text(Comments::Cut)),
             b"mtllib" => {
-                let name = cursor.text(Comments::Cut);
-                if !name.is_empty() && !self.libraries.contains(&name) {
+                let name = cursor.text(Comments::Keep);
+                let is_named = !materials::without_comment(&name).is_empty();
+                if is_named && !self.libraries.contains(&name) {
                     self.libraries.push(name);
                 }
             }

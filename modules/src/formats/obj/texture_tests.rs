@@ -7,7 +7,7 @@ use std::sync::Arc;
 use mve_core::Control;
 
 use super::tests::read;
-use super::textures::texture_of;
+use super::textures::{Pictures, placed, texture_of};
 use super::*;
 use crate::data::{Image, PixelKind, Texture, TextureImage, TextureRole, TriMesh};
 use crate::formats::png::write_png;
@@ -236,6 +236,113 @@ fn a_picture_that_was_made_is_saved_as_png() {
     assert_eq!(names_in(&folder.path().join("out-textures")), ["skin.jpg.png"]);
     let (again, _) = load(&out, Control::none()).expect("load");
     assert_eq!(texture(&again, 0).image.as_ref().expect("read").pixels(), &pixels);
+}
+
+/// The names of the files that pictures of these names get, read from such a file or made.
+fn names_of_files(names: &[&str], encoded: Option<&[u8]>) -> Vec<String> {
+    let material = |name: &&str| {
+        let mut texture = texture_of("map_Kd", "a", 0).expect("a texture");
+        let pixels = Image::filled("texture", [1, 1], PixelKind::Gray, 0);
+        texture.name = (*name).to_owned();
+        texture.image = Some(Arc::new(match encoded {
+            Some(bytes) => TextureImage::of_file(pixels, bytes.to_vec()),
+            None => TextureImage::new(pixels),
+        }));
+        Material { textures: vec![texture], ..Material::default() }
+    };
+    let materials: Vec<Material> = names.iter().map(material).collect();
+    placed(&materials, "t").files.into_iter().map(|(name, _)| name).collect()
+}
+
+#[test]
+fn names_that_are_too_long_are_cut_before_their_extension() {
+    // 255 bytes; a number does not fit, nor a half of the last letter.
+    let long = "é".repeat(125) + "a.png";
+    let numbered = "é".repeat(124) + "-2.png";
+    assert_eq!(names_of_files(&[&long, &long], Some(b"")), [long.clone(), numbered.clone()]);
+    let made = names_of_files(&[&"x".repeat(300), &("y.".to_owned() + &"z".repeat(300))], None);
+    assert_eq!(made, ["x".repeat(251) + ".png", "y.".to_owned() + &"z".repeat(249) + ".png"]);
+    assert_eq!(names_of_files(&[&("x".repeat(254) + " y")], Some(b"")), ["x".repeat(254)]);
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = format!("newmtl a\nmap_Kd x/{long}\n\nnewmtl b\nmap_Kd y/{long}\n");
+    let files = [(format!("x/{long}"), png(1)), (format!("y/{long}"), png(2))];
+    let files = files.each_ref().map(|(name, bytes)| (name.as_str(), bytes.clone()));
+    let (mesh, _) = load_with(folder.path(), ("in.mtl", &mtl), &files);
+    let out = folder.path().join("out.obj");
+    save(&mesh, &out, Control::none()).expect("save");
+    let (again, warnings) = load(&out, Control::none()).expect("load");
+    assert_eq!((warnings, gray(&again, 0), gray(&again, 1)), (Vec::new(), 1, 2));
+    assert_eq!([texture(&again, 0), texture(&again, 1)].map(|t| &t.name), [&long, &numbered]);
+}
+
+#[test]
+fn names_of_devices_are_changed() {
+    let names = ["CON.png", "aux.old.png", "Com1 .png", "LPT².png", "console.png", "com10.png"];
+    let expected =
+        ["_CON.png", "_aux.old.png", "_Com1 .png", "_LPT².png", "console.png", "com10.png"];
+    assert_eq!(names_of_files(&names, Some(b"")), expected);
+}
+
+#[test]
+fn names_that_look_like_options_and_comments_come_back() {
+    for name in ["-s 1 b.obj", " b.obj", "a #1.obj", "#1.obj", "a -s 1.obj"] {
+        let folder = tempfile::tempdir().expect("folder");
+        let mtl = "newmtl a\nmap_Kd ./-s 1 c.png\n\nnewmtl b\nmap_Kd a #1.png\n";
+        let files = [("-s 1 c.png", png(1)), ("a #1.png", png(2)), ("a", png(3))];
+        let (mesh, warnings) = load_with(folder.path(), ("in.mtl", mtl), &files);
+        assert_eq!((warnings, gray(&mesh, 0), gray(&mesh, 1)), (Vec::new(), 1, 2));
+        let out = folder.path().join("out");
+        fs::create_dir(&out).expect("folder");
+        save(&mesh, &out.join(name), Control::none()).expect("save");
+        let (again, warnings) = load(&out.join(name), Control::none()).expect("load");
+        assert_eq!((&again, warnings), (&mesh, Vec::new()), "{name}");
+        assert_eq!(texture(&again, 0).name, "-s 1 c.png");
+        assert_eq!(companions(&out.join(name)).iter().filter(|path| path.is_file()).count(), 3);
+    }
+}
+
+#[test]
+fn files_count_beside_pixels() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (first, second) = (png(1), png(2));
+    // Each has 2 × 3 pixels of a byte.
+    let n_bytes = (first.len() + second.len() + 2 * 6) as u64;
+    fs::write(folder.path().join("a.png"), first).expect("write");
+    fs::write(folder.path().join("b.png"), second).expect("write");
+    for (n_most, said) in [(n_bytes, &[][..]), (n_bytes - 1, &["b.png is too large together"])] {
+        let mut materials = parse_mtl(b"newmtl a\nmap_Kd a.png\nmap_Ks b.png\n").0;
+        let mut warnings = Warnings::default();
+        let folders = [folder.path().to_owned()];
+        let mut pictures = Pictures::of_at_most(n_most);
+        pictures.read_all(&mut materials, &folders, &mut warnings, Control::none());
+        let warnings = warnings.into_list();
+        assert_eq!(warnings.len(), said.len(), "{warnings:?}");
+        assert!(warnings.iter().zip(said).all(|(found, said)| found.text.contains(said)));
+    }
+}
+
+#[test]
+fn names_in_latin_1_are_read_and_found() {
+    let mut names = vec![std::ffi::OsString::from("häuser.png")];
+    // As the system that wrote the material file had it. Other systems than Linux refuse it.
+    #[cfg(target_os = "linux")]
+    names.push(std::os::unix::ffi::OsStringExt::from_vec(b"h\xe4user.png".to_vec()));
+    for name in names {
+        let folder = tempfile::tempdir().expect("folder");
+        load_with(folder.path(), ("in.mtl", ""), &[]);
+        fs::write(folder.path().join("in.mtl"), b"newmtl a\nmap_Kd h\xe4user.png\nnewmtl b\n")
+            .expect("write");
+        fs::write(folder.path().join(&name), png(5)).expect("write");
+        let path = folder.path().join("mesh.obj");
+        assert!(companions(&path).contains(&folder.path().join(&name)));
+        let (mesh, warnings) = load(&path, Control::none()).expect("load");
+        assert_eq!((warnings, gray(&mesh, 0)), (Vec::new(), 5));
+        assert_eq!(texture(&mesh, 0).name, "häuser.png");
+        let out = folder.path().join("out.obj");
+        save(&mesh, &out, Control::none()).expect("save");
+        assert_eq!(names_in(&folder.path().join("out-textures")), ["häuser.png"]);
+        assert_eq!(load(&out, Control::none()).expect("load").0, mesh);
+    }
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! The pictures that material files name: what their statements say, and the files on the disk.
 
 use std::collections::{HashMap, HashSet};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mve_core::Control;
 
 use super::Warnings;
+use super::write::path_text;
 use crate::data::{Material, Texture, TextureImage, TextureRole};
 use crate::formats::plain_file::read_plain;
 use crate::formats::texture_file::read_texture;
@@ -14,8 +16,11 @@ use crate::formats::texture_file::read_texture;
 /// Bytes of the largest picture file that is read.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Bytes of pixels of all pictures of one mesh.
+/// Bytes of all pictures of one mesh: their pixels, and the files that are kept for saving.
 const MAX_TOTAL_BYTES: u64 = 4 << 30;
+
+/// Bytes of the longest name of a file that common systems take.
+const MAX_NAME_BYTES: usize = 255;
 
 /// What a statement's keyword says of its picture; `None` where it names none.
 fn role_of(keyword: &str) -> Option<TextureRole> {
@@ -114,13 +119,27 @@ pub(super) fn find(name: &str, folders: &[PathBuf]) -> (PathBuf, Place) {
     let whole: Vec<&str> = names.iter().map(String::as_str).collect();
     for (at, folder) in folders.iter().enumerate() {
         for (names, is_written) in [(&whole, at == 0), (&alone, false)] {
-            let mut paths = names.iter().map(|name| folder.join(name));
+            let mut paths =
+                names.iter().flat_map(|name| file_names(name)).map(|name| folder.join(name));
             if let Some(path) = paths.find(|path| path.is_file()) {
                 return (path, if is_written { Place::AsWritten } else { Place::Elsewhere });
             }
         }
     }
     (folders.first().map(|folder| folder.join(name)).unwrap_or_default(), Place::Nowhere)
+}
+
+/// The name as a file may have it: as it is, or in bytes of Latin-1, in which it may stand in the
+/// material file too.
+fn file_names(name: &str) -> Vec<OsString> {
+    let mut names = vec![OsString::from(name)];
+    #[cfg(unix)]
+    if !name.is_ascii()
+        && let Some(bytes) = name.chars().map(|c| u8::try_from(c).ok()).collect()
+    {
+        names.push(std::os::unix::ffi::OsStringExt::from_vec(bytes));
+    }
+    names
 }
 
 /// Where the file of a texture lies.
@@ -135,13 +154,23 @@ pub(super) enum Place {
 }
 
 /// Reads pictures, each file once.
-#[derive(Default)]
 pub(super) struct Pictures {
     known: HashMap<PathBuf, Result<Arc<TextureImage>, String>>,
-    n_bytes: u64,
+    n_bytes_left: u64,
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self::of_at_most(MAX_TOTAL_BYTES)
+    }
 }
 
 impl Pictures {
+    /// Those that take at most so many bytes together.
+    pub fn of_at_most(n_bytes: u64) -> Self {
+        Self { known: HashMap::new(), n_bytes_left: n_bytes }
+    }
+
     /// Gives the textures of materials their pictures; a warning says which have none, and why.
     pub fn read_all(
         &mut self,
@@ -166,7 +195,11 @@ impl Pictures {
                 Ok(image) => {
                     texture.image = Some(image);
                     let name = path.file_name().unwrap_or_default();
-                    texture.name = name.to_string_lossy().into_owned();
+                    // A name in other bytes is said as the material file's text says it.
+                    texture.name = match name.to_str() {
+                        Some(name) => name.to_owned(),
+                        None => name.as_encoded_bytes().iter().map(|&b| char::from(b)).collect(),
+                    };
                     if place == Place::Elsewhere {
                         let found = path.display();
                         let text = format!("texture {written} is not there; {found} is taken");
@@ -184,15 +217,14 @@ impl Pictures {
         let read = || {
             let bytes = read_plain(path, MAX_FILE_BYTES);
             let bytes = bytes.map_err(|error| format!("cannot be read: {error}"))?;
-            let image = TextureImage::of_file(read_texture(&bytes)?, bytes);
-            let n_bytes = self.n_bytes + image.pixels().bytes.len() as u64;
-            if n_bytes > MAX_TOTAL_BYTES {
-                return Err("is too large together with those before it".to_owned());
-            }
-            Ok((Arc::new(image), n_bytes))
+            let pixels = read_texture(&bytes)?;
+            let n_bytes = (pixels.bytes.len() + bytes.len()) as u64;
+            let n_left = self.n_bytes_left.checked_sub(n_bytes);
+            let n_left = n_left.ok_or("is too large together with those before it")?;
+            Ok((Arc::new(TextureImage::of_file(pixels, bytes)), n_left))
         };
-        let found = read().map(|(image, n_bytes)| {
-            self.n_bytes = n_bytes;
+        let found = read().map(|(image, n_left)| {
+            self.n_bytes_left = n_left;
             image
         });
         self.known.insert(path.to_owned(), found.clone());
@@ -221,12 +253,12 @@ pub(super) fn texture_folder(materials: &[Material], folder: &str) -> TextureFol
             files.push((name, Arc::clone(image)));
             files.len() - 1
         });
-        texture.name = format!("{folder}/{}", files[place].0);
+        texture.name = path_text(&format!("{folder}/{}", files[place].0));
     }
     TextureFolder { materials, files }
 }
 
-/// A texture's name as any system can have it for a file.
+/// A texture's name as any system can have it for a file, but for its length.
 fn file_name(name: &str, image: &TextureImage) -> String {
     let is_bad = |c: char| {
         c.is_control() || matches!(c, '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|')
@@ -234,22 +266,45 @@ fn file_name(name: &str, image: &TextureImage) -> String {
     let plain: String = name.chars().map(|c| if is_bad(c) { '_' } else { c }).collect();
     let plain = plain.trim_matches(|c: char| c.is_whitespace() || c == '.');
     let plain = if plain.is_empty() { "texture" } else { plain };
+    let mark = if is_device(plain) { "_" } else { "" };
     let is_png = Path::new(plain).extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    match image.encoded() {
-        None if !is_png => format!("{plain}.png"),
-        _ => plain.to_owned(),
-    }
+    let end = if image.encoded().is_none() && !is_png { ".png" } else { "" };
+    format!("{mark}{plain}{end}")
 }
 
-/// The name, with a number where another file has it, in capitals or not.
+/// Whether Windows takes the name for that of a device, whatever stands behind its first dot.
+fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_uppercase();
+    let is_port = |port: &str| {
+        let number = stem.strip_prefix(port).unwrap_or_default();
+        matches!(
+            number,
+            "0" | "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9" | "¹" | "²" | "³"
+        )
+    };
+    matches!(&*stem, "CON" | "PRN" | "AUX" | "NUL") || is_port("COM") || is_port("LPT")
+}
+
+/// The name, with a number where another file has it, in capitals or not; cut before its extension
+/// where it is too long.
 fn free_name(name: &str, taken: &mut HashSet<String>) -> String {
-    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-    let dot = if extension.is_empty() { "" } else { "." };
-    let mut free = name.to_owned();
-    let mut number = 2;
-    while !taken.insert(free.to_lowercase()) {
-        free = format!("{stem}-{number}{dot}{extension}");
+    // What is longer is no extension.
+    const LONGEST_EXTENSION: usize = 16;
+    let parts = name.rsplit_once('.').filter(|(_, end)| end.len() <= LONGEST_EXTENSION);
+    let (stem, extension) = match parts {
+        Some((stem, extension)) => (stem, format!(".{extension}")),
+        None => (name, String::new()),
+    };
+    let mut number = 1;
+    loop {
+        let end = if number == 1 { extension.clone() } else { format!("-{number}{extension}") };
+        let stem = &stem[..stem.floor_char_boundary(MAX_NAME_BYTES - end.len())];
+        // A cut may have left these at its end.
+        let stem = if end.is_empty() { stem.trim_end_matches([' ', '.']) } else { stem };
+        let free = format!("{stem}{end}");
+        if taken.insert(free.to_lowercase()) {
+            return free;
+        }
         number += 1;
     }
-    free
 }

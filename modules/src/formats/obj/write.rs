@@ -20,7 +20,7 @@ const CHUNK: usize = 1 << 16;
 /// OBJ file reads back equal: positions, faces, layers and their indices. Layers of other names
 /// have no place in the format and are left out. Names cannot hold line ends, blanks or a backslash
 /// at the end, or ` #`: what is at the end is left out, and `_` takes the place of line ends and of
-/// such a `#`.
+/// such a `#`. That of the material file may hold a `#`: readers look for it as it is first.
 ///
 /// # Errors
 /// `InvalidInput` when the mesh is not well formed or a written number is not finite; whatever the
@@ -29,7 +29,7 @@ pub fn write_obj(mesh: &TriMesh, out: &mut dyn Write, mtl_name: Option<&str>) ->
     mesh.check().map_err(|fault| invalid(fault.to_string()))?;
     let mut text = Text { out, buffer: Vec::with_capacity(CHUNK + 256), digits: Digits::default() };
     if let Some(name) = mtl_name {
-        text.name_line("mtllib", Some(name))?;
+        text.statement("mtllib", &path_text(name))?;
     }
     let texcoords = vec2_layer(mesh, Layer::TEXCOORD);
     let normals = vec3_layer(mesh, Layer::NORMAL, Domain::Corner)
@@ -44,6 +44,13 @@ pub fn write_obj(mesh: &TriMesh, out: &mut dyn Write, mtl_name: Option<&str>) ->
     let lists = [texcoords.map(|(layer, _)| layer), normals.map(|(layer, _)| layer)];
     write_faces(mesh, lists, &mut text)?;
     text.flush()
+}
+
+/// A relative path as a statement can say it: what begins an option or a comment, and a blank,
+/// would not be taken for a part of it at its start.
+pub(super) fn path_text(path: &str) -> String {
+    let is_plain = !path.starts_with(|c: char| matches!(c, '-' | '#') || c.is_whitespace());
+    if is_plain { path.to_owned() } else { format!("./{path}") }
 }
 
 /// Writes materials as MTL text, their statements word for word and textures by their names.

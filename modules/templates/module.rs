@@ -9,7 +9,7 @@ const HEIGHT: Param<f64> = Param::number("height", "How far, in model units.", 1
 const MESH_OUT: Out<TriMesh> = Out::new("mesh", "The mesh, moved.");
 
 pub static MODULE: Module = Module {
-    id: "@ID@",
+    id: "Template",
     summary: "Moves every vertex along z.",
     inputs: &[MESH_IN.spec()],
     outputs: &[MESH_OUT.spec()],

@@ -1,4 +1,4 @@
-//! The growth of the absolute luminance difference between pictures of the mesh and of the original.
+//! The growth of the absolute luminance difference from pictures of the original.
 //!
 //! The price is the sum over cameras and pixels of |y₀ − yₖ₊₁| − |y₀ − yₖ|, in 8-bit luminances: a
 //! whole number, negative where the collapse brings the pictures nearer to those of the original.
@@ -12,7 +12,7 @@ use super::pictures::{AREAS, VIEW, image_options};
 use crate::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
-    id: "@ID@",
+    id: "Template",
     summary: "What the collapse changes in pictures from all around: the growth of the absolute \
               luminance difference.",
     params: &[
@@ -23,15 +23,15 @@ pub static COST: Entry<MakeCost> = Entry {
         AREAS.spec(),
     ],
     build: |mesh, settings| {
-        Ok(Box::new(ImageDriven::new(mesh, @ID@, image_options(mesh, settings)?)))
+        Ok(Box::new(ImageDriven::new(mesh, Template, image_options(mesh, settings)?)))
     },
 };
 
 /// See the file's header. Keeps nothing for a camera.
 #[derive(Clone, Copy, Debug)]
-struct @ID@;
+struct Template;
 
-impl Difference for @ID@ {
+impl Difference for Template {
     type Kept = ();
     type Scratch = ();
 
@@ -74,7 +74,7 @@ mod tests {
         // The right column: 25 becomes 21 (5 off, then 1), and 0 becomes 38 (40 off, then 2).
         let area = Rect { x: [1, 2], y: [0, 2] };
         let patch = Patch { area, changed: area, values: vec![21, 0, 38, 0], stride: 2 };
-        assert_eq!(@ID@.change(&picture, &(), &patch, &mut ()), -(5 - 1) - (40 - 2));
+        assert_eq!(Template.change(&picture, &(), &patch, &mut ()), -(5 - 1) - (40 - 2));
     }
 
     #[test]
@@ -82,7 +82,7 @@ mod tests {
         let mesh = subdivided_box(&BoxOptions::default());
         let simplified = |areas| {
             let options = ImageOptions { resolution: 32, areas, ..ImageOptions::DEFAULT };
-            let mut cost = ImageDriven::new(&mesh, @ID@, options);
+            let mut cost = ImageDriven::new(&mesh, Template, options);
             let stop = Stop { faces: Some(mesh.faces.len() - 20), ..Stop::default() };
             let options = SimplifyOptions { stop, ..SimplifyOptions::default() };
             simplify(&mesh, &mut cost, &mut Endpoint, options, Control::none()).unwrap().mesh

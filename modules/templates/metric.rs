@@ -1,7 +1,7 @@
 //! The difference of the areas of the two surfaces, as a part of the original's area.
 //!
-//! Say what the metric measures, in which unit, which end of its scale is good, and name its source:
-//! authors, title, venue, year, and every deviation.
+//! Say what the metric measures, in which unit, which end of its scale is good, and name its
+//! source: authors, title, venue, year, and every deviation.
 
 use mve_core::{Control, Entry};
 
@@ -9,17 +9,17 @@ use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
 use crate::data::{Measure, TriMesh};
 
 pub static METRIC: Entry<MakeMetric> = Entry {
-    id: "@ID@",
+    id: "Template",
     summary: "The difference of the areas of the two surfaces, as a part of the original's area.",
     params: &[],
-    build: |_| Ok(Box::new(@ID@)),
+    build: |_| Ok(Box::new(Template)),
 };
 
 /// See the file's header. Has no parameters.
 #[derive(Clone, Copy, Debug)]
-struct @ID@;
+struct Template;
 
-impl Metric for @ID@ {
+impl Metric for Template {
     fn compare(
         &self,
         original: &TriMesh,
@@ -53,9 +53,9 @@ mod tests {
     fn a_cube_of_half_the_side_has_a_quarter_of_the_area() {
         let mut half = cube(DVec3::ZERO);
         half.positions.iter_mut().for_each(|position| *position *= 0.5);
-        let found = @ID@.compare(&cube(DVec3::ZERO), &half, Control::none()).unwrap();
+        let found = Template.compare(&cube(DVec3::ZERO), &half, Control::none()).unwrap();
         assert_eq!(found.scalar("area"), Some(0.75));
-        let nothing = @ID@.compare(&TriMesh::default(), &half, Control::none());
+        let nothing = Template.compare(&TriMesh::default(), &half, Control::none());
         assert!(nothing.is_err());
     }
 }
