@@ -5,7 +5,9 @@
 //! the rest makes sense (do the modules exist, do the links fit) is for [`crate::Plan`] to say.
 
 mod link;
+mod position;
 mod text;
+mod words;
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -19,10 +21,13 @@ use serde_json::{Map as JsonMap, Value as Json};
 use thiserror::Error;
 
 pub use link::{Link, PortRef};
+pub use position::Position;
 
 use crate::files::fresh_file;
 use crate::json;
-use crate::problem::Problem;
+use crate::param::shown;
+use crate::problem::{Place, Problem, did_you_mean};
+use position::Step;
 
 /// The version of the format that this mve writes.
 const FORMAT: u64 = 1;
@@ -36,8 +41,10 @@ const MIGRATIONS: &[Migration] = &[];
 /// Some text editors put it at the beginning of a file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// No map that a person made comes near this; it stops a wrong path from filling the memory.
-const LARGEST_FILE: u64 = 64 << 20;
+/// The keys that the format gives a meaning to. `canvas` is the window's.
+const KEYS: [&str; 7] = ["mve", "title", "nodes", "links", "layout", "canvas", "programs"];
+const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
+const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
 /// Nodes, links, layout and programs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -149,24 +156,31 @@ pub enum MapError {
 }
 
 impl Map {
+    /// Bytes of the largest file that is read: no map that a person made comes near this; it stops a
+    /// wrong path from filling the memory.
+    pub const LARGEST_FILE: u64 = 64 << 20;
+
     /// Reads a map file.
     pub fn load(path: &Path) -> Result<Self, MapError> {
         let fail = |source| MapError::Io { path: path.to_owned(), source };
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(fail)?;
-        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(fail)?;
-        if bytes.len() as u64 > LARGEST_FILE {
+        file.take(Self::LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(fail)?;
+        if bytes.len() as u64 > Self::LARGEST_FILE {
             return Err(MapError::NotJson("the file is larger than 64 MiB".to_owned()));
         }
-        let text = String::from_utf8(bytes)
-            .map_err(|error| MapError::NotJson(format!("not text in UTF-8: {error}")))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let byte = error.utf8_error().valid_up_to() + 1;
+            MapError::NotJson(format!("the file is not text: byte {byte} is not UTF-8"))
+        })?;
         Self::parse(&text)
     }
 
     /// Reads the text of a map file.
     pub fn parse(text: &str) -> Result<Self, MapError> {
-        let (json, repeated) = json::parse(text.trim_start_matches(BYTE_ORDER_MARK))
-            .map_err(|error| MapError::NotJson(format!("not valid JSON: {error}")))?;
+        let plain = text.trim_start_matches(BYTE_ORDER_MARK);
+        let (json, repeated) = json::parse(plain)
+            .map_err(|error| MapError::NotJson(words::of_syntax(plain, &error)))?;
         let Json::Object(mut object) = json else {
             return Err(MapError::NotJson("the file is JSON, but not an object".to_owned()));
         };
@@ -188,9 +202,93 @@ impl Map {
             }
         }
         map.fill(object);
+        map.warn_of_unknown_keys();
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
+    }
+
+    /// Where the file that the map was read from says what a problem is about, as near as can be
+    /// told: a parameter, else its node, else nothing.
+    pub fn position_of(&self, problem: &Problem) -> Option<Position> {
+        let text = self.source.as_ref()?.text.trim_start_matches(BYTE_ORDER_MARK);
+        let candidates = self.paths_to(&problem.place);
+        let byte = candidates.iter().find_map(|path| position::find(text, path))?;
+        Some(Position::of(text, byte))
+    }
+
+    /// Paths through the file's JSON to a place, the best first.
+    fn paths_to<'a>(&'a self, place: &'a Place) -> Vec<Vec<Step<'a>>> {
+        use Step::{Item, Key};
+        let mut paths = Vec::new();
+        let Place { node, port, program } = place;
+        if let Some(program) = program {
+            let of_program = [Key("programs"), Key(program)];
+            let varied = node.as_ref().zip(port.as_ref()).map(|(n, p)| format!("{n}.{p}"));
+            let spec = self.programs.get(program);
+            let axes = spec.iter().flat_map(|spec| spec.axes.iter().enumerate());
+            let keys = axes.flat_map(|(i, axis)| axis.keys().map(move |key| ("axes", i, key)));
+            let steps = spec.iter().flat_map(|spec| spec.steps.iter().enumerate());
+            let keys = keys
+                .chain(steps.flat_map(|(i, step)| step.keys().map(move |key| ("steps", i, key))));
+            let found = keys.filter(|(_, _, key)| {
+                varied
+                    .as_ref()
+                    .is_some_and(|path| path == *key || path.starts_with(&format!("{key}.")))
+            });
+            for (list, i, key) in found {
+                paths.push([&of_program[..], &[Key(list), Item(i), Key(key)]].concat());
+            }
+            if let (None, Some(key)) = (node, port) {
+                paths.push([&of_program[..], &[Key(key)]].concat());
+            }
+            if node.is_none() {
+                paths.push(of_program.to_vec());
+            }
+        }
+        if let Some(node) = node {
+            let of_node = [Key("nodes"), Key(node)];
+            if let Some(port) = port {
+                let mut nested: Vec<_> = port.split('.').map(Key).collect();
+                while !nested.is_empty() {
+                    paths.push([&of_node[..], &[Key("params")], &nested].concat());
+                    nested.pop();
+                }
+                paths.push([&of_node[..], &[Key(port)]].concat());
+                let is_end = |end: &PortRef| (&end.node, &end.port) == (node, port);
+                let link = |link: &Link| is_end(&link.to) || is_end(&link.from);
+                if let Some(i) = self.links.iter().position(link) {
+                    paths.push(vec![Key("links"), Item(i)]);
+                }
+            }
+            paths.push(of_node.to_vec());
+        } else if let (None, Some(key)) = (program, port) {
+            paths.push(vec![Key(key)]);
+        }
+        paths
+    }
+
+    /// Keys that nothing reads are kept, and told of: they are mostly slips of the pen, and what
+    /// they were meant to say is not done. A key that begins with `_` or `$` is a remark.
+    fn warn_of_unknown_keys(&mut self) {
+        let unknown = |key: &str, known: &[&str], of: &str| {
+            let is_remark = key.starts_with(['_', '$']);
+            let hint = did_you_mean(key, known.iter().copied());
+            let message = format!("\"{key}\" means nothing in {of} and is left out{hint}");
+            (!is_remark).then(|| Problem::warning(message).port(key))
+        };
+        let root = self.extra.keys().filter(|key| !KEYS.contains(&key.as_str()));
+        let mut warnings: Vec<_> = root.filter_map(|key| unknown(key, &KEYS, "a map")).collect();
+        for (name, node) in &self.nodes {
+            let keys = node.extra.keys().filter_map(|key| unknown(key, &KEYS_OF_NODES, "a node"));
+            warnings.extend(keys.map(|problem| problem.at(name)));
+        }
+        for (name, program) in &self.programs {
+            let keys = program.extra.keys();
+            let keys = keys.filter_map(|key| unknown(key, &KEYS_OF_PROGRAMS, "a program"));
+            warnings.extend(keys.map(|problem| problem.in_program(name)));
+        }
+        self.problems.append(&mut warnings);
     }
 
     /// Whether a node may have this name: the signs that links, paths and templates are made of
@@ -322,17 +420,29 @@ impl Map {
             Ok(part) => {
                 target(self).insert(name, part);
             }
-            Err(error) => {
-                let error = error.to_string().replace("u32", "a whole number above 0");
-                self.problems.push(match (section, misunderstood::<T>(&value)) {
-                    ("programs", Some(field)) => {
-                        let message = format!("\"{field}\" is not understood: {error}");
-                        Problem::error(message).in_program(&name)
+            Err(_) => {
+                let field = misunderstood::<T>(&value);
+                let form = words::of_form(section, field);
+                let given = field.and_then(|field| value.get(field)).unwrap_or(&value);
+                let given = shown(given);
+                let problem = match field {
+                    Some(field) => {
+                        Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
                     }
-                    ("programs", None) => {
-                        Problem::error(format!("not understood: {error}")).in_program(&name)
+                    None if section == "nodes" && value.is_object() => {
+                        let keys = value.as_object().into_iter().flatten();
+                        let meant = keys.map(|(key, _)| key.as_str()).find_map(|key| {
+                            let hint = did_you_mean("module", [key].into_iter());
+                            (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
+                        });
+                        let meant = meant.unwrap_or_default();
+                        Problem::error(format!("says no \"module\", which a node is{meant}"))
                     }
-                    _ => Problem::error(format!("not understood: {error}")).at(&name),
+                    None => Problem::error(format!("{given} is not {form}")),
+                };
+                self.problems.push(match section {
+                    "programs" => problem.in_program(&name),
+                    _ => problem.at(&name),
                 });
                 self.leftovers.push((section, name, value));
             }
@@ -352,11 +462,12 @@ impl Map {
     }
 }
 
-/// The first field of an object that is not understood even alone, where all of them may be left
-/// out.
+/// The first field of an object that is not understood even alone.
 fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
     let is_bad = |(field, value): &(&String, &Json)| {
-        let alone = JsonMap::from_iter([((*field).clone(), (*value).clone())]);
+        // A node needs a module.
+        let mut alone = JsonMap::from_iter([("module".to_owned(), Json::from("Any"))]);
+        alone.insert((*field).clone(), (*value).clone());
         T::deserialize(Json::Object(alone)).is_err()
     };
     value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
@@ -401,9 +512,46 @@ mod tests {
         expected["title"] = Json::from("changed");
         assert_eq!(again, expected);
         assert_eq!(Map::parse(&text).unwrap().to_text(), text);
-        assert_eq!(map.problems().len(), 4); // node b, two links, program q
-        let text = map.problems()[0].to_string();
-        assert!(text.ends_with("expected an object with a \"module\""), "{text}");
+        let (errors, warnings): (Vec<_>, Vec<_>) =
+            map.problems().iter().partition(|problem| problem.is_error());
+        assert_eq!((errors.len(), warnings.len()), (4, 3)); // node b, two links, program q
+        let text = errors[0].to_string();
+        assert!(text.starts_with("b: 7 is not an object with a \"module\""), "{text}");
+    }
+
+    #[test]
+    fn keys_that_mean_nothing_are_warned_of_with_their_place() {
+        let map = Map::parse(
+            "{\"mve\": 1, \"titel\": \"x\", \"_why\": \"a remark\",\n\
+             \"nodes\": {\"a\": {\"module\": \"X\",\n  \"parms\": {\"ratio\": 0.1}}},\n\
+             \"programs\": {\"p\": {\"axis\": []},\n \"q\": {\"repeat\": 5}}}",
+        );
+        let map = map.unwrap();
+        let said: Vec<_> = map
+            .problems()
+            .iter()
+            .map(|problem| {
+                let Position { line, column } = map.position_of(problem).unwrap();
+                assert!(!problem.is_error());
+                format!("{line}:{column} {problem}")
+            })
+            .collect();
+        let left_out = "is left out; did you mean";
+        assert_eq!(
+            said,
+            [
+                format!("1:12 \"titel\" means nothing in a map and {left_out} \"title\"?"),
+                format!(
+                    "3:3 a.parms: \"parms\" means nothing in a node and {left_out} \"params\"?"
+                ),
+                format!(
+                    "4:20 program \"p\": \"axis\" means nothing in a program and {left_out} \"axes\"?"
+                ),
+                format!(
+                    "5:8 program \"q\": \"repeat\" means nothing in a program and {left_out} \"repeats\"?"
+                ),
+            ]
+        );
     }
 
     #[test]
@@ -445,8 +593,8 @@ mod tests {
         };
         for repeats in ["-2", "1.5", "\"many\"", "[3]"] {
             let found = said(repeats);
-            assert!(found.starts_with("program \"p\": \"repeats\" is not understood: "), "{found}");
-            assert!(found.ends_with("expected a whole number above 0"), "{found}");
+            let repeats = format!("program \"p\": \"repeats\": {repeats} is not ");
+            assert_eq!(found, repeats + "a whole number above 0");
         }
     }
 

@@ -145,18 +145,26 @@ impl ParamKind for ChoiceSpec {
     }
 
     fn schema(&self) -> Json {
-        let each = self.entries().flat_map(|entry| {
-            let alone = json!({ "const": entry.id, "description": entry.summary });
-            let with_params = json!({
-                "type": "object",
-                "description": entry.summary,
-                "properties": { entry.id: object_of(entry.params) },
-                "required": [entry.id],
-                "additionalProperties": false
-            });
-            [alone, with_params]
+        let named = self.entries().map(|entry| {
+            json!({ "const": entry.id, "description": entry.summary })
         });
-        json!({ "anyOf": each.collect::<Vec<_>>() })
+        let with_params = self.entries().map(|entry| {
+            let mut params = object_of(entry.params);
+            params["description"] = Json::from(entry.summary);
+            (entry.id.to_owned(), params)
+        });
+        // By the type of the value, so that a fault is told of the entry that was meant.
+        json!({
+            "type": ["string", "object"],
+            "if": { "type": "string" },
+            "then": { "oneOf": named.collect::<Vec<_>>() },
+            "else": {
+                "properties": with_params.collect::<JsonMap<_, _>>(),
+                "additionalProperties": false,
+                "minProperties": 1,
+                "maxProperties": 1
+            }
+        })
     }
 
     fn noun(&self) -> String {
