@@ -2,8 +2,8 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::param::object_of;
 use crate::module::Module;
+use crate::param::object_of;
 use crate::registry::{ModuleInfo, Registry};
 
 /// The schema, draft 2020-12.

@@ -46,7 +46,8 @@ fn files_that_are_no_maps_are_explained() {
     run("missing.json").fails(4, "error: missing.json: there is no such map\n");
     run(".").fails(4, "error: .: is a folder; name a map's file in it\n");
     run("map.json/x").fails(4, "a file stands where a folder is needed");
-    run("broken.json").fails(3, "not a map: line 3, column 1: a comma before the closing bracket\n");
+    run("broken.json")
+        .fails(3, "not a map: line 3, column 1: a comma before the closing bracket\n");
     folder.write("why.json", "{\n  // why\n}");
     run("why.json").fails(3, "line 2, column 3: JSON has no comments");
     run("list.json").fails(3, "not a map");
@@ -114,7 +115,10 @@ program \"sweep\"
 #[test]
 fn maps_are_checked_together_as_lines_and_from_standard_input() {
     let folder = Folder::new();
-    folder.write("slip.json", &common::map().replace("\"params\": {\"value\"", "\"parms\": {\"value\""));
+    folder.write(
+        "slip.json",
+        &common::map().replace("\"params\": {\"value\"", "\"parms\": {\"value\""),
+    );
     folder.write("bad.json", &common::map().replace("2.5", "\"2.5\""));
     let answer = folder.mve(&["check", "slip.json", "map.json"]).succeeds();
     answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");

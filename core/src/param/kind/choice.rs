@@ -145,9 +145,8 @@ impl ParamKind for ChoiceSpec {
     }
 
     fn schema(&self) -> Json {
-        let named = self.entries().map(|entry| {
-            json!({ "const": entry.id, "description": entry.summary })
-        });
+        let named =
+            self.entries().map(|entry| json!({ "const": entry.id, "description": entry.summary }));
         let with_params = self.entries().map(|entry| {
             let mut params = object_of(entry.params);
             params["description"] = Json::from(entry.summary);
