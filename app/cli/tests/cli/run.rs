@@ -121,7 +121,8 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
     );
     folder.write("bad.json", &common::map().replace("2.5", "\"2.5\""));
     let answer = folder.mve(&["check", "slip.json", "map.json"]).succeeds();
-    answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");
+    let answer =
+        answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");
     answer.says("slip.json: no errors, 1 warning").says("map.json: no problems");
     let answer = folder.mve(&["check", "bad.json", "map.json", "--json"]).fails(3, "");
     let lines = answer.json();
