@@ -110,8 +110,8 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -
     nearest(name, candidates).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"))
 }
 
-/// The candidate that is closest to `name`, if one is close: its beginning is like that of the name,
-/// or one slip of the pen leads from one to the other.
+/// The candidate that is closest to `name`, if one is close: its beginning is like that of the
+/// name, or one slip of the pen leads from one to the other.
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let lower = name.to_lowercase();
     let likeness = |known: &str| {

@@ -35,6 +35,7 @@ const CORE: [&str; 26] = [
     "registry",
     "describe",
     "schema",
+    "search",
     "map",
     "plan",
     "run",

@@ -6,13 +6,13 @@
 
 mod link;
 mod position;
+mod read;
 mod text;
 mod words;
 
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -25,9 +25,7 @@ pub use position::Position;
 
 use crate::files::fresh_file;
 use crate::json;
-use crate::param::shown;
-use crate::problem::{Place, Problem, did_you_mean};
-use position::Step;
+use crate::problem::Problem;
 
 /// The version of the format that this mve writes.
 const FORMAT: u64 = 1;
@@ -40,11 +38,6 @@ const MIGRATIONS: &[Migration] = &[];
 
 /// Some text editors put it at the beginning of a file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
-
-/// The keys that the format gives a meaning to. `canvas` is the window's.
-const KEYS: [&str; 7] = ["mve", "title", "nodes", "links", "layout", "canvas", "programs"];
-const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
-const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
 /// Nodes, links, layout and programs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -156,8 +149,8 @@ pub enum MapError {
 }
 
 impl Map {
-    /// Bytes of the largest file that is read: no map that a person made comes near this; it stops a
-    /// wrong path from filling the memory.
+    /// Bytes of the largest file that is read: no map that a person made comes near this; it stops
+    /// a wrong path from filling the memory.
     pub const LARGEST_FILE: u64 = 64 << 20;
 
     /// Reads a map file.
@@ -206,89 +199,6 @@ impl Map {
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
-    }
-
-    /// Where the file that the map was read from says what a problem is about, as near as can be
-    /// told: a parameter, else its node, else nothing.
-    pub fn position_of(&self, problem: &Problem) -> Option<Position> {
-        let text = self.source.as_ref()?.text.trim_start_matches(BYTE_ORDER_MARK);
-        let candidates = self.paths_to(&problem.place);
-        let byte = candidates.iter().find_map(|path| position::find(text, path))?;
-        Some(Position::of(text, byte))
-    }
-
-    /// Paths through the file's JSON to a place, the best first.
-    fn paths_to<'a>(&'a self, place: &'a Place) -> Vec<Vec<Step<'a>>> {
-        use Step::{Item, Key};
-        let mut paths = Vec::new();
-        let Place { node, port, program } = place;
-        if let Some(program) = program {
-            let of_program = [Key("programs"), Key(program)];
-            let varied = node.as_ref().zip(port.as_ref()).map(|(n, p)| format!("{n}.{p}"));
-            let spec = self.programs.get(program);
-            let axes = spec.iter().flat_map(|spec| spec.axes.iter().enumerate());
-            let keys = axes.flat_map(|(i, axis)| axis.keys().map(move |key| ("axes", i, key)));
-            let steps = spec.iter().flat_map(|spec| spec.steps.iter().enumerate());
-            let keys = keys
-                .chain(steps.flat_map(|(i, step)| step.keys().map(move |key| ("steps", i, key))));
-            let found = keys.filter(|(_, _, key)| {
-                varied
-                    .as_ref()
-                    .is_some_and(|path| path == *key || path.starts_with(&format!("{key}.")))
-            });
-            for (list, i, key) in found {
-                paths.push([&of_program[..], &[Key(list), Item(i), Key(key)]].concat());
-            }
-            if let (None, Some(key)) = (node, port) {
-                paths.push([&of_program[..], &[Key(key)]].concat());
-            }
-            if node.is_none() {
-                paths.push(of_program.to_vec());
-            }
-        }
-        if let Some(node) = node {
-            let of_node = [Key("nodes"), Key(node)];
-            if let Some(port) = port {
-                let mut nested: Vec<_> = port.split('.').map(Key).collect();
-                while !nested.is_empty() {
-                    paths.push([&of_node[..], &[Key("params")], &nested].concat());
-                    nested.pop();
-                }
-                paths.push([&of_node[..], &[Key(port)]].concat());
-                let is_end = |end: &PortRef| (&end.node, &end.port) == (node, port);
-                let link = |link: &Link| is_end(&link.to) || is_end(&link.from);
-                if let Some(i) = self.links.iter().position(link) {
-                    paths.push(vec![Key("links"), Item(i)]);
-                }
-            }
-            paths.push(of_node.to_vec());
-        } else if let (None, Some(key)) = (program, port) {
-            paths.push(vec![Key(key)]);
-        }
-        paths
-    }
-
-    /// Keys that nothing reads are kept, and told of: they are mostly slips of the pen, and what
-    /// they were meant to say is not done. A key that begins with `_` or `$` is a remark.
-    fn warn_of_unknown_keys(&mut self) {
-        let unknown = |key: &str, known: &[&str], of: &str| {
-            let is_remark = key.starts_with(['_', '$']);
-            let hint = did_you_mean(key, known.iter().copied());
-            let message = format!("\"{key}\" means nothing in {of} and is left out{hint}");
-            (!is_remark).then(|| Problem::warning(message).port(key))
-        };
-        let root = self.extra.keys().filter(|key| !KEYS.contains(&key.as_str()));
-        let mut warnings: Vec<_> = root.filter_map(|key| unknown(key, &KEYS, "a map")).collect();
-        for (name, node) in &self.nodes {
-            let keys = node.extra.keys().filter_map(|key| unknown(key, &KEYS_OF_NODES, "a node"));
-            warnings.extend(keys.map(|problem| problem.at(name)));
-        }
-        for (name, program) in &self.programs {
-            let keys = program.extra.keys();
-            let keys = keys.filter_map(|key| unknown(key, &KEYS_OF_PROGRAMS, "a program"));
-            warnings.extend(keys.map(|problem| problem.in_program(name)));
-        }
-        self.problems.append(&mut warnings);
     }
 
     /// Whether a node may have this name: the signs that links, paths and templates are made of
@@ -375,102 +285,6 @@ impl Map {
             && (&self.programs, &self.extra, &self.leftovers)
                 == (&other.programs, &other.extra, &other.leftovers)
     }
-
-    fn fill(&mut self, object: JsonMap<String, Json>) {
-        for (key, value) in object {
-            match (key.as_str(), value) {
-                ("title", Json::String(title)) => self.title = title,
-                ("nodes", Json::Object(nodes)) => {
-                    for (name, value) in nodes {
-                        self.add_part("nodes", name, value, |map| &mut map.nodes);
-                    }
-                }
-                ("layout", Json::Object(layout)) => {
-                    for (name, value) in layout {
-                        self.add_part("layout", name, value, |map| &mut map.layout);
-                    }
-                }
-                ("programs", Json::Object(programs)) => {
-                    for (name, value) in programs {
-                        self.add_part("programs", name, value, |map| &mut map.programs);
-                    }
-                }
-                ("links", Json::Array(links)) => links.into_iter().for_each(|l| self.add_link(l)),
-                ("title" | "nodes" | "layout" | "programs" | "links", value) => {
-                    let message =
-                        format!("\"{key}\" is not what the format says; see `mve schema`");
-                    self.problems.push(Problem::error(message));
-                    self.leftovers.push(("", key, value));
-                }
-                (_, value) => {
-                    self.extra.insert(key, value);
-                }
-            }
-        }
-    }
-
-    fn add_part<T: for<'de> Deserialize<'de>>(
-        &mut self,
-        section: &'static str,
-        name: String,
-        value: Json,
-        target: fn(&mut Self) -> &mut IndexMap<String, T>,
-    ) {
-        match T::deserialize(&value) {
-            Ok(part) => {
-                target(self).insert(name, part);
-            }
-            Err(_) => {
-                let field = misunderstood::<T>(&value);
-                let form = words::of_form(section, field);
-                let given = field.and_then(|field| value.get(field)).unwrap_or(&value);
-                let given = shown(given);
-                let problem = match field {
-                    Some(field) => {
-                        Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
-                    }
-                    None if section == "nodes" && value.is_object() => {
-                        let keys = value.as_object().into_iter().flatten();
-                        let meant = keys.map(|(key, _)| key.as_str()).find_map(|key| {
-                            let hint = did_you_mean("module", [key].into_iter());
-                            (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
-                        });
-                        let meant = meant.unwrap_or_default();
-                        Problem::error(format!("says no \"module\", which a node is{meant}"))
-                    }
-                    None => Problem::error(format!("{given} is not {form}")),
-                };
-                self.problems.push(match section {
-                    "programs" => problem.in_program(&name),
-                    _ => problem.at(&name),
-                });
-                self.leftovers.push((section, name, value));
-            }
-        }
-    }
-
-    fn add_link(&mut self, value: Json) {
-        match value.as_str().map(Link::from_str) {
-            Some(Ok(link)) => self.links.push(link),
-            _ => {
-                let message =
-                    format!("link {value} is not of the form \"node.output -> node.input\"");
-                self.problems.push(Problem::error(message));
-                self.leftovers.push(("links", String::new(), value));
-            }
-        }
-    }
-}
-
-/// The first field of an object that is not understood even alone.
-fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
-    let is_bad = |(field, value): &(&String, &Json)| {
-        // A node needs a module.
-        let mut alone = JsonMap::from_iter([("module".to_owned(), Json::from("Any"))]);
-        alone.insert((*field).clone(), (*value).clone());
-        T::deserialize(Json::Object(alone)).is_err()
-    };
-    value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
 }
 
 fn migrate(object: &mut JsonMap<String, Json>, from: u64, migrations: &[Migration]) {

@@ -6,6 +6,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
+use super::{BYTE_ORDER_MARK, Link, Map, PortRef};
+use crate::problem::{Place, Problem};
+
 /// A place in a text: line and column, both from 1; columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Position {
@@ -27,6 +30,68 @@ impl Position {
         let before = &text[..text.floor_char_boundary(byte)];
         let start = before.rfind('\n').map_or(0, |end| end + 1);
         Self { line: before.matches('\n').count() + 1, column: before[start..].chars().count() + 1 }
+    }
+}
+
+impl Map {
+    /// Where the file that the map was read from says what a problem is about, as near as can be
+    /// told: a parameter, else its node, else nothing.
+    pub fn position_of(&self, problem: &Problem) -> Option<Position> {
+        let text = self.source.as_ref()?.text.trim_start_matches(BYTE_ORDER_MARK);
+        let candidates = self.paths_to(&problem.place);
+        let byte = candidates.iter().find_map(|path| find(text, path))?;
+        Some(Position::of(text, byte))
+    }
+
+    /// Paths through the file's JSON to a place, the best first.
+    fn paths_to<'a>(&'a self, place: &'a Place) -> Vec<Vec<Step<'a>>> {
+        use Step::{Item, Key};
+        let mut paths = Vec::new();
+        let Place { node, port, program } = place;
+        if let Some(program) = program {
+            let of_program = [Key("programs"), Key(program)];
+            let varied = node.as_ref().zip(port.as_ref()).map(|(n, p)| format!("{n}.{p}"));
+            let spec = self.programs.get(program);
+            let axes = spec.iter().flat_map(|spec| spec.axes.iter().enumerate());
+            let keys = axes.flat_map(|(i, axis)| axis.keys().map(move |key| ("axes", i, key)));
+            let steps = spec.iter().flat_map(|spec| spec.steps.iter().enumerate());
+            let keys = keys
+                .chain(steps.flat_map(|(i, step)| step.keys().map(move |key| ("steps", i, key))));
+            let found = keys.filter(|(_, _, key)| {
+                varied
+                    .as_ref()
+                    .is_some_and(|path| path == *key || path.starts_with(&format!("{key}.")))
+            });
+            for (list, i, key) in found {
+                paths.push([&of_program[..], &[Key(list), Item(i), Key(key)]].concat());
+            }
+            if let (None, Some(key)) = (node, port) {
+                paths.push([&of_program[..], &[Key(key)]].concat());
+            }
+            if node.is_none() {
+                paths.push(of_program.to_vec());
+            }
+        }
+        if let Some(node) = node {
+            let of_node = [Key("nodes"), Key(node)];
+            if let Some(port) = port {
+                let mut nested: Vec<_> = port.split('.').map(Key).collect();
+                while !nested.is_empty() {
+                    paths.push([&of_node[..], &[Key("params")], &nested].concat());
+                    nested.pop();
+                }
+                paths.push([&of_node[..], &[Key(port)]].concat());
+                let is_end = |end: &PortRef| (&end.node, &end.port) == (node, port);
+                let link = |link: &Link| is_end(&link.to) || is_end(&link.from);
+                if let Some(i) = self.links.iter().position(link) {
+                    paths.push(vec![Key("links"), Item(i)]);
+                }
+            }
+            paths.push(of_node.to_vec());
+        } else if let (None, Some(key)) = (program, port) {
+            paths.push(vec![Key(key)]);
+        }
+        paths
     }
 }
 
