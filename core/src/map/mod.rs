@@ -350,20 +350,17 @@ mod tests {
                 format!("{line}:{column} {problem}")
             })
             .collect();
-        let left_out = "is left out; did you mean";
+        let warning = |place: &str, key: &str, of: &str, meant: &str| {
+            let what = format!("\"{key}\" means nothing in a {of} and is left out");
+            format!("{place}{what}; did you mean \"{meant}\"?")
+        };
         assert_eq!(
             said,
             [
-                format!("1:12 \"titel\" means nothing in a map and {left_out} \"title\"?"),
-                format!(
-                    "3:3 a.parms: \"parms\" means nothing in a node and {left_out} \"params\"?"
-                ),
-                format!(
-                    "4:20 program \"p\": \"axis\" means nothing in a program and {left_out} \"axes\"?"
-                ),
-                format!(
-                    "5:8 program \"q\": \"repeat\" means nothing in a program and {left_out} \"repeats\"?"
-                ),
+                warning("1:12 ", "titel", "map", "title"),
+                warning("3:3 a.parms: ", "parms", "node", "params"),
+                warning("4:20 program \"p\": ", "axis", "program", "axes"),
+                warning("5:8 program \"q\": ", "repeat", "program", "repeats"),
             ]
         );
     }
