@@ -30,8 +30,8 @@ const SEED: Param<Seed> =
     Param::seed("seed", "Chooses among sets of samples.", DEFAULT.seed as u32);
 const TOLERANCE: Param<Option<f64>> = Param::maybe_number(
     "tolerance",
-    "The maximum is searched until it is known within this part of the diagonal of the original. \
-     Off: the maximum is the largest of the samples.",
+    "The maximum is searched until it is known within this part of itself; max_upper_bound says \
+     how well it is known. Off: the maximum is the largest of the samples.",
     DEFAULT.max_tolerance,
 )
 .within((1e-9, 1.0))
