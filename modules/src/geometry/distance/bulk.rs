@@ -1,15 +1,15 @@
 //! The nearest faces of many points together, where boxes hardly tell one face from another.
 //!
 //! A group of points has a list of faces of which one is nearest to each of them. The list gets
-//! shorter as the group is halved along a Morton curve. Let `q` be the point of a face nearest to a
-//! point `c`, `s` no less than the distance of any other point `y` of the face from `q`, and `q'`
-//! the nearest point of all. As the face is convex, `|c - y|² ≥ |c - q|² + |y - q|²`, and for any
-//! vector `x`, with the term in `y` at its worst:
+//! shorter as the group is halved across its longest side. Let `q` be the point of a face nearest
+//! to a point `c`, `s` no less than the distance of any other point `y` of the face from `q`, and
+//! `q'` the nearest point of all. As the face is convex, `|c - y|² ≥ |c - q|² + |y - q|²`, and for
+//! any vector `x`, with the term in `y` at its worst:
 //!
-//! - The face is no nearer to `c + x` than `√(|c + x - q|² - e)`, where `e = 2 |x| s - s²`, or `|x|²`
-//!   if `s > |x|`.
-//! - The distance from `c + x` is at most `|c + x - q'|`, so with `|x| ≤ r` the face is never nearer
-//!   where `|c - q|² - |c - q'|² ≥ 2 r |q - q'| + e`.
+//! - The face is no nearer to `c + x` than `√(|c + x - q|² - e)`, where `e = 2 |x| s - s²`, or
+//!   `|x|²` if `s > |x|`.
+//! - The distance from `c + x` is at most `|c + x - q'|`, so with `|x| ≤ r` the face is never
+//!   nearer where `|c - q|² - |c - q'|² ≥ 2 r |q - q'| + e`.
 //!
 //! No term is as large as the distance: that is as good far away from the mesh as near it, while
 //! boxes are all the same from afar. The first line also bounds the distance in a part of the
@@ -27,7 +27,6 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
 use super::bvh::{Bvh, GROUP, Hit, LEAF, Walker, is_usable};
-use crate::mesh::morton::morton_order;
 
 /// Distances that differ by less than this part of them do so by their rounding.
 const TIE: f64 = 4.0 * f64::EPSILON;
@@ -241,10 +240,18 @@ struct List {
     range: Option<Range<usize>>,
 }
 
+/// A point and its place among all.
+struct Query {
+    point: DVec3,
+    at: u32,
+}
+
 /// Points around a middle.
 struct Ball {
     center: DVec3,
     radius: f64,
+    /// Of the box around the points.
+    longest_axis: usize,
 }
 
 impl<'w, 'a> Bulk<'w, 'a> {
@@ -264,19 +271,17 @@ impl<'w, 'a> Bulk<'w, 'a> {
         if self.all.views.is_empty() {
             return Ok(out);
         }
-        let order = morton_order(points, control.part(0.0, 0.0))?;
-        let ordered: Vec<DVec3> = order.iter().map(|&at| points[at as usize]).collect();
-        let mut hits = out.clone();
+        let mut queries: Vec<_> =
+            (0..).zip(points).map(|(at, &point)| Query { point, at }).collect();
         let list = List { center: self.all.center, range: None };
-        self.solve(&ordered, &mut hits, &list, control)?;
-        order.iter().zip(hits).for_each(|(&at, hit)| out[at as usize] = hit);
+        self.solve(&mut queries, &mut out, &list, control)?;
         Ok(out)
     }
 
-    /// Answers for the points, each of which has a nearest face in the list.
+    /// Answers queries, each of which has a nearest face in the list.
     fn solve(
         &mut self,
-        points: &[DVec3],
+        queries: &mut [Query],
         out: &mut [Option<Hit>],
         list: &List,
         control: &Control,
@@ -286,48 +291,50 @@ impl<'w, 'a> Bulk<'w, 'a> {
             control.at(0.0)?;
         }
         let end = self.lists.len();
-        let ball = Ball::around(points);
+        let ball = Ball::around(queries);
         self.shorten(&ball, list);
         let kept = end..self.lists.len();
-        let n_single = self.ask_singly(points, out, kept.clone(), control)?;
-        let (points, out) = (&points[n_single..], &mut out[n_single..]);
-        if kept.len() <= FEW || points.len() <= 1 {
-            for (&point, out) in points.iter().zip(out) {
-                *out = self.nearest_of(kept.clone(), point);
+        let n_single = self.ask_singly(queries, out, kept.clone(), control)?;
+        let queries = &mut queries[n_single..];
+        if kept.len() <= FEW || queries.len() <= 1 {
+            for query in queries {
+                out[query.at as usize] = self.nearest_of(kept.clone(), query.point);
             }
         } else {
-            let half = points.len() / 2;
-            let (first, second) = out.split_at_mut(half);
+            let half = queries.len() / 2;
+            let along = |query: &Query| query.point[ball.longest_axis];
+            queries.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)));
+            let (below, above) = queries.split_at_mut(half);
             let kept = List { center: ball.center, range: Some(kept) };
-            self.solve(&points[..half], first, &kept, control)?;
-            self.solve(&points[half..], second, &kept, control)?;
+            self.solve(below, out, &kept, control)?;
+            self.solve(above, out, &kept, control)?;
         }
         self.lists.truncate(end);
         Ok(())
     }
 
-    /// Asks the points of a small group with a long list by the tree, as long as that is faster;
+    /// Asks the queries of a small group with a long list by the tree, as long as that is faster;
     /// says how many have their answer.
     fn ask_singly(
         &mut self,
-        points: &[DVec3],
+        queries: &[Query],
         out: &mut [Option<Hit>],
         list: Range<usize>,
         control: &Control,
     ) -> Result<usize, Cancelled> {
         let most_visits = list.len() / SHARE_OF_LIST;
-        if !SMALL_GROUP.contains(&points.len()) || most_visits < FEW {
+        if !SMALL_GROUP.contains(&queries.len()) || most_visits < FEW {
             return Ok(0);
         }
         self.walker.start_from_slot(self.lists[list.start].slot);
-        for (n_done, (&point, out)) in points.iter().zip(out).enumerate() {
-            match self.walker.closest_by(point, most_visits) {
-                Some(hit) => *out = Some(hit),
+        for (n_done, query) in queries.iter().enumerate() {
+            match self.walker.closest_by(query.point, most_visits) {
+                Some(hit) => out[query.at as usize] = Some(hit),
                 None => return Ok(n_done),
             }
             self.walker.poll(control)?;
         }
-        Ok(points.len())
+        Ok(queries.len())
     }
 
     /// Puts those of the list that may be nearest to a point of the ball behind all lists, the one
@@ -383,18 +390,20 @@ impl<'w, 'a> Bulk<'w, 'a> {
 
 impl Ball {
     /// Around at least one point.
-    fn around(points: &[DVec3]) -> Self {
-        if let [center] = *points {
-            return Self { center, radius: 0.0 };
+    fn around(queries: &[Query]) -> Self {
+        if let [Query { point, .. }] = *queries {
+            return Self { center: point, radius: 0.0, longest_axis: 0 };
         }
-        let (mut low, mut high) = (points[0], points[0]);
-        for &point in points {
-            low = low.min(point);
-            high = high.max(point);
+        let (mut low, mut high) = (queries[0].point, queries[0].point);
+        for query in queries {
+            low = low.min(query.point);
+            high = high.max(query.point);
         }
         let center = low * 0.5 + high * 0.5;
-        let radius_sq = points.iter().map(|p| p.distance_squared(center)).fold(0.0, f64::max);
-        Self { center, radius: radius_sq.sqrt() * (1.0 + TIE) }
+        let radius_sq =
+            queries.iter().map(|query| query.point.distance_squared(center)).fold(0.0, f64::max);
+        let longest_axis = (high - low).max_position();
+        Self { center, radius: radius_sq.sqrt() * (1.0 + TIE), longest_axis }
     }
 
     /// Whether no point of the ball has `other` nearer than `nearest`; `other` as seen from where

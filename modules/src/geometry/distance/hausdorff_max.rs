@@ -16,7 +16,8 @@
 //!   otherwise stays open until it is as small as the tolerance.
 //!
 //! A part whose bound exceeds the largest distance found so far by more than the tolerance, a part
-//! of that distance, is split in four. Parts are looked at in rounds, whose results do not depend on threads.
+//! of that distance, is split in four. Parts are looked at in rounds, whose results do not depend
+//! on threads.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
