@@ -54,8 +54,8 @@ fn a_metric_of_a_mesh_with_itself_is_zero() {
     for (name, mesh) in meshes().into_iter().chain(touching()) {
         let diagonal = mesh.diagonal();
         for metric in METRICS.entries.iter().map(|listed| listed.item) {
-            let takes_pictures = metric.params.iter().any(|param| param.name == "size");
-            let params = if takes_pictures { json!({ "size": 64 }) } else { json!({}) };
+            let takes_pictures = metric.params.iter().any(|param| param.name == "resolution");
+            let params = if takes_pictures { json!({ "resolution": 64 }) } else { json!({}) };
             let trial = Trial::of(comparer).set("metric", json!({ metric.id: params }));
             let trial = trial.input("original", mesh.clone()).input("simplified", mesh.clone());
             let Ok(outputs) = trial.run() else { continue };

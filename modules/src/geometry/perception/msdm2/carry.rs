@@ -30,7 +30,8 @@ pub(in crate::geometry) enum Ties {
     Any,
     /// The one whose curvature is most like that of the vertex.
     MostAlike,
-    /// The one whose curvature is least like it.
+    /// The one whose curvature is least like it; but of those that a vertex lies on, the most
+    /// alike.
     LeastAlike,
 }
 
@@ -107,7 +108,8 @@ impl Reference<'_> {
         let mut carried = self.carried_from(position, hit, hit.face);
         let nearest = hit.distance_sq.sqrt();
         let equal = EQUALLY_NEAR * self.surface.longest_side;
-        if ties == Ties::Any && nearest > equal {
+        let is_on_it = nearest <= equal;
+        if ties == Ties::Any && !is_on_it {
             return carried;
         }
         let difference = |carried: &ReferencePoint| -> f64 {
@@ -121,8 +123,8 @@ impl Reference<'_> {
                 let other = self.carried_from(position, hit, face);
                 let difference = difference(&other);
                 let is_better = match ties {
-                    Ties::LeastAlike => difference > least,
-                    Ties::Any | Ties::MostAlike => difference < least,
+                    Ties::LeastAlike if !is_on_it => difference > least,
+                    _ => difference < least,
                 };
                 if is_better {
                     (carried, least) = (other, difference);

@@ -20,9 +20,8 @@
 //! [`Variant::Mended`] departs where the published program is weak: sizes are relative to a length
 //! that no rotation changes and that is the same in both directions (`rod_length`); the
 //! curvature of the reference is taken at the nearest point itself, which does not depend on
-//! which of equally near faces was met;
-//! the disc at a border vertex has the area that it has; turns over a right angle do not fold back;
-//! and an edge of three or more faces bends, too.
+//! which of equally near faces was met; the disc at a border vertex has the area that it has; turns
+//! over a right angle do not fold back; and an edge of three or more faces bends, too.
 
 mod bend;
 mod carry;
@@ -94,8 +93,8 @@ pub struct Msdm2 {
     pub from_original: OneSided,
     /// Over the vertices of the simplified mesh, with the original as the reference.
     pub from_simplified: OneSided,
-    /// By how much the symmetric values with the most and with the least alike of equally near faces
-    /// everywhere differ, if it was asked for.
+    /// By how much the symmetric values with the most and with the least alike of equally near
+    /// faces everywhere differ, if it was asked for.
     pub spread: Option<f64>,
     /// Faces of the original that were left out: not finite, or with one vertex twice.
     pub n_left_out_original: usize,

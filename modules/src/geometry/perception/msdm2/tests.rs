@@ -272,7 +272,8 @@ fn sheets_in_one_place_are_told_apart() {
     }
 }
 
-/// What equally near faces mean for the value.
+/// What equally near faces mean for the value: 3.4 % of it under noise, where vertices lie off the
+/// surface, 0.3 % and 0.01 % for a tenth and a half of the faces. Mended rules do not see them.
 #[test]
 fn ties_move_the_value_within_its_spread() {
     let Some(original) = reference_mesh("models/spot.obj.gz") else { return };
@@ -282,8 +283,13 @@ fn ties_move_the_value_within_its_spread() {
             let options = Msdm2Options { has_spread: true, variant, ..Msdm2Options::DEFAULT };
             let found = msdm2(&original, &other, &options, Control::none()).unwrap();
             let relative = found.spread.unwrap() / found.symmetric();
-            eprintln!("SPREAD {name} {variant:?} {relative}");
-            assert!((0.0..0.2).contains(&relative), "{name}: {relative}");
+            let most = match (variant, name) {
+                (Variant::Mended, _) => 1e-5,
+                (_, "spot__noise") => 0.035,
+                (_, "spot__q10") => 0.0031,
+                _ => 1e-4,
+            };
+            assert!((0.0..most).contains(&relative), "{name}: {relative}");
         }
     }
 }
