@@ -45,6 +45,41 @@ fn a_perceptual_cost_stops_before_its_first_price() {
     stops(|| Trial::of(module).input("mesh", mesh.clone()).set("cost", "Msdm2"));
 }
 
+/// A comparison in which boxes hardly tell one face from another, with all samples that a person
+/// might ask for.
+#[test]
+fn a_comparison_with_a_mesh_far_away_or_larger_stops() {
+    let fine = VaseOptions { segments: 512, profile_segments: 512, ..VaseOptions::DEFAULT };
+    let mesh = vase(&fine);
+    let mapped = |map: &dyn Fn(glam::DVec3) -> glam::DVec3| {
+        let mut mesh = mesh.clone();
+        mesh.positions.iter_mut().for_each(|p| *p = map(*p));
+        mesh
+    };
+    let mut copies = mesh.clone();
+    copies.faces = mesh.faces[..1].repeat(500_000);
+    let module = registry().find("MeshComparer").expect("the module").module;
+    let samples = serde_json::json!({ "Hausdorff": { "samples": 20_000_000 } });
+    for other in [mapped(&|p| p + 1e6), mapped(&|p| p * 1000.0), copies] {
+        stops(|| {
+            let trial = Trial::of(module).input("original", mesh.clone());
+            trial.input("simplified", other.clone()).set("metric", samples.clone())
+        });
+    }
+}
+
+/// Curvature, trees, nearest points and windows, one after the other.
+#[test]
+fn a_perceptual_metric_stops() {
+    let fine = VaseOptions { segments: 512, profile_segments: 512, ..VaseOptions::DEFAULT };
+    let mesh = vase(&fine);
+    let module = registry().find("MeshComparer").expect("the module").module;
+    stops(|| {
+        let trial = Trial::of(module).input("original", mesh.clone());
+        trial.input("simplified", mesh.clone()).set("metric", "Msdm2")
+    });
+}
+
 #[test]
 fn packing_a_picture_stops_and_leaves_no_file() {
     let mut image = Image::filled("noise", [6000, 6000], PixelKind::Rgb, 0);

@@ -21,7 +21,7 @@ use mve_modules::registry;
 use serde_json::{Map as JsonMap, Value as Json, json};
 
 /// Meshes that a module may meet, each with its name.
-fn meshes() -> Vec<(&'static str, TriMesh)> {
+pub fn meshes() -> Vec<(&'static str, TriMesh)> {
     let mut nan = tetrahedron();
     nan.positions[1].x = f64::NAN;
     let mut infinite = tetrahedron();

@@ -6,4 +6,5 @@ mod cost_promises;
 mod experiment;
 mod fuzz;
 mod maps;
+mod metric_of_itself;
 mod tidy;

@@ -30,8 +30,8 @@ const SEED: Param<Seed> =
     Param::seed("seed", "Chooses among sets of samples.", DEFAULT.seed as u32);
 const TOLERANCE: Param<Option<f64>> = Param::maybe_number(
     "tolerance",
-    "The maximum is searched until it is known within this part of the diagonal of the original. \
-     Off: the maximum is the largest of the samples.",
+    "The maximum is searched until it is known within this part of itself; max_upper_bound says \
+     how well it is known. Off: the maximum is the largest of the samples.",
     DEFAULT.max_tolerance,
 )
 .within((1e-9, 1.0))
@@ -98,8 +98,12 @@ fn of_metric(error: HausdorffError) -> MetricError {
 }
 
 fn scalars(found: &Hausdorff) -> Vec<Measure> {
-    let relative =
-        |value: f64| if found.diagonal > 0.0 { value / found.diagonal } else { f64::NAN };
+    // Nothing is no part of anything, also where all lies in one place.
+    let relative = |value: f64| match value {
+        0.0 => 0.0,
+        _ if found.diagonal > 0.0 => value / found.diagonal,
+        _ => f64::NAN,
+    };
     let mut scalars = Vec::with_capacity(18);
     let mut put = |name, value, unit, doc| scalars.push(Measure::new(name, value, unit, doc));
     let both = found;

@@ -27,18 +27,25 @@ const LEVELS: Param<i64> = Param::integer(
 )
 .between((1, MAX_LEVELS as i64));
 const VARIANT: Param<Variant> = Param::one_of("variant", "Which rules to follow.", "Published");
+const SPREAD: Param<bool> = Param::flag(
+    "spread",
+    "Also say by how much the choice among equally near faces can move the value; takes three \
+     times as long.",
+    true,
+);
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Msdm2",
     summary: "How different the meshes look, 0 for equal to about 1, by the statistics of their \
               curvature in small windows (Lavoué 2011).",
-    params: &[LEVELS.spec(), VARIANT.spec()],
+    params: &[LEVELS.spec(), VARIANT.spec(), SPREAD.spec()],
     build,
 };
 
 fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
     let n_levels = settings.get(&LEVELS)? as usize;
-    let options = Msdm2Options { n_levels, variant: settings.get(&VARIANT)? };
+    let (variant, has_spread) = (settings.get(&VARIANT)?, settings.get(&SPREAD)?);
+    let options = Msdm2Options { n_levels, variant, has_spread };
     Ok(Box::new(Msdm2Metric { options }))
 }
 
@@ -59,19 +66,27 @@ impl Metric for Msdm2Metric {
         let found = msdm2(original, simplified, &self.options, control)?;
         let value = |name, value, doc| Measure::new(name, value, "", doc);
         let (of_original, of_simplified) = (&found.from_original, &found.from_simplified);
-        let scalars = vec![
+        let mut scalars = vec![
             value("msdm2", found.symmetric(), "Mean of both directions, 0 for equal meshes."),
             value(
                 "original_msdm2",
                 of_original.value,
-                "Over the vertices of the original, seen against the simplified mesh.",
+                "Over the vertices of the original: sees detail that is lost, and creases of the \
+                 simplified mesh that they lie near; its own larger faces there count as creases, \
+                 so that a flat side in fewer faces is not at 0.",
             ),
             value(
                 "simplified_msdm2",
                 of_simplified.value,
-                "Over the vertices of the simplified mesh, seen against the original.",
+                "Over the vertices of the simplified mesh, as published: sees what is new or bent \
+                 there, and nothing of detail that has no vertex left; few well placed vertices \
+                 give about 0.",
             ),
         ];
+        if let Some(spread) = found.spread {
+            let doc = "By how much the choice among equally near faces can move msdm2.";
+            scalars.push(value("msdm2_spread", spread, doc));
+        }
         let warnings = warnings(&found, original, simplified);
         Ok(Comparison {
             scalars,

@@ -1,15 +1,18 @@
 //! The point of a triangle mesh that is closest to a given point.
 //!
 //! A tree of boxes over the triangles: a node has up to four children, each a node or a single
-//! triangle, whose boxes are tested together. Boxes are `f32` in a frame of their own and rounded
-//! outward, so that they never cut off a triangle; the distance itself is `f64` in model space, and
-//! equal to the least over all faces of [`PreparedTriangle::distance_sq`] to the last bit or so,
-//! whatever way the tree was walked. Of several faces at the same distance any may be named.
+//! triangle, whose boxes are tested together. The boxes of a node are turned along its triangles
+//! where that makes them smaller (Gottschalk, Lin & Manocha, "OBBTree", SIGGRAPH 1996), so that
+//! long thin faces have long thin boxes. They are `f32` and taken as wider than that rounds, so
+//! that they never cut off a triangle; the distance itself is `f64` in model space, and equal to
+//! the least over all faces of [`PreparedTriangle::distance_sq`] to the last bits, whatever way the
+//! tree was walked. Of several faces at the same distance any may be named.
 //!
 //! Many queries that lie near each other go through a [`Walker`], which starts each query with the
-//! face that the one before found.
+//! face that the one before found; where boxes do not help, [`bulk`](super::bulk) does.
 
 use glam::{DVec3, Vec3A, Vec4};
+use mve_core::{Cancelled, Control};
 
 use super::point_triangle::PreparedTriangle;
 use crate::data::FaceId;
@@ -19,17 +22,26 @@ pub(super) const EMPTY: u32 = u32::MAX;
 /// Set in a child that is a triangle.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Points that share one walk of the tree in [`Walker::distances_sq`].
-const GROUP: usize = 32;
+/// Points that share one walk of the tree.
+pub(super) const GROUP: usize = 32;
 /// The points of a group with more candidates than this are asked one by one: that is faster.
 const MOST_CANDIDATES: usize = 20;
+/// So are those whose walk looks at more nodes than this.
+const MOST_GROUP_VISITS: usize = 256;
 /// Groups that are asked one by one, untried, from such a group on.
 const PAUSE: u32 = 16;
+
+/// Coordinates of a query beyond this are brought there: their squares are finite in `f32`.
+const MOST_LOCAL: f64 = 1e15;
+/// Nodes between two looks whether the work was cancelled: a millisecond or less.
+const STRIDE: usize = 1 << 15;
 
 /// Up to four boxes, one a lane, and what is in them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    /// Lowest x, y, z of the four boxes, in the tree's frame.
+    /// The frame of the boxes in that of the tree: where x, y, z and the origin go.
+    pub columns: [Vec4; 4],
+    /// Lowest x, y, z of the four boxes.
     pub low: [Vec4; 3],
     /// Highest x, y, z.
     pub high: [Vec4; 3],
@@ -38,24 +50,64 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Squared distances from the box of a query to the four boxes.
+    /// A node along the axes whose lanes are all out of reach.
+    pub const EMPTY: Self = Self {
+        columns: [Vec4::X, Vec4::Y, Vec4::Z, Vec4::ZERO],
+        low: [Vec4::INFINITY; 3],
+        high: [Vec4::NEG_INFINITY; 3],
+        child: [EMPTY; 4],
+    };
+
+    /// Squared distances from the query to the four boxes.
     #[inline(always)]
     fn distances_sq(&self, query: &QueryBox) -> Vec4 {
+        let [x, y, z, origin] = self.columns;
+        let center = x * query.center[0] + y * query.center[1] + z * query.center[2] + origin;
+        let half = x.abs() * query.half[0] + y.abs() * query.half[1] + z.abs() * query.half[2];
+        let (low, high) = (center - half, center + half);
         let mut sum = Vec4::ZERO;
         for axis in 0..3 {
-            let below = self.low[axis] - query.high[axis];
-            let above = query.low[axis] - self.high[axis];
+            let below = self.low[axis] - Vec4::splat(high[axis]);
+            let above = Vec4::splat(low[axis]) - self.high[axis];
             let gap = below.max(above).max(Vec4::ZERO);
             sum += gap * gap;
         }
         sum
     }
+
+    /// The children that are there.
+    pub fn filled(&self) -> impl Iterator<Item = u32> {
+        self.child.into_iter().filter(|&child| child != EMPTY)
+    }
+
+    /// Puts a box and its content into a lane.
+    pub fn set_lane(&mut self, lane: usize, low: Vec3A, high: Vec3A, child: u32) {
+        for axis in 0..3 {
+            self.low[axis][lane] = low[axis];
+            self.high[axis][lane] = high[axis];
+        }
+        self.child[lane] = child;
+    }
 }
 
-/// A box in the tree's frame, each bound in all four lanes.
+/// A box in the tree's frame: middle and half of each side, each in all four lanes.
 struct QueryBox {
-    low: [Vec4; 3],
-    high: [Vec4; 3],
+    center: [Vec4; 3],
+    half: [Vec4; 3],
+}
+
+impl QueryBox {
+    /// The box that is wider than rounding moves it or the boxes of a node: the frame's numbers
+    /// are about 1 where nodes are, and the query's as large as it is far.
+    #[inline]
+    fn new(center: DVec3, half: DVec3) -> Self {
+        // What is brought nearer to a box around all is no farther from any box within.
+        let center = center.clamp(DVec3::splat(-MOST_LOCAL), DVec3::splat(MOST_LOCAL));
+        let half = half.min(DVec3::splat(MOST_LOCAL));
+        let margin = 1e-6 * (1.0 + center.abs().max_element() + half.max_element());
+        let splat = |v: DVec3| v.as_vec3a().to_array().map(Vec4::splat);
+        Self { center: splat(center), half: splat(half + margin) }
+    }
 }
 
 /// The frame of the boxes: the mesh within about -1 to 1.
@@ -67,20 +119,22 @@ pub(super) struct BoxFrame {
 }
 
 impl BoxFrame {
-    /// An `f32` box around a point's image, wider on each side by far more than the rounding of
-    /// the subtraction and of the conversion, so that distances between boxes are never too long.
+    /// The image of a point.
     #[inline]
-    pub fn around(&self, point: DVec3) -> (Vec3A, Vec3A) {
-        let local = ((point - self.center) * self.scale).as_vec3a();
-        let margin = local.abs() * f32::EPSILON * 2.0 + Vec3A::splat(f32::MIN_POSITIVE);
-        (local - margin, local + margin)
+    pub fn local(&self, point: DVec3) -> DVec3 {
+        (point - self.center) * self.scale
+    }
+
+    #[inline]
+    fn query(&self, point: DVec3) -> QueryBox {
+        QueryBox::new(self.local(point), DVec3::ZERO)
     }
 
     /// The frame's squared distance that is no shorter than `distance_sq`, allowing for the
-    /// rounding of [`Node::distances_sq`].
+    /// rounding of [`Node::distances_sq`] and of the turns of the boxes.
     #[inline]
     fn bound(&self, distance_sq: f64) -> f32 {
-        (distance_sq * (self.scale * self.scale) * (1.0 + 1e-6)) as f32 + f32::MIN_POSITIVE
+        (distance_sq * (self.scale * self.scale) * (1.0 + 2e-6)) as f32 + f32::MIN_POSITIVE
     }
 
     /// The same of a distance, allowing for the rounding of the sum that it is.
@@ -108,11 +162,18 @@ pub struct Bvh {
     pub(super) triangles: Vec<PreparedTriangle>,
     /// The face of each triangle.
     pub(super) faces: Vec<FaceId>,
+    /// Slots of the tree, in order, each with another face of the same corners.
+    pub(super) copies: Vec<(u32, FaceId)>,
     pub(super) frame: BoxFrame,
     pub(super) n_left_out: usize,
 }
 
 impl Bvh {
+    /// The middle of the box around the faces.
+    pub fn center(&self) -> DVec3 {
+        self.frame.center
+    }
+
     /// How many faces can be found.
     pub fn n_faces(&self) -> usize {
         self.triangles.len()
@@ -138,6 +199,13 @@ impl Bvh {
         self.triangles[hit.slot as usize].closest_point(point)
     }
 
+    /// The faces with the corners of that of `hit`, itself among them.
+    pub fn same_as(&self, hit: &Hit) -> impl Iterator<Item = FaceId> {
+        let first = self.copies.partition_point(|&(slot, _)| slot < hit.slot);
+        let copies = self.copies[first..].iter().take_while(|&&(slot, _)| slot == hit.slot);
+        std::iter::once(hit.face).chain(copies.map(|&(_, face)| face))
+    }
+
     /// Asks for many points, best in an order in which neighbors follow each other.
     pub fn walker(&self) -> Walker<'_> {
         Walker {
@@ -146,6 +214,8 @@ impl Bvh {
             last: None,
             candidates: Candidates::default(),
             n_pause: 0,
+            n_visits: 0,
+            n_reported: 0,
         }
     }
 }
@@ -166,12 +236,43 @@ pub struct Walker<'a> {
     candidates: Candidates,
     /// Groups until the next is tried as one.
     n_pause: u32,
+    /// Nodes that single queries looked at.
+    n_visits: usize,
+    /// Those at the last look whether the work was cancelled.
+    n_reported: usize,
 }
 
-impl Walker<'_> {
+impl<'a> Walker<'a> {
+    /// The tree that is asked.
+    pub(super) fn bvh(&self) -> &'a Bvh {
+        self.bvh
+    }
+
+    /// Nodes that were looked at so far.
+    pub fn n_visits(&self) -> usize {
+        self.n_visits
+    }
+
+    /// Looks whether the work was cancelled, if the queries have done some work since it last did.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn poll(&mut self, control: &Control) -> Result<(), Cancelled> {
+        if self.n_visits - self.n_reported < STRIDE {
+            return Ok(());
+        }
+        self.n_reported = self.n_visits;
+        control.at(0.0)
+    }
+
     /// Starts the next query with the face of `hit`, a hit of this walker's tree.
     pub fn start_from(&mut self, hit: &Hit) {
-        self.last = Some(hit.slot);
+        self.start_from_slot(hit.slot);
+    }
+
+    /// The same by where the tree keeps the face.
+    pub(super) fn start_from_slot(&mut self, slot: u32) {
+        self.last = Some(slot);
     }
 
     /// The squared distance from `point` to the face of `hit`, which may be of another point.
@@ -189,29 +290,77 @@ impl Walker<'_> {
         if !is_usable(point) {
             return None;
         }
+        self.closest_by(point, usize::MAX)
+    }
+
+    /// The same, if no more than so many nodes have to be looked at; of a usable point.
+    pub(super) fn closest_by(&mut self, point: DVec3, most_visits: usize) -> Option<Hit> {
         let slot = self.last.unwrap_or(0);
         let distance_sq = self.bvh.triangles.get(slot as usize)?.distance_sq(point);
-        let (distance_sq, slot) = self.descend(point, distance_sq, slot);
+        let (distance_sq, slot) = self.descend(point, (distance_sq, slot), most_visits)?;
         self.last = Some(slot);
         Some(Hit { distance_sq, face: self.bvh.faces[slot as usize], slot })
     }
 
-    /// Walks the whole tree, near boxes first, for a face nearer than that of `slot`.
-    fn descend(&mut self, point: DVec3, distance_sq: f64, slot: u32) -> (f64, u32) {
+    /// Up to `most` faces that are no farther than `distance` from a usable point, into `out`; of
+    /// faces with the same corners one.
+    pub fn within(&mut self, point: DVec3, distance: f64, most: usize, out: &mut Vec<Hit>) {
+        out.clear();
         let bvh = self.bvh;
-        let (low, high) = bvh.frame.around(point);
-        let query = QueryBox::new(low, high);
-        let (mut best, mut best_slot) = (distance_sq, slot);
+        let query = bvh.frame.query(point);
+        let (limit_sq, bound) = (distance * distance, bvh.frame.reach(distance));
+        self.stack.clear();
+        self.stack.push(Pending { distance_sq: 0.0, child: 0 });
+        while let Some(pending) = self.stack.pop() {
+            let node = &bvh.nodes[pending.child as usize];
+            self.n_visits += 1;
+            let mut near = node.distances_sq(&query).cmple(Vec4::splat(bound)).bitmask();
+            while near != 0 {
+                let child = node.child[near.trailing_zeros() as usize & 3];
+                near &= near - 1;
+                if child & LEAF == 0 {
+                    self.stack.push(Pending { distance_sq: 0.0, child });
+                } else if child != EMPTY {
+                    let slot = child & !LEAF;
+                    let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
+                    if distance_sq <= limit_sq {
+                        out.push(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
+                    }
+                    if out.len() == most {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Walks the tree, near boxes first, for a face nearer than that of the slot.
+    fn descend(
+        &mut self,
+        point: DVec3,
+        (mut best, mut best_slot): (f64, u32),
+        most_visits: usize,
+    ) -> Option<(f64, u32)> {
+        let bvh = self.bvh;
+        let query = bvh.frame.query(point);
+        let last_visit = self.n_visits.saturating_add(most_visits);
         let mut bound = bvh.frame.bound(best);
         let stack = &mut self.stack;
         stack.clear();
         let mut next = Some(Pending { distance_sq: 0.0, child: 0 });
         while let Some(pending) = next {
+            if best == 0.0 {
+                break;
+            }
             if pending.distance_sq > bound {
                 next = stack.pop();
                 continue;
             }
+            if self.n_visits >= last_visit {
+                return None;
+            }
             let node = &bvh.nodes[pending.child as usize];
+            self.n_visits += 1;
             let distances = node.distances_sq(&query);
             let mut near = distances.cmple(Vec4::splat(bound)).bitmask();
             let distances = distances.to_array();
@@ -232,26 +381,21 @@ impl Walker<'_> {
             }
             next = stack.pop();
         }
-        (best, best_slot)
+        Some((best, best_slot))
     }
 
-    /// The squared distance of every point, in order, into `out`; the same as [`Walker::closest`]
-    /// of each, and faster where points that follow each other lie closer together than the faces
-    /// are wide. Points that are not finite and trees without faces give infinity.
-    pub fn distances_sq(&mut self, points: &[DVec3], out: &mut Vec<f64>) {
-        out.clear();
-        for group in points.chunks(GROUP) {
-            self.n_pause = self.n_pause.saturating_sub(1);
-            let is_group = self.n_pause == 0 && group.iter().all(|&p| is_usable(p));
-            if is_group && self.group_distances_sq(group, out) {
-                continue;
-            }
-            if is_group {
-                self.n_pause = PAUSE;
-            }
-            let distance = |p: &DVec3| self.closest(*p).map_or(f64::INFINITY, |h| h.distance_sq);
-            out.extend(group.iter().map(distance));
+    /// The squared distances of the points, few enough to share one walk, behind what is in `out`;
+    /// `false` where asking them one by one, before `out` has anything of them, is faster.
+    pub(super) fn shared_distances_sq(&mut self, group: &[DVec3], out: &mut Vec<f64>) -> bool {
+        self.n_pause = self.n_pause.saturating_sub(1);
+        if self.n_pause > 0 || !group.iter().all(|&p| is_usable(p)) {
+            return false;
         }
+        let is_shared = self.group_distances_sq(group, out);
+        if !is_shared {
+            self.n_pause = PAUSE;
+        }
+        is_shared
     }
 
     /// Walks the tree once for all points of a group, if few faces may be nearest to one of them:
@@ -263,7 +407,7 @@ impl Walker<'_> {
     /// none.
     fn group_distances_sq(&mut self, points: &[DVec3], out: &mut Vec<f64>) -> bool {
         let middle = points[points.len() / 2];
-        let Some(hit) = self.closest(middle) else { return false };
+        let Some(hit) = self.closest_by(middle, MOST_GROUP_VISITS) else { return false };
         let bvh = self.bvh;
         let spread = Spread::of(points, middle);
         let triangle = &bvh.triangles[hit.slot as usize];
@@ -273,12 +417,15 @@ impl Walker<'_> {
         let reach = (hit.distance_sq.sqrt() + spread.radius).min(most_sq.sqrt());
         let bound = bvh.frame.reach(reach);
         let query = spread.query(&bvh.frame);
+        let mut n_visits = 0;
         self.candidates.clear();
         self.stack.clear();
         self.stack.push(Pending { distance_sq: 0.0, child: 0 });
         while let Some(pending) = self.stack.pop() {
             let node = &bvh.nodes[pending.child as usize];
+            n_visits += 1;
             let mut near = node.distances_sq(&query).cmple(Vec4::splat(bound)).bitmask();
+            let mut lanes = 0;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
@@ -286,10 +433,14 @@ impl Walker<'_> {
                 if child & LEAF == 0 {
                     self.stack.push(Pending { distance_sq: 0.0, child });
                 } else if child != EMPTY && child & !LEAF != hit.slot {
-                    self.candidates.push(node, lane);
+                    lanes |= 1 << lane;
+                    self.candidates.n += 1;
                 }
             }
-            if self.candidates.n > MOST_CANDIDATES {
+            if lanes != 0 {
+                self.candidates.lanes.push((pending.child, lanes));
+            }
+            if self.candidates.n > MOST_CANDIDATES || n_visits > MOST_GROUP_VISITS {
                 out.truncate(first);
                 return false;
             }
@@ -323,32 +474,23 @@ impl Spread {
     }
 
     fn query(&self, frame: &BoxFrame) -> QueryBox {
-        QueryBox::new(frame.around(self.low).0, frame.around(self.high).1)
+        let [low, high] = [self.low, self.high].map(|p| frame.local(p));
+        QueryBox::new((low + high) * 0.5, (high - low) * 0.5)
     }
 }
 
-/// Triangles that may be nearest, four boxes a node.
+/// Triangles that may be nearest.
 #[derive(Default)]
 struct Candidates {
-    boxes: Vec<Node>,
+    /// Nodes with such triangles, and their lanes as bits.
+    lanes: Vec<(u32, u32)>,
     n: usize,
 }
 
 impl Candidates {
     fn clear(&mut self) {
-        self.boxes.clear();
+        self.lanes.clear();
         self.n = 0;
-    }
-
-    #[inline]
-    fn push(&mut self, node: &Node, lane: usize) {
-        if self.n & 3 == 0 {
-            self.boxes.push(Node::empty());
-        }
-        if let Some(last) = self.boxes.last_mut() {
-            last.copy_lane(self.n & 3, node, lane);
-        }
-        self.n += 1;
     }
 
     /// The least squared distance of these triangles, or the given one if that is less.
@@ -356,18 +498,15 @@ impl Candidates {
     fn nearest_sq(&self, bvh: &Bvh, point: DVec3, distance_sq: f64) -> f64 {
         let mut best = distance_sq;
         let mut bound = bvh.frame.bound(best);
-        let (low, high) = bvh.frame.around(point);
-        let query = QueryBox::new(low, high);
-        for boxes in &self.boxes {
-            let distances = boxes.distances_sq(&query);
-            let mut near = distances.cmple(Vec4::splat(bound)).bitmask();
+        let query = bvh.frame.query(point);
+        for &(node, lanes) in &self.lanes {
+            let node = &bvh.nodes[node as usize];
+            let distances = node.distances_sq(&query);
+            let mut near = distances.cmple(Vec4::splat(bound)).bitmask() & lanes;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
-                if boxes.child[lane] == EMPTY {
-                    continue;
-                }
-                let slot = (boxes.child[lane] & !LEAF) as usize;
+                let slot = (node.child[lane] & !LEAF) as usize;
                 let found = bvh.triangles[slot].distance_sq(point);
                 if found < best {
                     best = found;
@@ -392,37 +531,5 @@ fn push_far_first(stack: &mut Vec<Pending>, first: usize, pending: Pending) {
     while at > first && stack[at - 1].distance_sq < pending.distance_sq {
         stack.swap(at - 1, at);
         at -= 1;
-    }
-}
-
-impl QueryBox {
-    #[inline]
-    fn new(low: Vec3A, high: Vec3A) -> Self {
-        Self { low: low.to_array().map(Vec4::splat), high: high.to_array().map(Vec4::splat) }
-    }
-}
-
-impl Node {
-    /// A node whose lanes are all out of reach.
-    pub fn empty() -> Self {
-        Self { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], child: [EMPTY; 4] }
-    }
-
-    /// Puts a box and its content into a lane.
-    pub fn set_lane(&mut self, lane: usize, low: Vec3A, high: Vec3A, child: u32) {
-        for axis in 0..3 {
-            self.low[axis][lane] = low[axis];
-            self.high[axis][lane] = high[axis];
-        }
-        self.child[lane] = child;
-    }
-
-    #[inline]
-    fn copy_lane(&mut self, lane: usize, from: &Node, from_lane: usize) {
-        for axis in 0..3 {
-            self.low[axis][lane] = from.low[axis][from_lane];
-            self.high[axis][lane] = from.high[axis][from_lane];
-        }
-        self.child[lane] = from.child[from_lane];
     }
 }

@@ -1,18 +1,22 @@
 //! Building the tree of [`Bvh`]: top down, by the surface area heuristic over binned centers
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
-//! node by splitting the largest part again.
+//! node by splitting the largest part again. Of faces with the same corners the tree has one.
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 use mve_core::{Cancelled, Control};
 
 use super::bvh::{BoxFrame, Bvh, EMPTY, LEAF, Node, is_usable};
 use super::point_triangle::PreparedTriangle;
+use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
+use crate::mesh::morton::sort_by_code;
 
 /// Bins along the longest axis.
 const N_BINS: usize = 16;
 /// Below this depth parts are halved by count, which bounds the depth of the tree.
 const SAH_DEPTH: u32 = 40;
+/// Nodes over at most so many faces turn their boxes: larger ones are few.
+const MOST_TURNED: usize = 4096;
 /// Parts of at least this many triangles look whether the work was cancelled.
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
@@ -30,6 +34,20 @@ impl Item {
     /// Twice the center of the box.
     fn center(&self) -> Vec3A {
         self.low + self.high
+    }
+}
+
+impl Item {
+    /// Around a face of the mesh.
+    fn around(face: u32, corners: [DVec3; 3]) -> Self {
+        let mut bounds = Bounds::EMPTY;
+        for corner in corners {
+            // Wider by the rounding of the conversion.
+            let corner = corner.as_vec3a();
+            let margin = corner.abs() * f32::EPSILON + Vec3A::splat(f32::MIN_POSITIVE);
+            bounds.add(corner - margin, corner + margin);
+        }
+        Self { low: bounds.low, high: bounds.high, face }
     }
 }
 
@@ -90,21 +108,19 @@ impl Bvh {
                 control.at(0.0)?;
             }
             if let Some(corners) = corners_of(face) {
-                let mut bounds = Bounds::EMPTY;
-                for corner in corners {
-                    let (low, high) = frame.around(corner);
-                    bounds.add(low, high);
-                }
-                items.push(Item { low: bounds.low, high: bounds.high, face: face as u32 });
+                items.push(Item::around(face as u32, corners.map(|p| frame.local(p))));
             }
         }
         let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
         let main = control.part(0.0, 0.9);
+        let (nodes, n_items) = (Vec::new(), items.len());
+        let copies = Vec::new();
         let mut builder =
-            Builder { nodes: Vec::new(), n_items: items.len(), n_placed: 0, control: main };
+            Builder { mesh, frame, nodes, copies, n_items, n_placed: 0, control: main };
         let whole = Part { start: 0, end: items.len(), bounds };
         builder.node(&mut items, whole, 0)?;
-        let nodes = builder.nodes;
+        let Builder { nodes, copies, .. } = builder;
+        let copies = by_slot(copies, &items, control.part(0.9, 0.9))?;
         let mut triangles = Vec::with_capacity(items.len());
         let mut faces = Vec::with_capacity(items.len());
         for chunk in items.chunks(STRIDE) {
@@ -113,7 +129,8 @@ impl Bvh {
             triangles.extend(chunk.iter().filter_map(prepared));
             faces.extend(chunk.iter().map(|item| FaceId(item.face)));
         }
-        Ok(Self { nodes, triangles, faces, frame, n_left_out: mesh.faces.len() - items.len() })
+        let n_left_out = mesh.faces.len() - items.len();
+        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out })
     }
 }
 
@@ -154,7 +171,11 @@ fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
 }
 
 struct Builder<'a> {
+    mesh: &'a TriMesh,
+    frame: BoxFrame,
     nodes: Vec<Node>,
+    /// Faces of the tree, each with another of the same corners.
+    copies: Vec<(FaceId, FaceId)>,
     n_items: usize,
     n_placed: usize,
     control: Control<'a>,
@@ -169,9 +190,12 @@ impl Builder<'_> {
             here.at(0.0)?;
         }
         let index = self.nodes.len();
-        self.nodes.push(Node::empty());
-        let (parts, n_parts) = four_parts(items, part, depth, here)?;
-        for (lane, &part) in parts[..n_parts].iter().enumerate() {
+        self.nodes.push(Node::EMPTY);
+        let (parts, n_parts) = self.four_parts(items, part, depth, here)?;
+        let parts = &parts[..n_parts];
+        let (columns, boxes) = self.turned(items, parts);
+        self.nodes[index].columns = columns;
+        for (lane, (&part, bounds)) in parts.iter().zip(boxes).enumerate() {
             let child = match part.len() {
                 0 => EMPTY,
                 1 => {
@@ -180,54 +204,196 @@ impl Builder<'_> {
                 }
                 _ => self.node(items, part, depth + 2)?,
             };
-            self.nodes[index].set_lane(lane, part.bounds.low, part.bounds.high, child);
+            self.nodes[index].set_lane(lane, bounds.low, bounds.high, child);
         }
         Ok(index as u32)
     }
-}
 
-/// Splits a part in up to four, always the largest in area next; says how many there are.
-fn four_parts(
-    items: &mut [Item],
-    part: Part,
-    depth: u32,
-    control: Control,
-) -> Result<([Part; 4], usize), Cancelled> {
-    let mut parts = [part; 4];
-    let mut n_parts = 1;
-    while n_parts < 4 {
-        let mut chosen = None;
-        let mut most = -1.0;
-        for (k, part) in parts[..n_parts].iter().enumerate() {
-            let area = part.bounds.half_area();
-            if part.len() > 1 && area > most {
-                (chosen, most) = (Some(k), area);
+    /// The corners of an item in the tree's frame.
+    fn corners(&self, item: &Item) -> [DVec3; 3] {
+        self.mesh.corners(FaceId(item.face)).map(|p| self.frame.local(p))
+    }
+
+    /// The frame of a node over these parts, and their boxes in it: along the longest side of a
+    /// face and the mean normal, or along the axes where that makes smaller boxes.
+    fn turned(&self, items: &[Item], parts: &[Part]) -> ([Vec4; 4], [Bounds; 4]) {
+        let mut boxes = [Bounds::EMPTY; 4];
+        boxes.iter_mut().zip(parts).for_each(|(bounds, part)| *bounds = part.bounds);
+        let along_axes = (Node::EMPTY.columns, boxes);
+        let n_items: usize = parts.iter().map(Part::len).sum();
+        if n_items > MOST_TURNED {
+            return along_axes;
+        }
+        let Some(columns) = self.frame_along(items, parts) else { return along_axes };
+        let [x, y, z, origin] = columns.map(|column| column.truncate().as_dvec3());
+        let mut turned = [Bounds::EMPTY; 4];
+        for (bounds, part) in turned.iter_mut().zip(parts) {
+            for item in &items[part.start..part.end] {
+                for p in self.corners(item) {
+                    let p = (x * p.x + y * p.y + z * p.z + origin).as_vec3a();
+                    bounds.add(p, p);
+                }
             }
         }
-        let Some(chosen) = chosen else { break };
-        let [left, right] = split(items, parts[chosen], depth, control)?;
-        parts[chosen] = left;
-        parts[n_parts] = right;
-        n_parts += 1;
+        let area = |boxes: &[Bounds; 4]| boxes.iter().map(Bounds::half_area).sum::<f32>();
+        if area(&turned) < area(&boxes) { (columns, turned) } else { along_axes }
     }
-    Ok((parts, n_parts))
+
+    /// A frame with x along the longest side of the faces and z along their mean normal.
+    fn frame_along(&self, items: &[Item], parts: &[Part]) -> Option<[Vec4; 4]> {
+        let (mut longest, mut normals) = (DVec3::ZERO, DVec3::ZERO);
+        let mut origin = DVec3::ZERO;
+        for item in parts.iter().flat_map(|part| &items[part.start..part.end]) {
+            let [a, b, c] = self.corners(item);
+            for side in [b - a, c - b, a - c] {
+                if side.length_squared() > longest.length_squared() {
+                    (longest, origin) = (side, a);
+                }
+            }
+            let normal = (b - a).cross(c - a);
+            normals += if normal.dot(normals) < 0.0 { -normal } else { normal };
+        }
+        let x = longest.try_normalize()?;
+        let across = normals - x * normals.dot(x);
+        let z = across.try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
+        let rows = [x, z.cross(x), z];
+        let column = |pick: fn(&DVec3) -> f64| DVec3::from(rows.each_ref().map(pick)).as_vec3();
+        let [of_x, of_y, of_z] = [column(|row| row.x), column(|row| row.y), column(|row| row.z)];
+        let moved = DVec3::from(rows.map(|row| -row.dot(origin))).as_vec3();
+        Some([of_x, of_y, of_z, moved].map(|column| column.extend(0.0)))
+    }
+
+    /// Splits a part in up to four, always the largest in area next; says how many there are.
+    fn four_parts(
+        &mut self,
+        items: &mut [Item],
+        part: Part,
+        depth: u32,
+        control: Control,
+    ) -> Result<([Part; 4], usize), Cancelled> {
+        let mut parts = [part; 4];
+        let mut n_parts = 1;
+        while n_parts < 4 {
+            let mut chosen = None;
+            let mut most = -1.0;
+            for (k, part) in parts[..n_parts].iter().enumerate() {
+                let area = part.bounds.half_area();
+                if part.len() > 1 && area > most {
+                    (chosen, most) = (Some(k), area);
+                }
+            }
+            let Some(chosen) = chosen else { break };
+            let part = parts[chosen];
+            let centers = centers_of(&items[part.start..part.end], control)?;
+            if centers.low == centers.high {
+                let distinct = self.without_copies(items, part, control)?;
+                self.n_placed += part.len() - distinct.len();
+                parts[chosen] = distinct;
+                if distinct.len() == 1 {
+                    continue;
+                }
+            }
+            let [left, right] = split(items, parts[chosen], centers, depth, control)?;
+            parts[chosen] = left;
+            parts[n_parts] = right;
+            n_parts += 1;
+        }
+        Ok((parts, n_parts))
+    }
+
+    /// Moves one of the faces with the same corners, each, to the front of a part, and ends the
+    /// part behind them.
+    fn without_copies(
+        &mut self,
+        items: &mut [Item],
+        part: Part,
+        control: Control,
+    ) -> Result<Part, Cancelled> {
+        let slice = &mut items[part.start..part.end];
+        let mut keys = Vec::with_capacity(slice.len());
+        for (at, item) in (0u32..).zip(slice.iter()) {
+            control.item(at as usize, usize::MAX)?;
+            keys.push((self.corner_code(item.face), at));
+        }
+        sort_by_code(&mut keys, control)?;
+        let (mut distinct, mut copies) = (Vec::new(), Vec::new());
+        let mut last: Option<(u64, [[u64; 3]; 3])> = None;
+        for (at, &(code, item)) in keys.iter().enumerate() {
+            control.item(at, usize::MAX)?;
+            let item = slice[item as usize];
+            let corners = self.corner_bits(item.face);
+            if let (Some(first), true) = (distinct.last(), last == Some((code, corners))) {
+                let Item { face: first, .. } = first;
+                self.copies.push((FaceId(*first), FaceId(item.face)));
+                copies.push(item);
+            } else {
+                last = Some((code, corners));
+                distinct.push(item);
+            }
+        }
+        let (front, back) = slice.split_at_mut(distinct.len());
+        front.copy_from_slice(&distinct);
+        back.copy_from_slice(&copies);
+        Ok(Part { end: part.start + distinct.len(), ..part })
+    }
+
+    /// The corners of a face as they are stored, in an order that does not depend on the face.
+    fn corner_bits(&self, face: u32) -> [[u64; 3]; 3] {
+        // Both zeros are one place.
+        let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
+        let mut corners = self.mesh.corners(FaceId(face)).map(bits);
+        corners.sort_unstable();
+        corners
+    }
+
+    /// A number that faces of the same corners share, and hardly any others.
+    fn corner_code(&self, face: u32) -> u64 {
+        let bits = self.corner_bits(face);
+        bits.as_flattened().iter().fold(0, |code, &bits| IndexedRandom::new(code).bits(bits))
+    }
+}
+
+/// The copies by the slot of the face that the tree has.
+fn by_slot(
+    copies: Vec<(FaceId, FaceId)>,
+    items: &[Item],
+    control: Control,
+) -> Result<Vec<(u32, FaceId)>, Cancelled> {
+    if copies.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut slots = vec![0; items.iter().map(|item| item.face as usize + 1).max().unwrap_or(0)];
+    for (slot, item) in (0u32..).zip(items) {
+        control.item(slot as usize, items.len())?;
+        slots[item.face as usize] = slot;
+    }
+    let mut by_slot: Vec<_> =
+        copies.into_iter().map(|(face, copy)| (slots[face.idx()], copy)).collect();
+    by_slot.sort_unstable_by_key(|&(slot, copy)| (slot, copy.0));
+    Ok(by_slot)
+}
+
+/// The box around twice the centers of the items.
+fn centers_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
+    let mut centers = Bounds::EMPTY;
+    for chunk in items.chunks(STRIDE) {
+        report_long(chunk, control)?;
+        for item in chunk {
+            centers.add(item.center(), item.center());
+        }
+    }
+    Ok(centers)
 }
 
 /// Splits a part of at least two items in two that are not empty.
 fn split(
     items: &mut [Item],
     part: Part,
+    centers: Bounds,
     depth: u32,
     control: Control,
 ) -> Result<[Part; 2], Cancelled> {
     let slice = &mut items[part.start..part.end];
-    let mut centers = Bounds::EMPTY;
-    for chunk in slice.chunks(STRIDE) {
-        report_long(chunk, control)?;
-        for item in chunk {
-            centers.add(item.center(), item.center());
-        }
-    }
     let extent = centers.high - centers.low;
     let axis = extent.max_position();
     let by_bins = if extent[axis] > 0.0 && depth < SAH_DEPTH {
@@ -324,6 +490,7 @@ fn split_by_area(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::distance::bulk::ManyQueries;
     use crate::mesh::fixtures::mesh_of;
     use proptest::prelude::*;
 
@@ -355,11 +522,20 @@ mod tests {
     }
 
     #[test]
-    fn a_thousand_copies_of_one_face_build() {
-        let faces = vec![[0, 1, 2]; 1000];
-        let mesh = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &faces);
-        let bvh = Bvh::build(&mesh, Control::none()).unwrap();
-        assert_eq!(bvh.closest(DVec3::new(0.2, 0.2, -3.0)).unwrap().distance_sq, 9.0);
+    fn of_a_thousand_copies_of_a_face_the_tree_has_one() {
+        let turns = [[0, 1, 2], [2, 1, 0], [1, 2, 0], [4, 3, 5]];
+        let mut corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        corners.extend_from_within(..);
+        corners.extend([[0.0, 0.0, 1.0], [1.0, 1.0, 1.0]]);
+        let faces: Vec<_> = (0..1000).map(|k| turns[k % 4]).chain([[0, 6, 7]]).collect();
+        let bvh = Bvh::build(&mesh_of(&corners, &faces), Control::none()).unwrap();
+        let hit = bvh.closest(DVec3::new(0.2, 0.2, -3.0)).unwrap();
+        assert_eq!((hit.distance_sq, bvh.nodes.len(), bvh.n_faces()), (9.0, 1, 1001));
+        let mut same: Vec<u32> = bvh.same_as(&hit).map(|face| face.0).collect();
+        same.sort_unstable();
+        assert!(same.into_iter().eq(0..1000));
+        let alone = bvh.closest(DVec3::ONE).unwrap();
+        assert!(bvh.same_as(&alone).eq([FaceId(1000)]));
     }
 
     fn any_point() -> impl Strategy<Value = DVec3> {
@@ -388,11 +564,15 @@ mod tests {
             let expected: Vec<f64> = queries.iter().map(|&q| brute_force(&mesh, q)).collect();
             let mut walker = bvh.walker();
             let mut batch = Vec::new();
-            bvh.walker().distances_sq(&queries, &mut batch);
-            prop_assert_eq!(&batch, &expected);
-            for (&query, &expected) in queries.iter().zip(&expected) {
-                prop_assert_eq!(bvh.closest(query).unwrap().distance_sq, expected);
-                prop_assert_eq!(walker.closest(query).unwrap().distance_sq, expected);
+            let many = ManyQueries::new(&bvh, queries[0]);
+            many.distances_sq(&queries, &mut batch, &Control::none()).unwrap();
+            let rounding = 1e-14 * scale * (1.0 + spread);
+            for ((&query, &expected), &batch) in queries.iter().zip(&expected).zip(&batch) {
+                let single = bvh.closest(query).unwrap().distance_sq;
+                let seeded = walker.closest(query).unwrap().distance_sq;
+                for found in [single, seeded, batch] {
+                    prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
+                }
             }
         }
     }

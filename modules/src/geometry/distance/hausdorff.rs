@@ -14,6 +14,7 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::bulk::ManyQueries;
 use super::bvh::{Bvh, Hit};
 use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
 use super::sample::{SurfaceSampler, sample_edges};
@@ -22,8 +23,8 @@ use crate::mesh::morton::{morton_order, sort_by_code};
 
 /// Samples of one chunk: about a millisecond of work.
 const CHUNK: usize = 8192;
-/// Samples asked for at once; a multiple of what the walker takes together.
-const BATCH: usize = 256;
+/// The maximum is known well enough within this part of the diagonal.
+const LEAST_TOLERANCE: f64 = 1e-9;
 /// Seeds of the streams that are not the surface samples' own.
 const EDGE_STREAM: u64 = 0x45c1_20f7_9d3b_6a8e;
 
@@ -39,8 +40,8 @@ pub struct HausdorffOptions {
     /// covers edges as well, so this matters only without it.
     pub n_edge_samples: usize,
     /// Bisection of the faces that may hold the maximum ends when the maximum is known within
-    /// this fraction of the diagonal of the original. `None`: no bisection, the maximum is the
-    /// largest of the samples and has no upper bound.
+    /// this fraction of itself, or within 1e-9 of the diagonal of the original where it is less.
+    /// `None`: no bisection, the maximum is the largest of the samples and has no upper bound.
     pub max_tolerance: Option<f64>,
     /// Parts of faces, beyond all faces and their quarters, that one bisection may look at before
     /// it gives up with what bounds it has.
@@ -53,7 +54,7 @@ impl HausdorffOptions {
         n_samples: None,
         seed: 0,
         n_edge_samples: 0,
-        max_tolerance: Some(1e-5),
+        max_tolerance: Some(0.01),
         max_parts: 1_000_000,
     };
 }
@@ -226,14 +227,15 @@ fn directed(
     options: &HausdorffOptions,
     control: Control,
 ) -> Result<(Directed, Field), Cancelled> {
-    let hits = vertex_hits(from.mesh, &to.bvh, control.part(0.0, 0.1))?;
+    let queries = ManyQueries::new(&to.bvh, from.bvh.center());
+    let hits = vertex_hits(from.mesh, &queries, control.part(0.0, 0.1))?;
     let mut values: Vec<f64> = Vec::with_capacity(hits.len());
     values.extend(hits.iter().map(|h| h.map_or(f64::NAN, |h| h.distance_sq.sqrt())));
     let default = (10 * from.mesh.faces.len().max(to.mesh.faces.len())).clamp(100_000, 2_000_000);
     let n_samples = options.n_samples.unwrap_or(default);
     let set_up = control.part(0.1, 0.12);
     let sampler = SurfaceSampler::new(from.mesh, n_samples, options.seed, set_up)?;
-    let mut sums = sample_sums(&sampler, &to.bvh, control.part(0.12, 0.7))?;
+    let mut sums = sample_sums(&sampler, &queries, control.part(0.12, 0.7))?;
     for chunk in from.bvh.faces().chunks(CHUNK) {
         control.at(0.7)?;
         for v in chunk.iter().flat_map(|f| from.mesh.faces[f.idx()]) {
@@ -242,7 +244,7 @@ fn directed(
             }
         }
     }
-    offer_edges(from, to, options, &mut sums.most, control.part(0.7, 0.7))?;
+    offer_edges(from, &queries, options, &mut sums.most, control.part(0.7, 0.7))?;
     let mut max_upper_bound = None;
     if let Some(tolerance) = options.max_tolerance {
         let task = MaxSearch {
@@ -250,7 +252,8 @@ fn directed(
             faces: from.bvh.faces(),
             to: &to.bvh,
             vertex_hits: &hits,
-            tolerance: tolerance * diagonal,
+            tolerance,
+            least_tolerance: LEAST_TOLERANCE * diagonal,
             max_parts: options.max_parts,
         };
         max_upper_bound = Some(search(&task, &mut sums.most, control.part(0.7, 1.0))?);
@@ -273,14 +276,19 @@ fn directed(
 }
 
 /// The nearest face of each vertex of `mesh`, `None` where the vertex is not finite.
-fn vertex_hits(mesh: &TriMesh, to: &Bvh, control: Control) -> Result<Vec<Option<Hit>>, Cancelled> {
+fn vertex_hits(
+    mesh: &TriMesh,
+    to: &ManyQueries,
+    control: Control,
+) -> Result<Vec<Option<Hit>>, Cancelled> {
     let order = morton_order(&mesh.positions, control.part(0.0, 0.0))?;
     let steps = control.steps(order.len().div_ceil(CHUNK));
     let found: Vec<Vec<Option<Hit>>> = order
         .par_chunks(CHUNK)
         .map(|chunk| {
-            let mut walker = to.walker();
-            let hits = chunk.iter().map(|&v| walker.closest(mesh.positions[v as usize])).collect();
+            let points: Vec<DVec3> = chunk.iter().map(|&v| mesh.positions[v as usize]).collect();
+            let mut hits = Vec::with_capacity(points.len());
+            to.closest(&points, &mut hits, &control)?;
             steps.step()?;
             Ok(hits)
         })
@@ -301,7 +309,11 @@ struct Sums {
     most: FarthestPoint,
 }
 
-fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<Sums, Cancelled> {
+fn sample_sums(
+    sampler: &SurfaceSampler,
+    to: &ManyQueries,
+    control: Control,
+) -> Result<Sums, Cancelled> {
     let n_chunks = sampler.n_samples().div_ceil(CHUNK);
     let steps = control.steps(n_chunks);
     let chunks: Vec<Sums> = (0..n_chunks)
@@ -309,7 +321,8 @@ fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<S
         .map(|chunk| {
             let start = chunk * CHUNK;
             let end = (start + CHUNK).min(sampler.n_samples());
-            let sums = chunk_sums(sampler.samples(start..end).map(|s| s.point), to);
+            let points: Vec<DVec3> = sampler.samples(start..end).map(|s| s.point).collect();
+            let sums = chunk_sums(&points, to, &control)?;
             steps.step()?;
             Ok(sums)
         })
@@ -324,25 +337,17 @@ fn sample_sums(sampler: &SurfaceSampler, to: &Bvh, control: Control) -> Result<S
     }))
 }
 
-fn chunk_sums(mut points: impl Iterator<Item = DVec3>, to: &Bvh) -> Sums {
+fn chunk_sums(points: &[DVec3], to: &ManyQueries, control: &Control) -> Result<Sums, Cancelled> {
     let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
-    let mut walker = to.walker();
-    let mut batch = Vec::with_capacity(BATCH);
-    let mut found = Vec::with_capacity(BATCH);
-    loop {
-        batch.clear();
-        batch.extend(points.by_ref().take(BATCH));
-        if batch.is_empty() {
-            return sums;
-        }
-        walker.distances_sq(&batch, &mut found);
-        for (&point, &distance_sq) in batch.iter().zip(&found) {
-            sums.distance += distance_sq.sqrt();
-            sums.distance_sq += distance_sq;
-            sums.n += 1;
-            sums.most.offer(distance_sq, point);
-        }
+    let mut found = Vec::with_capacity(points.len());
+    to.distances_sq(points, &mut found, control)?;
+    for (&point, &distance_sq) in points.iter().zip(&found) {
+        sums.distance += distance_sq.sqrt();
+        sums.distance_sq += distance_sq;
+        sums.n += 1;
+        sums.most.offer(distance_sq, point);
     }
+    Ok(sums)
 }
 
 /// Sums over the vertices that faces use, where there is no area to sum over.
@@ -371,7 +376,7 @@ fn vertex_sums(
 /// Looks along the edges for a larger maximum.
 fn offer_edges(
     from: &MeasuredMesh,
-    to: &MeasuredMesh,
+    to: &ManyQueries,
     options: &HausdorffOptions,
     most: &mut FarthestPoint,
     control: Control,
@@ -401,7 +406,7 @@ fn offer_edges(
         .par_chunks(CHUNK)
         .map(|chunk| {
             control.at(0.0)?;
-            Ok(chunk_sums(chunk.iter().copied(), &to.bvh))
+            chunk_sums(chunk, to, &control)
         })
         .collect::<Result<_, Cancelled>>()?;
     for chunk in chunks {

@@ -15,8 +15,9 @@
 //!   triangulations of the same plane need this, as a part over an edge between two triangles
 //!   otherwise stays open until it is as small as the tolerance.
 //!
-//! A part whose bound exceeds the largest distance found so far by more than the tolerance is
-//! split in four. Parts are looked at in rounds, whose results do not depend on threads.
+//! A part whose bound exceeds the largest distance found so far by more than the tolerance, a part
+//! of that distance, is split in four. Parts are looked at in rounds, whose results do not depend
+//! on threads.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
@@ -63,8 +64,11 @@ pub(super) struct MaxSearch<'a> {
     pub to: &'a Bvh,
     /// Of each vertex of `mesh`.
     pub vertex_hits: &'a [Option<Hit>],
-    /// In model units.
+    /// A part of the largest distance.
     pub tolerance: f64,
+    /// Parts that are no farther than this beyond the largest distance need no closer look, in
+    /// model units: where both surfaces are one, there is nothing to be relative to.
+    pub least_tolerance: f64,
     /// After so many parts other than faces and quarters of faces the search ends.
     pub max_parts: usize,
 }
@@ -91,7 +95,7 @@ pub(super) fn search(
             .par_chunks(CHUNK)
             .map(|chunk| {
                 control.at(0.0)?;
-                Ok(first_parts(task, chunk, *most))
+                first_parts(task, chunk, *most, &control)
             })
             .collect::<Result<_, Cancelled>>()?,
         most,
@@ -123,7 +127,7 @@ pub(super) fn search(
             .par_chunks(CHUNK)
             .map(|chunk| {
                 here.at(0.0)?;
-                Ok(split_all(task, chunk, *most))
+                split_all(task, chunk, *most, &here)
             })
             .collect::<Result<_, Cancelled>>()?;
         drop(parts);
@@ -159,31 +163,44 @@ fn merged(
 
 /// Parts up to this squared bound need no closer look.
 fn limit_sq(task: &MaxSearch, most: &FarthestPoint) -> f64 {
-    let limit = most.distance_sq.max(0.0).sqrt() * (1.0 + 1e-12) + task.tolerance;
+    let most = most.distance_sq.max(0.0).sqrt();
+    let limit = most * (1.0 + 1e-12) + task.least_tolerance.max(task.tolerance * most);
     limit * limit
 }
 
 /// Bounds faces as they are.
-fn first_parts(task: &MaxSearch, faces: &[FaceId], most: FarthestPoint) -> Round {
+fn first_parts(
+    task: &MaxSearch,
+    faces: &[FaceId],
+    most: FarthestPoint,
+    control: &Control,
+) -> Result<Round, Cancelled> {
     let mut splitter = Splitter::new(task, most);
     for face in faces {
         let hits = task.mesh.faces[face.idx()].map(|v| task.vertex_hits[v.idx()]);
         // The corners of usable faces are usable.
         let [Some(a), Some(b), Some(c)] = hits else { continue };
         splitter.add(task.mesh.corners(*face), [a, b, c], a, f64::INFINITY);
+        splitter.walker.poll(control)?;
     }
-    splitter.round
+    Ok(splitter.round)
 }
 
 /// Splits parts.
-fn split_all(task: &MaxSearch, parts: &[Part], most: FarthestPoint) -> Round {
+fn split_all(
+    task: &MaxSearch,
+    parts: &[Part],
+    most: FarthestPoint,
+    control: &Control,
+) -> Result<Round, Cancelled> {
     let mut splitter = Splitter::new(task, most);
     for part in parts {
         if !splitter.cover(part) {
             splitter.quarter(part);
         }
+        splitter.walker.poll(control)?;
     }
-    splitter.round
+    Ok(splitter.round)
 }
 
 /// Bounds and splits the parts of one chunk.

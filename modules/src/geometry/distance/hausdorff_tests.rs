@@ -40,7 +40,7 @@ fn parallel_squares_are_their_distance_apart_everywhere() {
 fn a_mesh_against_itself_is_zero() {
     let found = measure(&tetrahedron(), &tetrahedron());
     assert!(found.max() < 1e-15 && found.rms() < 1e-15);
-    assert!(found.max_upper_bound().unwrap() < 1e-5 * found.diagonal);
+    assert!(found.max_upper_bound().unwrap() < 1e-9 * found.diagonal);
 }
 
 /// The cube moved by 1/4 along x. Of the original the face x = 0 is 1/4 from the other, which also
@@ -51,7 +51,7 @@ fn a_shifted_cube() {
     let found = measure(&cube(0.0), &cube(0.25));
     let side = found.from_original;
     assert!((side.max - 0.25).abs() < 1e-12);
-    assert!((side.max_upper_bound.unwrap() - 0.25).abs() < 1e-4);
+    assert!((0.25 - 1e-12..0.2525 + 1e-12).contains(&side.max_upper_bound.unwrap()));
     // Face x = 0: exactly 1/4, area 1. Face x = 1 lies within the other cube, whose nearest face
     // is x = 5/4, or a side at distance s: the mean of min(1/4, s) over the unit square, s the
     // distance from its border, is the integral of (1 - 2 s)² over s from 0 to 1/4 = 7/48.
@@ -187,7 +187,7 @@ fn slivers_over_slivers_are_at_no_distance() {
         let found = measure(&strips(24, 0.0), &strips(15, turn)).from_simplified;
         let expected = 2.0 * turn;
         let bound = found.max_upper_bound.unwrap();
-        assert!(found.max <= expected + 1e-15 && bound >= found.max && bound < 3e-5, "{found:?}");
+        assert!(found.max <= expected + 1e-15 && bound >= found.max && bound < 1e-6, "{found:?}");
     }
 }
 
@@ -246,7 +246,7 @@ proptest! {
         shifts in prop::collection::vec(-1.0..1.0f64, 7),
         bend in prop::sample::select(vec![0.0, 1e-9, 1e-3, 0.1]),
         turn in prop::sample::select(vec![0.0, 1e-9, 0.3, 0.8]),
-        tolerance in prop::sample::select(vec![1e-7, 1e-4, 1e-2]),
+        tolerance in prop::sample::select(vec![1e-4, 1e-2, 0.3]),
         max_parts in prop::sample::select(vec![0, 300, 20_000]),
     ) {
         let (a, b) = (sheet(n, bend, 0.0, &shifts), sheet(m, bend, turn, &shifts));
@@ -275,7 +275,7 @@ proptest! {
             prop_assert!(side.mean <= side.rms * (1.0 + 1e-12) && side.rms <= side.max);
             prop_assert!(side.max <= ab.max());
             let bound = side.max_upper_bound.unwrap();
-            prop_assert!(side.max <= bound && bound <= side.max + 1.001e-3 * ab.diagonal);
+            prop_assert!(side.max <= bound && bound <= side.max * 1.001001 + 1e-9 * ab.diagonal);
         }
         prop_assert!(is_bounded(&a, &b, &ab.from_original));
         prop_assert!(is_bounded(&b, &a, &ab.from_simplified));

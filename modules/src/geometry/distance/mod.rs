@@ -1,5 +1,6 @@
 //! Distances between surfaces: a tree of triangles, samples, mean and largest distance.
 
+pub mod bulk;
 pub mod bvh;
 mod bvh_build;
 pub mod hausdorff;

@@ -96,6 +96,32 @@ impl PreparedTriangle {
         point - offset
     }
 
+    /// The vector to `point` from the nearest point of the triangle: as good far away as near.
+    #[inline]
+    pub fn offset(&self, point: DVec3) -> DVec3 {
+        let ap = point - self.a;
+        let at_b = ap.dot(self.dual_b);
+        let at_c = ap.dot(self.dual_c);
+        let at_a = 1.0 - at_b - at_c;
+        if at_a >= 0.0 && at_b >= 0.0 && at_c >= 0.0 {
+            return self.normal * ap.dot(self.normal);
+        }
+        self.nearest_side(ap, [at_a, at_b, at_c]).1
+    }
+
+    /// The length of the longest side.
+    #[inline]
+    pub fn longest_side(&self) -> f64 {
+        let [ab, ac, bc] = [self.ab, self.ac, self.ac - self.ab].map(DVec3::length_squared);
+        ab.max(ac).max(bc).sqrt()
+    }
+
+    /// The corners as seen from `point`.
+    pub fn corners_from(&self, point: DVec3) -> [DVec3; 3] {
+        let a = self.a - point;
+        [a, a + self.ab, a + self.ac]
+    }
+
     /// Squared length of, and, the vector from the nearest side that the point lies beyond.
     ///
     /// Coordinates that are not numbers (a flat triangle) look at every side.

@@ -21,7 +21,7 @@ use mve_core::{Cancelled, Control};
 use super::msdm2::curvature::curvatures;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};
 use super::msdm2::{
-    Level, Levels, MeshCurvature, Msdm2, Msdm2Error, OneSided, Pair, ReferencePoint, Variant,
+    Level, Levels, MeshCurvature, Msdm2, Msdm2Error, OneSided, Pair, ReferencePoint, Ties, Variant,
     carry, one_sided_of,
 };
 use crate::data::TriMesh;
@@ -94,6 +94,7 @@ pub fn msdm(
     let both = Msdm2 {
         from_original: from_original?,
         from_simplified: from_simplified?,
+        spread: None,
         n_left_out_original: a.n_left_out,
         n_left_out_simplified: b.n_left_out,
     };
@@ -115,7 +116,8 @@ fn one_sided(
             .filter_map(|(v, &curvature)| Some(ReferencePoint { point: point(v)?, curvature }));
         by_index.collect()
     } else {
-        carry(reference, surface, of_reference, Variant::Published, control.part(0.0, 0.3))?
+        let sides = [(reference, of_reference), (surface, curvature)];
+        carry(sides, (Variant::Published, Ties::Any), control.part(0.0, 0.3))?
     };
     let windows =
         Windows { surface, levels, curvature, carried: &carried, kernel: |_| Kernel::Uniform };

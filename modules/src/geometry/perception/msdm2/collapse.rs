@@ -20,7 +20,7 @@ use mve_core::Control;
 use rayon::prelude::*;
 
 use super::bend::{Bend, normal, turn_rad};
-use super::carry::carry_to;
+use super::carry::Reference;
 use super::curvature::curvatures;
 use super::curvature_mesh::{CurvatureMesh, common_scale};
 use super::window::{Sample, Sums};
@@ -266,8 +266,9 @@ impl CollapsePrices {
     }
 
     fn carry(&self, point: DVec3) -> ReferencePoint {
-        let mut walker = self.reference.bvh.walker();
-        carry_to(point, &self.reference, &self.curvature, Variant::Published, &mut walker)
+        let (surface, curvature) = (&self.reference, self.curvature.as_slice());
+        let reference = Reference { surface, curvature, variant: Variant::Published };
+        reference.carried_to(point, &mut surface.bvh.walker())
     }
 
     /// Lists the edges at a vertex after a merge: none where it has too many faces.

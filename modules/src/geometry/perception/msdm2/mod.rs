@@ -13,14 +13,15 @@
 //! a face has no value and does not count (the program reads a null pointer there); and where more
 //! than two faces meet at an edge the edge counts as a border, while the program's reader
 //! copies vertices until the mesh is manifold, so that a mesh differs from itself there. Of faces
-//! equally near to a vertex, either may be taken, as there: 0.5 % of the value.
+//! equally near to a vertex, either may be taken, as there ([`Msdm2::spread`] says what that
+//! means); but of those that a vertex lies on, the one whose curvature is most alike, so that no
+//! mesh differs from itself where its sheets touch.
 //!
 //! [`Variant::Mended`] departs where the published program is weak: sizes are relative to a length
 //! that no rotation changes and that is the same in both directions (`rod_length`); the
 //! curvature of the reference is taken at the nearest point itself, which does not depend on
-//! which of equally near faces was met (two sheets in one place are still told apart by chance);
-//! the disc at a border vertex has the area that it has; turns over a right angle do not fold back;
-//! and an edge of three or more faces bends, too.
+//! which of equally near faces was met; the disc at a border vertex has the area that it has; turns
+//! over a right angle do not fold back; and an edge of three or more faces bends, too.
 
 mod bend;
 mod carry;
@@ -37,7 +38,7 @@ pub(super) mod window;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-pub(super) use carry::{ReferencePoint, carry};
+pub(super) use carry::{ReferencePoint, Ties, carry};
 use curvature_mesh::{CurvatureMesh, common_scale};
 use window::{Kernel, Moments, Windows, local_values};
 
@@ -59,11 +60,14 @@ pub struct Msdm2Options {
     pub n_levels: usize,
     /// Which rules.
     pub variant: Variant,
+    /// Whether to say what equally near faces mean for the value; takes as long as two values.
+    pub has_spread: bool,
 }
 
 impl Msdm2Options {
     /// The default: what was published.
-    pub const DEFAULT: Self = Self { n_levels: MAX_LEVELS, variant: Variant::Published };
+    pub const DEFAULT: Self =
+        Self { n_levels: MAX_LEVELS, variant: Variant::Published, has_spread: false };
 }
 
 impl Default for Msdm2Options {
@@ -89,6 +93,9 @@ pub struct Msdm2 {
     pub from_original: OneSided,
     /// Over the vertices of the simplified mesh, with the original as the reference.
     pub from_simplified: OneSided,
+    /// By how much the symmetric values with the most and with the least alike of equally near
+    /// faces everywhere differ, if it was asked for.
+    pub spread: Option<f64>,
     /// Faces of the original that were left out: not finite, or with one vertex twice.
     pub n_left_out_original: usize,
     /// The same of the simplified mesh.
@@ -218,20 +225,35 @@ pub fn msdm2(
         false => Some(both_curvatures(&of_simplified, second)?),
     };
     let by_simplified = by_simplified.as_ref().unwrap_or(&by_original);
-    let rules = (options.variant, pair.scale);
-    let (from_original, from_simplified) = rayon::join(
-        || {
-            let sides = [(b, by_original.1.as_slice()), (a, by_original.0.as_slice())];
-            one_sided(sides, &of_original, rules, control.part(0.5, 0.75))
-        },
-        || {
-            let sides = [(a, by_simplified.0.as_slice()), (b, by_simplified.1.as_slice())];
-            one_sided(sides, &of_simplified, rules, control.part(0.75, 1.0))
-        },
-    );
+    let both_sides = |ties: Ties, control: Control| {
+        let rules = (options.variant, ties, pair.scale);
+        let (from_original, from_simplified) = rayon::join(
+            || {
+                let sides = [(b, by_original.1.as_slice()), (a, by_original.0.as_slice())];
+                one_sided(sides, &of_original, rules, control.part(0.0, 0.5))
+            },
+            || {
+                let sides = [(a, by_simplified.0.as_slice()), (b, by_simplified.1.as_slice())];
+                one_sided(sides, &of_simplified, rules, control.part(0.5, 1.0))
+            },
+        );
+        Ok::<_, Cancelled>([from_original?, from_simplified?])
+    };
+    let end = if options.has_spread { 0.7 } else { 1.0 };
+    let [from_original, from_simplified] = both_sides(Ties::Any, control.part(0.5, end))?;
+    let spread = match options.has_spread {
+        false => None,
+        true => {
+            let mean = |[a, b]: [OneSided; 2]| 0.5 * (a.value + b.value);
+            let alike = mean(both_sides(Ties::MostAlike, control.part(0.7, 0.85))?);
+            let unlike = mean(both_sides(Ties::LeastAlike, control.part(0.85, 1.0))?);
+            Some((unlike - alike).abs())
+        }
+    };
     Ok(Msdm2 {
-        from_original: from_original?,
-        from_simplified: from_simplified?,
+        from_original,
+        from_simplified,
+        spread,
         n_left_out_original: a.n_left_out,
         n_left_out_simplified: b.n_left_out,
     })
@@ -242,12 +264,13 @@ pub(super) type MeshCurvature<'a> = (&'a CurvatureMesh, &'a [[f64; MAX_LEVELS]])
 
 /// The value over the vertices of the second mesh, with the first as the reference.
 fn one_sided(
-    [(reference, of_reference), (degraded, of_degraded)]: [MeshCurvature; 2],
+    sides: [MeshCurvature; 2],
     levels: &Levels,
-    (variant, scale): (Variant, f64),
+    (variant, ties, scale): (Variant, Ties, f64),
     control: Control,
 ) -> Result<OneSided, Cancelled> {
-    let carried = carry(reference, degraded, of_reference, variant, control.part(0.0, 0.4))?;
+    let carried = carry(sides, (variant, ties), control.part(0.0, 0.4))?;
+    let [_, (degraded, of_degraded)] = sides;
     let windows = Windows {
         surface: degraded,
         levels,

@@ -65,7 +65,8 @@ fn intermediate_values_of_the_published_program() {
         let levels = Levels::new(to.longest_side, 3);
         let own = curvature::curvatures(to, &levels, control).unwrap();
         let curvature = curvature::curvatures(from, &levels, control).unwrap();
-        let mut carried = carry(from, to, &curvature, variant, control).unwrap();
+        let sides = [(from, curvature.as_slice()), (to, own.as_slice())];
+        let mut carried = carry(sides, (variant, Ties::Any), control).unwrap();
         let n_other = take_their_faces(&table, &pair, &curvature, &mut carried);
         assert!(10 * n_other < carried.len(), "{file}: {n_other} vertices have another face");
         let (curvature, carried) = (&own, &carried);
@@ -251,17 +252,46 @@ fn a_mesh_is_not_different_from_itself() {
     }
 }
 
-/// Where two sheets touch in one place, a vertex finds the other's curvature by chance. So this
-/// mesh, with two pairs of vertices in one place, is not quite itself: 0.041 by the published rules
-/// (0.128 in the published program, which meets the faces in another order) and 0.052 by the mended
-/// ones, which know no more of sheets.
+/// Where sheets touch in one place, a vertex is compared with its own: two pairs of vertices in one
+/// place, and a sheet over a part of another with vertices of its own.
 #[test]
-fn two_sheets_in_one_place_are_mixed_up() {
-    let Some(mesh) = model("suzanne.obj") else { return };
-    let by = |rules| measured(&mesh, &mesh, rules).symmetric();
-    let (published, mended) = (by(Variant::Published), by(Variant::Mended));
-    assert!((0.0410..0.0412).contains(&published), "{published}");
-    assert!((0.0515..0.0517).contains(&mended), "{mended}");
+fn sheets_in_one_place_are_told_apart() {
+    let mut doubled = torus(2.0, 0.5, 16);
+    let n = doubled.positions.len() as u32;
+    doubled.positions.extend_from_within(..);
+    let again = doubled.faces[..40].iter().map(|f| f.map(|v| VertexId(v.0 + n)));
+    doubled.faces.extend(again.collect::<Vec<_>>());
+    for mesh in model("suzanne.obj").into_iter().chain([doubled]) {
+        for (rules, other) in [Variant::Published, Variant::Mended].map(|r| (r, shuffled(&mesh))) {
+            let found = measured(&mesh, &mesh, rules);
+            assert!(found.symmetric() < 1e-14, "{rules:?}: {}", found.symmetric());
+            let found = measured(&mesh, &other, rules);
+            // Sums in another order differ by rounding, and its root is taken.
+            assert!(found.symmetric() < 1e-7, "{rules:?}: {}", found.symmetric());
+        }
+    }
+}
+
+/// What equally near faces mean for the value: 3.4 % of it under noise, where vertices lie off the
+/// surface, 0.3 % and 0.01 % for a tenth and a half of the faces. Mended rules do not see them.
+#[test]
+fn ties_move_the_value_within_its_spread() {
+    let Some(original) = reference_mesh("models/spot.obj.gz") else { return };
+    for name in ["spot__noise", "spot__q50", "spot__q10"] {
+        let other = reference_mesh(&format!("models/{name}.obj.gz")).unwrap();
+        for variant in [Variant::Published, Variant::Mended] {
+            let options = Msdm2Options { has_spread: true, variant, ..Msdm2Options::DEFAULT };
+            let found = msdm2(&original, &other, &options, Control::none()).unwrap();
+            let relative = found.spread.unwrap() / found.symmetric();
+            let most = match (variant, name) {
+                (Variant::Mended, _) => 1e-5,
+                (_, "spot__noise") => 0.035,
+                (_, "spot__q10") => 0.0031,
+                _ => 1e-4,
+            };
+            assert!((0.0..most).contains(&relative), "{name}: {relative}");
+        }
+    }
 }
 
 /// Sizes far out of the ordinary change nothing.
