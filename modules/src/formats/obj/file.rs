@@ -1,19 +1,17 @@
 //! OBJ files with their material files and textures on the disk.
 
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use mve_core::Control;
 
-use super::cursor::{Comments, Cursor};
-use super::materials::FileNames;
+use super::cursor::Cursor;
 use super::parse::parse_with;
 use super::textures::{self, Pictures, Placed, placed};
-use super::{Companions, ObjError, Warning, Warnings, parse_mtl, write_mtl, write_obj};
-use crate::data::{Material, TriMesh};
+use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
+use crate::data::{Material, TriMesh, name_from_file, name_to_file};
 use crate::formats::plain_file::read_plain;
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
@@ -24,30 +22,82 @@ const MAX_MTL_BYTES: u64 = 64 << 20;
 /// What follows the stem of a mesh's file in the name of the folder with its textures.
 pub const TEXTURE_FOLDER: &str = "-textures";
 
+/// Which of the files that an OBJ file names may be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileScope {
+    /// Those beside it and below. Then a file of a stranger names nothing else of this machine.
+    Folder,
+    /// All of them.
+    Anywhere,
+}
+
 /// Reads an OBJ file, the material files that it names, which are relative to its folder, and the
-/// pictures that these name. What is missing of material files and pictures is a warning.
+/// pictures that these name. What is missing of material files and pictures is a warning, and so
+/// is what lies outside of the folder of the file.
 ///
 /// # Errors
 /// [`ObjError::File`] with the path when the file cannot be read, and those of
 /// [`parse`](super::parse()).
 pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), ObjError> {
+    load_within(path, FileScope::Folder, control)
+}
+
+/// Reads an OBJ file as [`load`] does, with the files of a scope.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_within(
+    path: &Path,
+    scope: FileScope,
+    control: Control,
+) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     let bytes = read_plain(path, u64::MAX).map_err(|source| FileError::read(path, source))?;
-    let mut disk = Disk { folder: folder_of(path), pictures: Pictures::default(), control };
+    let folder = folder_of(path);
+    let pictures = Pictures::default();
+    let mut disk = Disk { bounds: Bounds::new(&folder, scope), folder, pictures, control };
     let loaded = parse_with(&bytes, &mut disk, control)?;
     control.at(1.0).map_err(|_| ObjError::Cancelled)?;
     Ok(loaded)
 }
 
+/// Where files may lie that a mesh names.
+pub(super) struct Bounds {
+    /// The folder, without links in its path; `None` where all may be read.
+    folder: Option<PathBuf>,
+}
+
+impl Bounds {
+    fn new(folder: &Path, scope: FileScope) -> Self {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let real = || folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        Self { folder: (scope == FileScope::Folder).then(real) }
+    }
+
+    /// Refuses a file that is elsewhere, through links or not.
+    pub fn check(&self, path: &Path) -> io::Result<()> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        match path.canonicalize()?.starts_with(folder) {
+            true => Ok(()),
+            false => Err(io::Error::other(
+                "it lies outside of the folder of the mesh; switch allow_outside on if you trust it",
+            )),
+        }
+    }
+}
+
 /// The files beside an OBJ file.
 struct Disk<'a> {
     folder: PathBuf,
+    bounds: Bounds,
     pictures: Pictures,
     control: Control<'a>,
 }
 
 impl Companions for Disk<'_> {
     fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>> {
-        read_plain(&self.folder.join(name), MAX_MTL_BYTES)
+        let path = self.folder.join(name_to_file(name));
+        self.bounds.check(&path)?;
+        read_plain(&path, MAX_MTL_BYTES)
     }
 
     fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings) {
@@ -58,7 +108,7 @@ impl Companions for Disk<'_> {
 
 /// Where the pictures are looked for that a material file names: beside it, then beside the mesh.
 fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
-    let mut folders = vec![folder_of(&folder.join(library))];
+    let mut folders = vec![folder_of(&folder.join(name_to_file(library)))];
     if folders[0] != folder {
         folders.push(folder.to_owned());
     }
@@ -86,7 +136,7 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     }
     let refuse = |source| FileError::write(path, source);
     let mtl_path = path.with_extension("mtl");
-    let Some(mtl_name) = mtl_path.file_name().map(OsStr::to_string_lossy) else {
+    let Some(mtl_name) = mtl_path.file_name().map(name_from_file) else {
         return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
     };
     if mtl_path == path {
@@ -98,12 +148,12 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     let mut folder_name = path.file_stem().unwrap_or_default().to_owned();
     folder_name.push(TEXTURE_FOLDER);
     let folder = path.with_file_name(&folder_name);
-    let Placed { materials, files } = placed(&mesh.materials, &folder_name.to_string_lossy());
+    let Placed { materials, files } = placed(&mesh.materials, &name_from_file(&folder_name));
     if !files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }
     for (name, image) in &files {
-        save_atomic(&folder.join(name), |out| match image.encoded() {
+        save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
             Some(bytes) => Watched { out, control }.write_all(bytes),
             None => write_png(image.pixels(), out, control),
         })?;
@@ -149,9 +199,8 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
         if cursor.word() != STATEMENT {
             continue;
         }
-        let FileNames { whole, words } = FileNames::of(&cursor.text(Comments::Keep));
-        for name in whole.into_iter().chain(words) {
-            let path = folder.join(&name);
+        for name in materials::candidates(&cursor.name()) {
+            let path = folder.join(name_to_file(&name));
             if name.is_empty() || !known.insert(path.clone()) {
                 continue;
             }
