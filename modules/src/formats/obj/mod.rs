@@ -22,6 +22,7 @@
 //! for concave polygons.
 
 mod builder;
+mod constrained;
 mod cursor;
 mod file;
 mod materials;
