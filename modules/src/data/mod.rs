@@ -35,7 +35,9 @@ pub use images::{Image, PixelKind};
 pub use layer::{Domain, Layer, LayerValues, NO_VALUE};
 pub use material::{Material, Texture, TextureImage, TextureRole};
 pub use measures::Measure;
-pub use name::{name_from_bytes, name_from_file, name_to_bytes, name_to_file, shown_name};
+pub use name::{
+    name_from_bytes, name_from_file, name_recoded, name_to_bytes, name_to_file, shown_name,
+};
 pub use tri_mesh::{FaceId, MeshFault, VertexId};
 
 use mve_core::{Data, DataType, Value};

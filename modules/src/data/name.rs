@@ -65,6 +65,20 @@ pub fn name_to_file(name: &str) -> OsString {
     OsString::from(name)
 }
 
+/// The name as it would be in the other one of UTF-8 and Latin-1, in which a file may have it that
+/// is named in the first; `None` where there is no such name.
+pub fn name_recoded(name: &str) -> Option<String> {
+    let bytes = name_to_bytes(name);
+    match std::str::from_utf8(&bytes) {
+        Err(_) => Some(bytes.iter().map(|&byte| char::from(byte)).collect()),
+        Ok(text) if text.is_ascii() => None,
+        Ok(text) => {
+            let bytes: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
+            bytes.map(|bytes| name_from_bytes(&bytes))
+        }
+    }
+}
+
 /// A name as a person reads it: what is not UTF-8 in angle brackets, `T<fc>r`.
 pub fn shown_name(name: &str) -> String {
     name.chars()
@@ -86,6 +100,9 @@ mod tests {
         assert_eq!(shown_name(&latin_1), "T<fc>r");
         assert_eq!(name_from_bytes("Tür 門".as_bytes()), "Tür 門");
         assert_eq!(shown_name("Tür 門"), "Tür 門");
+        assert_eq!(name_recoded(&latin_1).as_deref(), Some("Tür"));
+        assert_eq!(name_recoded("Tür"), Some(latin_1.clone()));
+        assert_eq!([name_recoded("Tur"), name_recoded("門")], [None, None]);
         assert_eq!(name_from_file(&name_to_file(&latin_1)), latin_1);
     }
 

@@ -9,7 +9,7 @@ use mve_core::Control;
 
 use super::cursor::Cursor;
 use super::parse::parse_with;
-use super::textures::{self, Pictures, Placed, placed};
+use super::textures::{self, Pictures, Placed, named, placed};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh, name_from_file, name_to_file};
 use crate::formats::plain_file::read_plain;
@@ -67,7 +67,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    fn new(folder: &Path, scope: FileScope) -> Self {
+    pub fn new(folder: &Path, scope: FileScope) -> Self {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let real = || folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         Self { folder: (scope == FileScope::Folder).then(real) }
@@ -102,7 +102,7 @@ impl Companions for Disk<'_> {
 
     fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings) {
         let folders = texture_folders(&self.folder, library);
-        self.pictures.read_all(materials, &folders, warnings, self.control);
+        self.pictures.read_all(materials, &folders, &self.bounds, warnings, self.control);
     }
 }
 
@@ -118,8 +118,9 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// Writes `mesh` as an OBJ file, and its materials, if there are any, as an MTL file of the same
 /// stem beside it. Their pictures go into a folder beside both, its name the stem and
 /// [`TEXTURE_FOLDER`]: as the files that they were read from, byte for byte, or else as PNG files.
-/// Names that two pictures share get a number, and those that a system refuses are changed. What else lies in that folder stays. A texture whose
-/// picture was not read keeps the name that it came with.
+/// Names that two pictures share get a number, and those that a system refuses are changed. What
+/// else lies in that folder stays. A texture whose file was not read keeps the name that it came
+/// with.
 ///
 /// Pictures come first and the OBJ file last, so that no file names one that is not there; each
 /// file is replaced whole or not at all.
@@ -128,6 +129,33 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
 /// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
+    let folder = texture_folder(path);
+    let name = name_from_file(folder.file_name().unwrap_or_default());
+    let placed = placed(&mesh.materials, &name);
+    save_with(mesh, path, &placed, control)
+}
+
+/// Writes `mesh` as [`save`] does, but without pictures: the material file names them in `folder`,
+/// which is relative to it.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_naming(
+    mesh: &TriMesh,
+    path: &Path,
+    folder: &str,
+    control: Control,
+) -> Result<(), FileError> {
+    let placed = Placed { materials: named(&mesh.materials, folder), files: Vec::new() };
+    save_with(mesh, path, &placed, control)
+}
+
+fn save_with(
+    mesh: &TriMesh,
+    path: &Path,
+    placed: &Placed,
+    control: Control,
+) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
         write_obj(mesh, &mut Watched { out, control }, mtl_name)
     };
@@ -145,21 +173,26 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    let mut folder_name = path.file_stem().unwrap_or_default().to_owned();
-    folder_name.push(TEXTURE_FOLDER);
-    let folder = path.with_file_name(&folder_name);
-    let Placed { materials, files } = placed(&mesh.materials, &name_from_file(&folder_name));
-    if !files.is_empty() {
+    let folder = texture_folder(path);
+    if !placed.files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }
-    for (name, image) in &files {
+    for (name, image) in &placed.files {
         save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
             Some(bytes) => Watched { out, control }.write_all(bytes),
-            None => write_png(image.pixels(), out, control),
+            // What has no bytes has pixels.
+            None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
     }
-    save_atomic(&mtl_path, |out| write_mtl(&materials, out))?;
+    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
     save_atomic(path, |out| write(out, Some(&mtl_name)))
+}
+
+/// The folder for the pictures of a mesh that is saved at `path`.
+fn texture_folder(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(TEXTURE_FOLDER);
+    path.with_file_name(name)
 }
 
 /// A writer that fails once the control says so.
@@ -188,6 +221,7 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
     const STATEMENT: &[u8] = b"mtllib";
     let Ok(bytes) = read_plain(path, u64::MAX) else { return Vec::new() };
     let folder = folder_of(path);
+    let bounds = [FileScope::Folder, FileScope::Anywhere].map(|scope| Bounds::new(&folder, scope));
     let (mut paths, mut known) = (Vec::new(), HashSet::new());
     for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')) {
         // Almost no line gets beyond the first test.
@@ -209,9 +243,11 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
             let folders = texture_folders(&folder, &name);
             let materials = parse_mtl(&bytes).0;
             for texture in materials.iter().flat_map(|material| &material.textures) {
-                let (path, _) = textures::find(&texture.name, &folders);
-                if known.insert(path.clone()) {
-                    paths.push(path);
+                for bounds in &bounds {
+                    let (path, _) = textures::find(&texture.name, &folders, bounds);
+                    if known.insert(path.clone()) {
+                        paths.push(path);
+                    }
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::builder::LabelTrack;
 use super::cursor::{Backslash, Cursor, is_blank, quoted};
 use super::textures::texture_of;
 use super::{Companions, Warning, Warnings};
-use crate::data::{Material, shown_name};
+use crate::data::{Material, name_recoded, shown_name};
 
 /// Words of the longest name with blanks that is looked for among other names.
 const MOST_WORDS: usize = 8;
@@ -109,12 +109,13 @@ fn without_comment(name: &str) -> &str {
     }
 }
 
-/// A name as it stands, and with slashes where that is another one. Some encodings have the byte
-/// of a backslash within a character, so it is no fault to have one in a name.
+/// A name as it stands, and with slashes where that is another one, each also in the other encoding.
+/// Some encodings have the byte of a backslash within a character, so a name may hold one.
 fn spellings(name: &str) -> impl Iterator<Item = String> {
     let slashes = name.replace('\\', "/");
     let other = (slashes != name).then_some(slashes);
-    std::iter::once(name.to_owned()).chain(other)
+    let names = std::iter::once(name.to_owned()).chain(other);
+    names.flat_map(|name| [name_recoded(&name), Some(name)].into_iter().flatten().rev())
 }
 
 /// The file names that a `mtllib` statement may mean: all of its text, since names with blanks are

@@ -40,7 +40,7 @@ use thiserror::Error;
 use super::FileError;
 use crate::data::Material;
 
-pub use file::{FileScope, TEXTURE_FOLDER, companions, load, load_within, save};
+pub use file::{FileScope, TEXTURE_FOLDER, companions, load, load_within, save, save_naming};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};
