@@ -429,8 +429,8 @@ impl Runner<'_> {
         }
     }
 
-    /// Refuses links, devices and pipes at all that the node writes, and in a folder that it writes;
-    /// and links on the way there, unless files may lie anywhere.
+    /// Refuses links, devices and pipes at all that the node writes, and in a folder that it
+    /// writes; and links on the way there, unless files may lie anywhere.
     fn refuse_links_of(&self, node: &PlanNode) -> Result<(), ModuleError> {
         let base = self.options.output_folder;
         let paths = node.writes.iter().flat_map(|path| [vec![path.clone()], lying_at(base, path)]);

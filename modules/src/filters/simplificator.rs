@@ -1,7 +1,6 @@
 //! Simplifies a mesh by edge collapses.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
@@ -127,9 +126,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             found.n_faces, found.n_rejected_link, found.n_rejected_flip, found.n_rejected_boundary
         ));
     }
-    let start = Instant::now();
     warn_of_drift(io, &mesh, &simplified.mesh)?;
-    io.phase("attributes", start.elapsed().as_secs_f64());
     io.put(MESH_OUT, simplified.mesh);
     io.put(STATISTICS_OUT, measures(&found));
     Ok(())

@@ -1,21 +1,33 @@
 //! Cuts a polygon of any size by a constrained Delaunay triangulation of its vertices.
 //!
-//! The predicates of the crate spade are exact, so that nothing hangs on a tolerance, and the time
-//! is O(n log n) for all but made-up polygons. What the crate does not know is that several corners
+//! The predicates of the crate spade are exact, so that nothing hangs on a tolerance. Points are
+//! inserted in rounds that double, each in random company and along a curve (N. Amenta, S. Choi and
+//! G. Rote, "Incremental constructions con BRIO", SoCG 2003), which takes O(n log n) whatever they
+//! are; the order of the crate's own loader takes the square of it on circles. Edges of the polygon
+//! take as long as they cross others, which is little for all but made-up polygons. What the crate does not know is that several corners
 //! may lie on one point: where a polygon is joined to its holes by bridges that it walks both ways,
 //! or touches itself. There a triangle belongs to the corner whose wedge it lies in, the one
 //! between the edge to the next corner and that to the previous.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use mve_core::{Cancelled, Control};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+
+use crate::geometry::distance::sample::IndexedRandom;
+use crate::mesh::morton::morton_order;
+
+/// Points and edges between two looks whether the work was cancelled.
+const STRIDE: usize = 1 << 10;
 
 /// No corner.
 const NONE: u32 = u32::MAX;
 
 /// A point of the plane and the first corner there.
+#[derive(Clone, Copy)]
 struct Site {
     point: Point2<f64>,
     corner: u32,
@@ -38,14 +50,21 @@ struct Node {
 /// Appends triangles that cover the counter-clockwise polygon with these corners: n - 2 of them,
 /// and one more for each point at which the polygon touches one of its own edges. `false` and no
 /// triangle where it crosses itself.
-pub(super) fn cover(flat: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> bool {
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn cover(
+    flat: &[DVec2],
+    triangles: &mut Vec<[u32; 3]>,
+    control: Control,
+) -> Result<bool, Cancelled> {
     let n_before = triangles.len();
     let ring = without_spikes(flat, triangles);
-    let is_covered = ring.len() < 3 || cover_ring(flat, &ring, triangles).is_some();
+    let is_covered = ring.len() < 3 || cover_ring(flat, &ring, triangles, control)?.is_some();
     if !is_covered {
         triangles.truncate(n_before);
     }
-    is_covered
+    Ok(is_covered)
 }
 
 /// The ring without corners that lie on a neighbor and without tips of spikes, which are walked
@@ -88,7 +107,12 @@ fn without_spikes(flat: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
     ring.split_off(first)
 }
 
-fn cover_ring(flat: &[DVec2], ring: &[u32], triangles: &mut Vec<[u32; 3]>) -> Option<()> {
+fn cover_ring(
+    flat: &[DVec2],
+    ring: &[u32],
+    triangles: &mut Vec<[u32; 3]>,
+    control: Control,
+) -> Result<Option<()>, Cancelled> {
     let scale = scale_of(flat);
     let mut known: HashMap<[u64; 2], u32> = HashMap::new();
     let mut sites: Vec<Site> = Vec::new();
@@ -102,30 +126,57 @@ fn cover_ring(flat: &[DVec2], ring: &[u32], triangles: &mut Vec<[u32; 3]>) -> Op
             })
         })
         .collect();
-    let numbers: HashMap<u32, usize> =
-        sites.iter().enumerate().map(|(at, site)| (site.corner, at)).collect();
-    let mut mesh = ConstrainedDelaunayTriangulation::<Site>::bulk_load(sites).ok()?;
-    let mut handles = vec![FixedVertexHandle::from_index(0); numbers.len()];
-    for vertex in mesh.vertices() {
-        handles[numbers[&vertex.data().corner]] = vertex.fix();
+    let mut mesh = ConstrainedDelaunayTriangulation::<Site>::new();
+    let mut handles = vec![FixedVertexHandle::from_index(0); sites.len()];
+    for (place, number) in insertion_order(&sites, control)?.into_iter().enumerate() {
+        if place.is_multiple_of(STRIDE) {
+            control.at(0.0)?;
+        }
+        let Ok(handle) = mesh.insert(sites[number as usize]) else { return Ok(None) };
+        handles[number as usize] = handle;
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(ring.len());
     for (place, &corner) in ring.iter().enumerate() {
-        let next = (place + 1) % ring.len();
-        let [from, to] = [place, next].map(|place| handles[site_of[place] as usize]);
-        let edges = mesh.try_add_constraint(from, to);
-        let mut at = from;
-        for edge in edges {
-            let handle = mesh.directed_edge(edge);
-            let own = if at == from { corner } else { handle.from().data().corner };
-            // Both ends as they follow each other on the way.
-            let is_forth = handle.from().fix() == at;
-            nodes.push(Node { corner: own, edge });
-            at = is_forth.then(|| handle.to().fix())?;
+        if place.is_multiple_of(STRIDE) {
+            control.at(0.0)?;
         }
-        (at == to).then_some(())?;
+        let next = (place + 1) % ring.len();
+        let ends = [place, next].map(|place| handles[site_of[place] as usize]);
+        if add_edge(&mut mesh, corner, ends, &mut nodes).is_none() {
+            return Ok(None);
+        }
     }
-    assign(&mesh, &nodes, triangles)
+    Ok(assign(&mesh, &nodes, triangles))
+}
+
+/// The order in which to insert points: half of them last, half of the others before, and so on.
+fn insertion_order(sites: &[Site], control: Control) -> Result<Vec<u32>, Cancelled> {
+    let random = IndexedRandom::new(0);
+    let points: Vec<DVec3> = sites.iter().map(|s| DVec3::new(s.point.x, s.point.y, 0.0)).collect();
+    let mut order = morton_order(&points, control.part(0.0, 0.0))?;
+    order.sort_by_key(|&number| Reverse(random.bits(u64::from(number)).trailing_zeros()));
+    Ok(order)
+}
+
+/// Adds the edge from a corner to the next, with a node for each part where it meets other points;
+/// `None` where it crosses another one.
+fn add_edge(
+    mesh: &mut ConstrainedDelaunayTriangulation<Site>,
+    corner: u32,
+    [from, to]: [FixedVertexHandle; 2],
+    nodes: &mut Vec<Node>,
+) -> Option<()> {
+    let edges = mesh.try_add_constraint(from, to);
+    let mut at = from;
+    for edge in edges {
+        let handle = mesh.directed_edge(edge);
+        let corner = if at == from { corner } else { handle.from().data().corner };
+        // Both ends as they follow each other on the way.
+        let is_forth = handle.from().fix() == at;
+        nodes.push(Node { corner, edge });
+        at = is_forth.then(|| handle.to().fix())?;
+    }
+    (at == to).then_some(())
 }
 
 /// Gives each corner the triangles in its wedge; `None` unless they cover the polygon once.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use mve_core::Control;
 
+use super::bounds::{Bounds, FileScope};
 use super::cursor::Cursor;
 use super::parse::parse_with;
 use super::textures::{self, Pictures, Placed, named, placed};
@@ -21,15 +22,6 @@ const MAX_MTL_BYTES: u64 = 64 << 20;
 
 /// What follows the stem of a mesh's file in the name of the folder with its textures.
 pub const TEXTURE_FOLDER: &str = "-textures";
-
-/// Which of the files that an OBJ file names may be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileScope {
-    /// Those beside it and below. Then a file of a stranger names nothing else of this machine.
-    Folder,
-    /// All of them.
-    Anywhere,
-}
 
 /// Reads an OBJ file, the material files that it names, which are relative to its folder, and the
 /// pictures that these name. What is missing of material files and pictures is a warning, and so
@@ -58,31 +50,6 @@ pub fn load_within(
     let loaded = parse_with(&bytes, &mut disk, control)?;
     control.at(1.0).map_err(|_| ObjError::Cancelled)?;
     Ok(loaded)
-}
-
-/// Where files may lie that a mesh names.
-pub(super) struct Bounds {
-    /// The folder, without links in its path; `None` where all may be read.
-    folder: Option<PathBuf>,
-}
-
-impl Bounds {
-    pub fn new(folder: &Path, scope: FileScope) -> Self {
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let real = || folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-        Self { folder: (scope == FileScope::Folder).then(real) }
-    }
-
-    /// Refuses a file that is elsewhere, through links or not.
-    pub fn check(&self, path: &Path) -> io::Result<()> {
-        let Some(folder) = &self.folder else { return Ok(()) };
-        match path.canonicalize()?.starts_with(folder) {
-            true => Ok(()),
-            false => Err(io::Error::other(
-                "it lies outside of the folder of the mesh; switch allow_outside on if you trust it",
-            )),
-        }
-    }
 }
 
 /// The files beside an OBJ file.

@@ -109,8 +109,9 @@ fn without_comment(name: &str) -> &str {
     }
 }
 
-/// A name as it stands, and with slashes where that is another one, each also in the other encoding.
-/// Some encodings have the byte of a backslash within a character, so a name may hold one.
+/// A name as it stands, and with slashes where that is another one, each also in the other
+/// encoding. Some encodings have the byte of a backslash within a character, so a name may hold
+/// one.
 fn spellings(name: &str) -> impl Iterator<Item = String> {
     let slashes = name.replace('\\', "/");
     let other = (slashes != name).then_some(slashes);

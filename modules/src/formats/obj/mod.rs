@@ -21,6 +21,7 @@
 //! mesh a group with vertices renumbered, duplicated and dropped, errors without a line, and fans
 //! for concave polygons.
 
+mod bounds;
 mod builder;
 mod constrained;
 mod cursor;
@@ -40,7 +41,8 @@ use thiserror::Error;
 use super::FileError;
 use crate::data::Material;
 
-pub use file::{FileScope, TEXTURE_FOLDER, companions, load, load_within, save, save_naming};
+pub use bounds::FileScope;
+pub use file::{TEXTURE_FOLDER, companions, load, load_within, save, save_naming};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};

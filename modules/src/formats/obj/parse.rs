@@ -7,7 +7,7 @@
 use std::io;
 
 use glam::{DVec2, DVec3};
-use mve_core::Control;
+use mve_core::{Cancelled, Control};
 
 use super::builder::{Corner, MeshBuilder};
 use super::cursor::{Cursor, quoted};
@@ -357,7 +357,7 @@ impl<'p> Reader<'p> {
         }
         match self.polygon[..] {
             [a, b, c] => self.mesh.push_triangle([a, b, c]),
-            _ => self.cut_polygon(line),
+            _ => self.cut_polygon(line)?,
         }
         Ok(())
     }
@@ -380,18 +380,22 @@ impl<'p> Reader<'p> {
         Ok(())
     }
 
-    fn cut_polygon(&mut self, line: usize) {
+    fn cut_polygon(&mut self, line: usize) -> Result<(), Stop> {
         self.points.clear();
         let positions = &self.mesh.positions;
         self.points.extend(self.polygon.iter().map(|corner| positions[corner[0] as usize]));
         self.triangles.clear();
-        if self.triangulator.cut(&self.points, &mut self.triangles) == Cut::Fan {
+        // The share of the file that is read stays as it is meanwhile.
+        let control = self.control.part(self.reported, self.reported);
+        let cut = self.triangulator.cut(&self.points, &mut self.triangles, control);
+        if cut.map_err(|Cancelled| ObjError::Cancelled)? == Cut::Fan {
             let text = "a polygon has no area or crosses itself; it is cut into a fan";
             self.warnings.add(line, text);
         }
         for triangle in &self.triangles {
             self.mesh.push_triangle(triangle.map(|k| self.polygon[k as usize]));
         }
+        Ok(())
     }
 
     /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`.

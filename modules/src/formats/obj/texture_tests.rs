@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use mve_core::Control;
 
-use super::file::Bounds;
+use super::bounds::Bounds;
 use super::tests::read;
 use super::textures::{Pictures, placed, texture_of};
 use super::*;

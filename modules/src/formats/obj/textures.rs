@@ -7,7 +7,7 @@ use std::sync::Arc;
 use mve_core::Control;
 
 use super::Warnings;
-use super::file::Bounds;
+use super::bounds::Bounds;
 use super::write::path_text;
 use crate::data::{
     Material, Texture, TextureImage, TextureRole, name_from_file, name_recoded, name_to_file,

@@ -16,6 +16,7 @@
 //! would decide the pattern on a flat grid.
 
 use glam::{DVec2, DVec3};
+use mve_core::{Cancelled, Control};
 
 use super::constrained;
 
@@ -59,8 +60,16 @@ pub(super) struct Triangulator {
 impl Triangulator {
     /// Cuts the polygon with these corner points and appends its triangles, as indices into
     /// `points`, to `triangles`, in O(n log n). Fewer than three points give no triangle.
-    pub fn cut(&mut self, points: &[DVec3], triangles: &mut Vec<[u32; 3]>) -> Cut {
-        match *points {
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn cut(
+        &mut self,
+        points: &[DVec3],
+        triangles: &mut Vec<[u32; 3]>,
+        control: Control,
+    ) -> Result<Cut, Cancelled> {
+        Ok(match *points {
             [] | [_] | [_, _] => Cut::Exact,
             [_, _, _] => {
                 triangles.push([0, 1, 2]);
@@ -70,31 +79,35 @@ impl Triangulator {
                 triangles.extend(cut_quad([a, b, c, d]));
                 Cut::Exact
             }
-            _ if self.flatten(points) => self.cut_flat(triangles),
+            _ if self.flatten(points) => self.cut_flat(triangles, control)?,
             _ => {
                 let corners: Vec<u32> = (0..points.len() as u32).collect();
                 push_fan(&corners, triangles);
                 Cut::Fan
             }
-        }
+        })
     }
 
-    fn cut_flat(&mut self, triangles: &mut Vec<[u32; 3]>) -> Cut {
+    fn cut_flat(
+        &mut self,
+        triangles: &mut Vec<[u32; 3]>,
+        control: Control,
+    ) -> Result<Cut, Cancelled> {
         let n_before = triangles.len();
         let is_small = self.flat.len() <= SMALL;
-        if !is_small && constrained::cover(&self.flat, triangles) {
-            return Cut::Exact;
+        if !is_small && constrained::cover(&self.flat, triangles, control)? {
+            return Ok(Cut::Exact);
         }
         let cut = self.clip_ears(triangles);
         if cut == Cut::Fan && is_small {
             let mut others = Vec::new();
-            if constrained::cover(&self.flat, &mut others) {
+            if constrained::cover(&self.flat, &mut others, control)? {
                 triangles.truncate(n_before);
                 triangles.extend(others);
-                return Cut::Exact;
+                return Ok(Cut::Exact);
             }
         }
-        cut
+        Ok(cut)
     }
 
     /// Looks at the polygon along the axis nearest to its Newell normal, from where it is

@@ -20,9 +20,9 @@ const CHUNK: usize = 1 << 16;
 /// Written are positions, faces and, where they have the usual kind and domain, the layers
 /// texcoord, normal (corner or vertex), color, object, group, material and smoothing. What was read
 /// from an OBJ file reads back equal: positions, faces, layers and their indices, and the bytes of
-/// names. Layers of other names have no place in the format and are left out. Names cannot hold line
-/// ends, for which `_` stands, nor blanks or a backslash after a blank at the end, which are left
-/// out.
+/// names. Layers of other names have no place in the format and are left out. Names cannot hold
+/// line ends, for which `_` stands, nor blanks or a backslash after a blank at the end, which are
+/// left out.
 ///
 /// # Errors
 /// `InvalidInput` when the mesh is not well formed or a written number is not finite; whatever the
@@ -48,8 +48,8 @@ pub fn write_obj(mesh: &TriMesh, out: &mut dyn Write, mtl_name: Option<&str>) ->
     text.flush()
 }
 
-/// A relative path as a statement can say it: what begins an option or a comment, and a blank, would
-/// not be taken for a part of it at its start.
+/// A relative path as a statement can say it: what begins an option or a comment, and a blank,
+/// would not be taken for a part of it at its start.
 pub(super) fn path_text(path: &str) -> String {
     let is_plain = !path.starts_with(|c: char| matches!(c, '-' | '#') || c.is_whitespace());
     if is_plain { path.to_owned() } else { format!("./{path}") }

@@ -1,7 +1,7 @@
 //! Joins vertices that lie at one place, or nearly so.
 //!
-//! Files made from STL, or exported a face at a time, give each face vertices of its own: what looks
-//! like a surface is a heap of triangles. Which vertices are joined does not depend on their order.
+//! Files made from STL, or exported a face at a time, give each face vertices of its own: what
+//! looks like a surface is a heap of triangles. Which vertices are joined does not depend on their order.
 
 use std::collections::HashMap;
 
@@ -39,8 +39,8 @@ pub struct Welded {
 pub fn weld(mesh: &TriMesh, tolerance: f64, control: Control) -> Result<Welded, Cancelled> {
     let mut places = same_places(&mesh.positions, control.part(0.0, 0.3))?;
     let mut positions = mesh.positions.clone();
-    if tolerance > LEAST {
-        let distance = tolerance * mesh.diagonal();
+    let distance = tolerance * finite_diagonal(mesh);
+    if tolerance > LEAST && distance > 0.0 && distance.is_finite() {
         join_near(&mut positions, &mut places, distance, control.part(0.3, 0.8))?;
     }
     let mut numbers = vec![u32::MAX; positions.len()];
@@ -64,6 +64,15 @@ pub fn weld(mesh: &TriMesh, tolerance: f64, control: Control) -> Result<Welded, 
         n_left_out: mesh.faces.len() - kept_faces.len(),
         mesh: welded,
     })
+}
+
+/// The diagonal of the box around the finite vertices that faces use.
+fn finite_diagonal(mesh: &TriMesh) -> f64 {
+    let used = mesh.faces.iter().flatten().map(|vertex| mesh.positions[vertex.idx()]);
+    let (none, start) = (DVec3::INFINITY, (DVec3::INFINITY, DVec3::NEG_INFINITY));
+    let around = |(low, high): (DVec3, DVec3), p: DVec3| (low.min(p), high.max(p));
+    let (low, high) = used.filter(|p| p.is_finite()).fold(start, around);
+    if low == none { 0.0 } else { (high - low).length() }
 }
 
 fn layer_of(layer: &Layer, vertices: &[usize], faces: &[usize]) -> Layer {
