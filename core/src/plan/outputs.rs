@@ -233,8 +233,7 @@ pub(super) fn fill(
 /// What is wrong with the ending of a file's name, where only some fit.
 fn wrong_ending(path: &Path, extensions: &[&str]) -> Option<String> {
     let own = path.extension().unwrap_or_default().to_string_lossy();
-    let fits = |known: &&str| own.eq_ignore_ascii_case(known);
-    if extensions.is_empty() || extensions.iter().any(|known| fits(&known)) {
+    if extensions.is_empty() || extensions.iter().any(|known| own.eq_ignore_ascii_case(known)) {
         return None;
     }
     let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();

@@ -2,12 +2,15 @@
 //!
 //! The predicates of the crate spade are exact, so that nothing hangs on a tolerance. Points are
 //! inserted in rounds that double, each in random company and along a curve (N. Amenta, S. Choi and
-//! G. Rote, "Incremental constructions con BRIO", SoCG 2003), which takes O(n log n) whatever they
-//! are; the order of the crate's own loader takes the square of it on circles. Edges of the polygon
-//! take as long as they cross others, which is little for all but made-up polygons. What the crate does not know is that several corners
-//! may lie on one point: where a polygon is joined to its holes by bridges that it walks both ways,
-//! or touches itself. There a triangle belongs to the corner whose wedge it lies in, the one
-//! between the edge to the next corner and that to the previous.
+//! G. Rote, "Incremental constructions con BRIO", SoCG 2003), in O(n log n) whatever they are; the
+//! order of the crate's own loader takes the square of it on circles. An edge of the polygon then
+//! takes as long as it crosses edges between the points: few for outlines, but up to n for each of
+//! many long, slanting teeth.
+//!
+//! What the crate does not know is that several corners may lie on one point: where a polygon is
+//! joined to its holes by bridges that it walks both ways, or touches itself. There a triangle
+//! belongs to the corner whose wedge it lies in, the one between the edge to the next corner and
+//! that to the previous.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -20,8 +23,9 @@ use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation
 use crate::geometry::distance::sample::IndexedRandom;
 use crate::mesh::morton::morton_order;
 
-/// Points and edges between two looks whether the work was cancelled.
-const STRIDE: usize = 1 << 10;
+/// Points, and edges, between two looks whether the work was cancelled.
+const POINTS: usize = 1 << 10;
+const EDGES: usize = 1 << 4;
 
 /// No corner.
 const NONE: u32 = u32::MAX;
@@ -129,7 +133,7 @@ fn cover_ring(
     let mut mesh = ConstrainedDelaunayTriangulation::<Site>::new();
     let mut handles = vec![FixedVertexHandle::from_index(0); sites.len()];
     for (place, number) in insertion_order(&sites, control)?.into_iter().enumerate() {
-        if place.is_multiple_of(STRIDE) {
+        if place.is_multiple_of(POINTS) {
             control.at(0.0)?;
         }
         let Ok(handle) = mesh.insert(sites[number as usize]) else { return Ok(None) };
@@ -137,7 +141,7 @@ fn cover_ring(
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(ring.len());
     for (place, &corner) in ring.iter().enumerate() {
-        if place.is_multiple_of(STRIDE) {
+        if place.is_multiple_of(EDGES) {
             control.at(0.0)?;
         }
         let next = (place + 1) % ring.len();

@@ -26,6 +26,7 @@ mod builder;
 mod constrained;
 mod cursor;
 mod file;
+mod kind;
 mod materials;
 mod number;
 mod parse;

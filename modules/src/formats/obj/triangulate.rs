@@ -59,7 +59,8 @@ pub(super) struct Triangulator {
 
 impl Triangulator {
     /// Cuts the polygon with these corner points and appends its triangles, as indices into
-    /// `points`, to `triangles`, in O(n log n). Fewer than three points give no triangle.
+    /// `points`, to `triangles`, in O(n log n) but for long slanting teeth. Fewer than three points
+    /// give no triangle.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.

@@ -21,16 +21,8 @@ pub struct Split {
 pub fn split_corners(mesh: &TriMesh, names: &[&str]) -> Split {
     let is_split =
         |layer: &Layer| layer.domain == Domain::Corner && names.contains(&layer.name.as_str());
-    let numbers: Vec<Vec<u32>> = mesh
-        .layers
-        .iter()
-        .filter(|layer| is_split(layer))
-        .map(|layer| {
-            let numbers = value_numbers(&layer.values);
-            let number = |value: &u32| numbers.get(*value as usize).copied().unwrap_or(NO_VALUE);
-            layer.index.iter().map(number).collect()
-        })
-        .collect();
+    let split_layers = mesh.layers.iter().filter(|layer| is_split(layer));
+    let numbers: Vec<Vec<u32>> = split_layers.map(corner_numbers).collect();
     let mut known: HashMap<(u32, Vec<u32>), u32> = HashMap::new();
     // Vertex and first corner of each copy, and the copy of each corner.
     let mut copies: Vec<(u32, u32)> = Vec::new();
@@ -85,6 +77,13 @@ pub fn split_corners(mesh: &TriMesh, names: &[&str]) -> Split {
         })
         .collect();
     Split { mesh: split, sources: order.into_iter().map(|(vertex, _, _)| vertex).collect() }
+}
+
+/// For each corner the first value that is equal to its own.
+fn corner_numbers(layer: &Layer) -> Vec<u32> {
+    let numbers = value_numbers(&layer.values);
+    let number = |value: &u32| numbers.get(*value as usize).copied().unwrap_or(NO_VALUE);
+    layer.index.iter().map(number).collect()
 }
 
 /// For each value the first one that is equal to it.

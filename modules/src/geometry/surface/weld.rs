@@ -1,7 +1,8 @@
 //! Joins vertices that lie at one place, or nearly so.
 //!
 //! Files made from STL, or exported a face at a time, give each face vertices of its own: what
-//! looks like a surface is a heap of triangles. Which vertices are joined does not depend on their order.
+//! looks like a surface is a heap of triangles. Which vertices are joined does not depend on their
+//! order.
 
 use std::collections::HashMap;
 
