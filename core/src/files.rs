@@ -40,6 +40,17 @@ pub(crate) fn refuse_links(base: &Path, below: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// Refuses to write where something else than a file or folder lies, which would be gone.
+pub(crate) fn refuse_special(path: &Path) -> Result<(), String> {
+    let Ok(about) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    let what = match about.file_type() {
+        kind if kind.is_file() || kind.is_dir() => return Ok(()),
+        kind if kind.is_symlink() => "a symbolic link",
+        _ => "a device or a pipe",
+    };
+    Err(format!("{} is {what}, and a file would take its place; name another one", path.display()))
+}
+
 /// What lies at a path below `base`: itself, or all that is in the folder there, by name.
 pub(crate) fn lying_at(base: &Path, below: &Path) -> Vec<PathBuf> {
     match std::fs::read_dir(base.join(below)) {
@@ -120,6 +131,22 @@ mod tests {
         assert_eq!(first, Fingerprint::of(b"one"));
         std::fs::write(&path, "three").unwrap();
         assert_ne!(files.fingerprint(&path).unwrap(), first);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_devices_and_sockets_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let [link, socket] = ["link", "socket"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink("nowhere", &link).unwrap();
+        let _open = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        assert!(refuse_special(&link).unwrap_err().contains("is a symbolic link"));
+        for device in [socket.as_path(), Path::new("/dev/null")] {
+            assert!(refuse_special(device).unwrap_err().contains("is a device or a pipe"));
+        }
+        for plain in [folder.path(), &folder.path().join("new.obj")] {
+            assert_eq!(refuse_special(plain), Ok(()));
+        }
     }
 
     #[test]

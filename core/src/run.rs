@@ -14,7 +14,7 @@ use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
 use crate::data::{Scalar, Value};
 use crate::error::ModuleError;
-use crate::files::{lying_at, refuse_links};
+use crate::files::{lying_at, refuse_links, refuse_special};
 use crate::fingerprint::Fingerprint;
 use crate::module::Io;
 use crate::node_outputs::{LogLine, NodeOutputs};
@@ -430,15 +430,16 @@ impl Runner<'_> {
         }
     }
 
-    /// Refuses symbolic links at all that the node writes, and in a folder that it writes.
+    /// Refuses links, devices and pipes at all that the node writes, and in a folder that it
+    /// writes; and links on the way there, unless files may lie anywhere.
     fn refuse_links_of(&self, node: &PlanNode) -> Result<(), ModuleError> {
-        if self.options.output_scope != OutputScope::Folder {
-            return Ok(());
-        }
         let base = self.options.output_folder;
         let paths = node.writes.iter().flat_map(|path| [vec![path.clone()], lying_at(base, path)]);
         paths.flatten().try_for_each(|path| {
-            refuse_links(base, &path).map_err(|why| ModuleError::io(&path, why))
+            if self.options.output_scope == OutputScope::Folder {
+                refuse_links(base, &path).map_err(|why| ModuleError::io(&path, why))?;
+            }
+            refuse_special(&base.join(&path)).map_err(|why| ModuleError::io(&path, why))
         })
     }
 

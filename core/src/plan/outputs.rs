@@ -23,6 +23,7 @@ pub(super) struct Name {
     param: String,
     /// The name, with [`STEP`] where the id of the step goes.
     pub text: String,
+    extensions: &'static [&'static str],
     also_writes: &'static [&'static str],
 }
 
@@ -52,11 +53,12 @@ pub(super) fn names(
     };
     for node in nodes.iter().flatten() {
         for (param, spec, written) in node.settings.files(node.info.module.params) {
-            let Some(OutputFileSpec { also_writes, .. }) = spec.output_file() else { continue };
+            let Some(spec) = spec.output_file() else { continue };
+            let OutputFileSpec { extensions, also_writes } = spec;
             match expand(written, map, &find, options.repeat) {
                 Ok(text) => {
                     let node = node.name.clone();
-                    names.push(Name { node, param, text, also_writes });
+                    names.push(Name { node, param, text, extensions, also_writes });
                 }
                 Err(message) => {
                     problems.push(Problem::error(message).at(&node.name).port(&param));
@@ -190,6 +192,9 @@ pub(super) fn fill(
             )));
             continue;
         };
+        if let Some(why) = wrong_ending(&path, name.extensions) {
+            problems.push(problem(format!("\"{text}\" {why}")));
+        }
         let beside = name.also_writes.iter().map(|ending| beside(&path, ending));
         let all: Vec<PathBuf> = std::iter::once(path.clone()).chain(beside).collect();
         for written in &all {
@@ -223,6 +228,17 @@ pub(super) fn fill(
     if let Some(folder) = options.output_folder {
         check_inputs(nodes, folder, problems);
     }
+}
+
+/// What is wrong with the ending of a file's name, where only some fit.
+fn wrong_ending(path: &Path, extensions: &[&str]) -> Option<String> {
+    let own = path.extension().unwrap_or_default().to_string_lossy();
+    if extensions.is_empty() || extensions.iter().any(|known| own.eq_ignore_ascii_case(known)) {
+        return None;
+    }
+    let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();
+    let known = known.join(" or ");
+    Some(format!("is written as a {known} file; end its name in {known}"))
 }
 
 /// What is written beside a file: another one of its stem, or a folder whose name begins with it.
@@ -307,6 +323,19 @@ mod tests {
             assert_eq!(inside(bad), None, "{bad}");
         }
         assert_eq!(tidy("/tmp/a", OutputScope::Anywhere), Some(PathBuf::from("/tmp/a")));
+    }
+
+    #[test]
+    fn endings_are_those_of_the_format() {
+        let wrong = |path: &str, extensions| wrong_ending(Path::new(path), extensions);
+        assert_eq!(wrong("a/b.OBJ", &["obj"]), None);
+        assert_eq!(wrong("b.anything", &[]), None);
+        let said = "is written as a .obj file; end its name in .obj";
+        for path in ["b.ply", "b", "b-0.5", "obj"] {
+            assert_eq!(wrong(path, &["obj"]).as_deref(), Some(said), "{path}");
+        }
+        let said = "is written as a .jpg or .jpeg file; end its name in .jpg or .jpeg";
+        assert_eq!(wrong("b.png", &["jpg", "jpeg"]).as_deref(), Some(said));
     }
 
     #[test]

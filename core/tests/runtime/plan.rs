@@ -89,7 +89,7 @@ fn output_names_are_filled_in_and_may_not_meet() {
     assert_eq!(written("one"), "..-x-y-Scaled-2.txt");
     assert_eq!(written("two"), format!("b/{}.txt", good.id.short()));
     assert!(plan(&map("a.txt", "./a.txt")).unwrap_err()[0].contains("writes \"a.txt\" too"));
-    assert!(plan(&map("a", "a/b")).unwrap_err()[0].contains("needs as a folder"));
+    assert!(plan(&map("a.txt", "a.txt/b.txt")).unwrap_err()[0].contains("needs as a folder"));
     assert!(plan(&map("{e.sya}", "b")).unwrap_err()[0].contains("no such parameter"));
     assert!(plan(&map("{e.say", "b")).unwrap_err()[0].contains("do not pair"));
 }

@@ -28,7 +28,8 @@ pub enum LayerValues {
     Vec2(Vec<DVec2>),
     /// Three numbers each: normals (unit length) or colors (red, green, blue in 0 to 1).
     Vec3(Vec<DVec3>),
-    /// A name each: materials, groups.
+    /// A name each: materials, groups. Bytes that are not UTF-8 are kept in it
+    /// ([`name_from_bytes`](super::name_from_bytes)).
     Label(Vec<String>),
 }
 
@@ -79,6 +80,8 @@ impl Layer {
     pub const GROUP: &str = "group";
     /// Name of the object, `Label`, face domain.
     pub const OBJECT: &str = "object";
+    /// Name of the smoothing group, `Label`, face domain; faces without one are flat.
+    pub const SMOOTHING: &str = "smoothing";
 
     /// Bytes that the layer holds on the heap.
     pub fn byte_size(&self) -> usize {

@@ -71,11 +71,12 @@ pub struct Texture {
     pub keyword: String,
     /// What stands before the name, such as `-s 2 2 1 `, with the blanks behind it.
     pub options: String,
-    /// Name of the file: without its folders where the picture was read, as written where not.
+    /// Name of the file: without its folders where it was read, as written where not. Its bytes are
+    /// kept ([`name_from_bytes`](super::name_from_bytes)).
     pub name: String,
     /// How many of the material's statements come before it.
     pub place: usize,
-    /// The picture, shared by all textures of one file; `None` where it was not read.
+    /// The picture, shared by all textures of one file; `None` where there was none to read.
     ///
     /// A [`TriMesh`](super::TriMesh) stores each picture once; a texture by itself stores none.
     #[serde(skip)]
@@ -85,24 +86,29 @@ pub struct Texture {
 /// The pixels of a texture, and the file that they come from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TextureImage {
-    pixels: Image,
+    pixels: Option<Image>,
     encoded: Option<Vec<u8>>,
 }
 
 impl TextureImage {
     /// A picture that stands in no file yet.
     pub fn new(pixels: Image) -> Self {
-        Self { pixels, encoded: None }
+        Self { pixels: Some(pixels), encoded: None }
     }
 
     /// A picture with the bytes of the file that it was decoded from.
     pub fn of_file(pixels: Image, encoded: Vec<u8>) -> Self {
-        Self { pixels, encoded: Some(encoded) }
+        Self { pixels: Some(pixels), encoded: Some(encoded) }
     }
 
-    /// The pixels, without transparency.
-    pub fn pixels(&self) -> &Image {
-        &self.pixels
+    /// A file of a format that cannot be decoded, kept for other programs.
+    pub fn of_unknown(encoded: Vec<u8>) -> Self {
+        Self { pixels: None, encoded: Some(encoded) }
+    }
+
+    /// The pixels, without transparency; `None` where the file cannot be decoded.
+    pub fn pixels(&self) -> Option<&Image> {
+        self.pixels.as_ref()
     }
 
     /// The file that the pixels were decoded from: what is saved in place of them, so that nothing
@@ -113,7 +119,8 @@ impl TextureImage {
 
     fn byte_size(&self) -> usize {
         let encoded = self.encoded.as_ref().map_or(0, Vec::len);
-        size_of::<Self>() + self.pixels.name.len() + self.pixels.bytes.len() + encoded
+        let pixels = self.pixels.as_ref().map_or(0, |image| image.name.len() + image.bytes.len());
+        size_of::<Self>() + pixels + encoded
     }
 }
 

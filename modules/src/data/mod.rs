@@ -29,11 +29,15 @@ data_types! {
 
 mod layer;
 pub(crate) mod material;
+mod name;
 
 pub use images::{Image, PixelKind};
 pub use layer::{Domain, Layer, LayerValues, NO_VALUE};
 pub use material::{Material, Texture, TextureImage, TextureRole};
 pub use measures::Measure;
+pub use name::{
+    name_from_bytes, name_from_file, name_recoded, name_to_bytes, name_to_file, shown_name,
+};
 pub use tri_mesh::{FaceId, MeshFault, VertexId};
 
 use mve_core::{Data, DataType, Value};

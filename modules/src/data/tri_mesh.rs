@@ -217,7 +217,12 @@ impl TriMesh {
 }
 
 fn check_texture(texture: &Texture) -> Result<(), MeshFault> {
-    match texture.image.as_ref().map(|image| image.pixels()).filter(|pixels| !pixels.is_whole()) {
+    match texture
+        .image
+        .as_ref()
+        .and_then(|image| image.pixels())
+        .filter(|pixels| !pixels.is_whole())
+    {
         None => Ok(()),
         Some(pixels) => Err(MeshFault::TextureSize {
             texture: texture.name.clone(),

@@ -1,10 +1,14 @@
 //! Simplifies a mesh by edge collapses.
 
+use std::sync::Arc;
+
 use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
+use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
     Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, simplify,
 };
+use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
 
@@ -60,6 +64,14 @@ const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
 )
 .within((0.0, 180.0))
 .unit("degrees");
+const WELD: Param<Option<f64>> = Param::maybe_number(
+    "weld",
+    "First joins vertices at most so far apart, as a part of the diagonal of the bounding box; 0 \
+     joins those at one place. Off: faces that share no vertices part.",
+    None,
+)
+.within((0.0, 0.1))
+.usually((0.0, 1e-4));
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The simplified mesh, with all layers: the topology is kept, vertices and faces stay in order.",
@@ -80,12 +92,17 @@ pub static MODULE: Module = Module {
         BOUNDARY.spec(),
         SEAMS.spec(),
         FLIP_ANGLE.spec(),
+        WELD.spec(),
     ],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let mesh = io.get(MESH_IN)?;
+    let mut mesh = io.get(MESH_IN)?;
+    match io.param(WELD)? {
+        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
+        None => warn_of_seams(io, &mesh)?,
+    }
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let mut cost = (cost.entry.build)(&mesh, &cost.params)?;
     let mut placement = (placement.entry.build)(&mesh, &placement.params)?;
@@ -109,8 +126,39 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             found.n_faces, found.n_rejected_link, found.n_rejected_flip, found.n_rejected_boundary
         ));
     }
+    warn_of_drift(io, &mesh, &simplified.mesh)?;
     io.put(MESH_OUT, simplified.mesh);
     io.put(STATISTICS_OUT, measures(&found));
+    Ok(())
+}
+
+/// Says where the surface looks whole and is not.
+fn warn_of_seams(io: &Io, mesh: &TriMesh) -> Result<(), ModuleError> {
+    let n_edges = coincident_border_edges(mesh, io.control().part(0.0, 0.0))?;
+    if n_edges > 0 {
+        io.warn(format!(
+            "{n_edges} border edges lie on another one: faces share no vertices there, so they part \
+             or stay as they are; set weld to 0, or join them with Weld"
+        ));
+    }
+    Ok(())
+}
+
+/// Says how much of the surface carries another name or another part of the texture than before.
+fn warn_of_drift(io: &Io, before: &TriMesh, after: &TriMesh) -> Result<(), ModuleError> {
+    /// Less of it is within what a border of names takes anyway.
+    const LEAST: f64 = 0.01;
+    let drift = drift(before, after, io.control().part(1.0, 1.0))?;
+    for (layer, share) in drift.names.iter().filter(|(_, share)| *share > LEAST) {
+        let share = 100.0 * share;
+        io.warn(format!("{share:.1} % of the area has another {layer} than before"));
+    }
+    if drift.texcoords > LEAST {
+        io.warn(format!(
+            "the texture slid on {:.1} % of the area, by more than {TEXCOORD_TOLERANCE} of its size",
+            100.0 * drift.texcoords
+        ));
+    }
     Ok(())
 }
 
@@ -140,11 +188,15 @@ mod tests {
     use mve_core::testing::Trial;
     use serde_json::json;
 
+    use crate::data::VertexId;
     use crate::geometry::generate::{BoxOptions, subdivided_box};
     use crate::prelude::*;
 
     fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
-        let mesh = subdivided_box(&BoxOptions::DEFAULT);
+        simplified_from(subdivided_box(&BoxOptions::DEFAULT), params)
+    }
+
+    fn simplified_from(mesh: TriMesh, params: &[(&str, serde_json::Value)]) -> TriMesh {
         let trial = Trial::of(&super::MODULE).input("mesh", mesh);
         let trial =
             params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
@@ -156,6 +208,18 @@ mod tests {
         let mesh = simplified(&[("target_faces", json!(12))]);
         assert_eq!(mesh.faces.len(), 12);
         assert!((mesh.signed_volume() - 1.0).abs() < 1e-9 && (mesh.area() - 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn faces_that_share_no_vertices_are_joined_where_that_is_asked_for() {
+        let whole = subdivided_box(&BoxOptions::DEFAULT);
+        let corners = whole.faces.iter().flatten().map(|vertex| whole.positions[vertex.idx()]);
+        let faces = (0..whole.faces.len() as u32).map(|f| [0, 1, 2].map(|k| VertexId(3 * f + k)));
+        let soup = TriMesh::new(corners.collect(), faces.collect());
+        assert_eq!(simplified_from(soup.clone(), &[]).faces.len(), 768);
+        let welded = simplified_from(soup, &[("weld", json!(0.0)), ("target_faces", json!(12))]);
+        assert_eq!(welded.faces.len(), 12);
+        assert!((welded.signed_volume() - 1.0).abs() < 1e-9);
     }
 
     #[test]

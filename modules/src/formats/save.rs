@@ -30,6 +30,12 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     if target.is_dir() {
         return Err(io::Error::from(io::ErrorKind::IsADirectory));
     }
+    let is_special = fs::symlink_metadata(&target).is_ok_and(|about| !about.is_file());
+    if is_special {
+        let message =
+            "it is a device, a pipe or a link that leads nowhere, and a file would take its place";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -98,6 +104,19 @@ mod tests {
         assert!(!missing.to_string().contains(".mve-"), "{missing}");
         let is_folder = save_atomic(folder.path(), |_| Ok(())).expect_err("a folder");
         assert!(is_folder.to_string().contains("not a folder"), "{is_folder}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_to_nowhere_are_not_replaced() {
+        let folder = tempfile::tempdir().expect("folder");
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("nowhere", &link).expect("link");
+        for path in [link.as_path(), Path::new("/dev/null")] {
+            let error = save_atomic(path, |_| Ok(())).expect_err("special").to_string();
+            assert!(error.contains("a file would take its place"), "{error}");
+        }
+        assert!(link.is_symlink());
     }
 
     #[cfg(unix)]

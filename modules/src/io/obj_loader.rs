@@ -1,14 +1,21 @@
 //! Loads a Wavefront OBJ file with its materials and textures.
 
-use crate::formats::obj::{self, ObjError};
+use crate::formats::obj::{self, FileScope, ObjError};
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> =
     Param::input_file("path", "The file.", &["obj"]).also_reads(obj::companions);
+const ALLOW_OUTSIDE: Param<bool> = Param::flag(
+    "allow_outside",
+    "Also read material files and textures that lie outside of the folder of the file. A file of a \
+     stranger can name any file of this machine.",
+    false,
+);
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "All of the file as one mesh, vertices in its order; polygons are cut into triangles, texture \
-     coordinates and normals belong to corners, objects, groups and materials to faces.",
+     coordinates and normals belong to corners, objects, groups, materials and smoothing groups to \
+     faces.",
 );
 
 pub static MODULE: Module = Module {
@@ -16,13 +23,15 @@ pub static MODULE: Module = Module {
     summary: "Loads a mesh from an OBJ file, with the MTL files that it names and their textures.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
-    params: &[PATH.spec()],
+    params: &[PATH.spec(), ALLOW_OUTSIDE.spec()],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
-    let (mesh, warnings) = obj::load(&path, io.control()).map_err(|error| match error {
+    let scope = if io.param(ALLOW_OUTSIDE)? { FileScope::Anywhere } else { FileScope::Folder };
+    let loaded = obj::load_within(&path, scope, io.control());
+    let (mesh, warnings) = loaded.map_err(|error| match error {
         ObjError::Cancelled => ModuleError::Cancelled,
         // It names its file, which need not be this one.
         ObjError::File(error) => error.into(),

@@ -1,5 +1,6 @@
 //! Saves a mesh as a Wavefront OBJ file with its materials and textures.
 
+use crate::data::{name_to_file, shown_name};
 use crate::formats::obj;
 use crate::prelude::*;
 
@@ -11,23 +12,37 @@ const PATH: Param<PathBuf> = Param::output_file(
     &["obj"],
 )
 .also_writes(&["mtl", "-textures/"]);
+const TEXTURE_FOLDER: Param<String> = Param::text(
+    "texture_folder",
+    "Where the textures lie, seen from the file, such as ../models/tex: the MTL file names them \
+     there, and they are not copied. Empty: they are copied.",
+    "",
+);
 
 pub static MODULE: Module = Module {
     id: "ObjSaver",
     summary: "Saves a mesh as an OBJ file, with its materials and textures if it has any.",
     inputs: &[MESH_IN.spec()],
     outputs: &[],
-    params: &[PATH.spec()],
+    params: &[PATH.spec(), TEXTURE_FOLDER.spec()],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    obj::save(&mesh, &path, io.control())?;
+    let named = io.param(TEXTURE_FOLDER)?;
+    let named = named.trim_end_matches('/');
+    match named {
+        "" => obj::save(&mesh, &path, io.control())?,
+        folder => obj::save_naming(&mesh, &path, folder, io.control())?,
+    }
+    let folder = path.parent().map(|folder| folder.join(named)).unwrap_or_default();
     for texture in mesh.materials.iter().flat_map(|material| &material.textures) {
+        let name = shown_name(&texture.name);
         if texture.image.is_none() {
-            let name = &texture.name;
             io.warn(format!("texture {name} was not read, so it is not saved beside the mesh"));
+        } else if !named.is_empty() && !folder.join(name_to_file(&texture.name)).is_file() {
+            io.warn(format!("texture {name} does not lie in {named}, seen from the file"));
         }
     }
     Ok(())

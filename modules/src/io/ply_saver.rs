@@ -1,7 +1,13 @@
 //! Saves a mesh as a PLY file, with colors and a field, to look at it in other programs.
 
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::data::LayerValues;
 use crate::formats::ply::{Encoding, PlyOptions, Precision, write_ply};
 use crate::formats::save_atomic;
+use crate::geometry::surface::split::split_corners;
 use crate::prelude::*;
 
 impl Enumeration for Encoding {
@@ -33,7 +39,8 @@ const PRECISION: Param<Precision> =
 
 pub static MODULE: Module = Module {
     id: "PlySaver",
-    summary: "Saves a mesh as a PLY file, with its colors, normals and a field.",
+    summary: "Saves a mesh as a PLY file, with its colors, normals and a field; vertices with several \
+              normals are split.",
     inputs: &[MESH_IN.spec(), FIELD_IN.spec()],
     outputs: &[],
     params: &[PATH.spec(), ENCODING.spec(), PRECISION.spec()],
@@ -43,11 +50,12 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, field, path) = (io.get(MESH_IN)?, io.maybe(FIELD_IN), io.param(PATH)?);
     let options = PlyOptions { encoding: io.param(ENCODING)?, precision: io.param(PRECISION)? };
-    let is_over_corners = |name| mesh.layer(name).is_some_and(|l| l.domain == Domain::Corner);
-    for name in [Layer::NORMAL, Layer::COLOR, Layer::TEXCOORD] {
-        if is_over_corners(name) {
-            io.warn(format!("layer \"{name}\" is over corners and is left out of the file"));
-        }
+    let (mesh, field) = with_values_over_vertices(io, mesh, field);
+    let is_bright = |color: &DVec3| color.min_element() < 0.0 || color.max_element() > 1.0;
+    if let Some(LayerValues::Vec3(colors)) = mesh.layer(Layer::COLOR).map(|layer| &layer.values)
+        && colors.iter().any(is_bright)
+    {
+        io.warn("colors outside 0 to 1 are cut to that range");
     }
     // A float has 24 bits: it tells points apart that are 2⁻²⁴ of their coordinates away.
     let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
@@ -65,11 +73,73 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     Ok(save_atomic(&path, write)?)
 }
 
+/// Splits vertices that have several normals or colors, and says so. Texture coordinates are left
+/// out.
+fn with_values_over_vertices(
+    io: &Io,
+    mesh: Arc<TriMesh>,
+    field: Option<Arc<Field>>,
+) -> (Arc<TriMesh>, Option<Arc<Field>>) {
+    let is_over_corners =
+        |name: &&str| mesh.layer(name).is_some_and(|layer| layer.domain == Domain::Corner);
+    if is_over_corners(&Layer::TEXCOORD) {
+        io.warn("texture coordinates are over corners and are left out of the file");
+    }
+    let names: Vec<&str> =
+        [Layer::NORMAL, Layer::COLOR].into_iter().filter(is_over_corners).collect();
+    // What does not fit the mesh is refused later.
+    let fits = field.as_ref().is_none_or(|field| field.check_fits(&mesh).is_ok());
+    if names.is_empty() || !fits || mesh.check().is_err() {
+        return (mesh, field);
+    }
+    let split = split_corners(&mesh, &names);
+    let (n_before, n_after) = (mesh.positions.len(), split.mesh.positions.len());
+    if n_after > n_before {
+        io.warn(format!(
+            "{n_after} vertices are written for {n_before}, since vertices have several values of {}",
+            names.join(" and ")
+        ));
+    }
+    let field = field.map(|field| match field.domain {
+        Domain::Vertex => {
+            let values = split.sources.iter().map(|&v| field.values[v as usize]).collect();
+            Arc::new(Field { values, ..(*field).clone() })
+        }
+        _ => field,
+    });
+    (Arc::new(split.mesh), field)
+}
+
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::mesh::fixtures::tetrahedron;
+    use crate::geometry::surface::normals::{NormalWeight, corner_normal_layer};
+    use crate::mesh::fixtures::{cube, tetrahedron};
+    use crate::prelude::*;
+
+    #[test]
+    fn vertices_with_several_normals_are_split() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ply");
+        let mut mesh = cube(glam::DVec3::ZERO);
+        let control = mve_core::Control::none();
+        mesh.set_layer(corner_normal_layer(&mesh, NormalWeight::Angle, 0.5, control).unwrap());
+        let values = (0..8).map(f64::from).collect();
+        let (name, unit, domain) = ("x".to_owned(), String::new(), Domain::Vertex);
+        let field = Field { name, unit, domain, values };
+        let trial = Trial::of(&super::MODULE).input("mesh", mesh).input("field", field);
+        let trial = trial.set("encoding", "Ascii").set("path", path.to_str().unwrap());
+        trial.run().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("element vertex 24\n"), "{text}");
+        // The last vertex is the corner (1, 1, 1), with its number as the field.
+        let vertices: Vec<&str> = text.lines().filter(|line| line.starts_with("1 1 1 ")).collect();
+        assert_eq!(vertices.len(), 3);
+        for normal in ["1 0 0", "0 1 0", "0 0 1"] {
+            assert!(vertices.contains(&format!("1 1 1 {normal} 7").as_str()), "{vertices:?}");
+        }
+    }
 
     #[test]
     fn a_file_is_written_whole_or_not_at_all() {

@@ -23,6 +23,7 @@ numbers! {
     NON_MANIFOLD_EDGES: "non_manifold_edges", "Edges of more than two faces.";
     NON_MANIFOLD_VERTICES: "non_manifold_vertices", "Vertices where parts of the surface touch.";
     TURNED_EDGES: "turned_edges", "Edges of two faces that do not have the same side outside.";
+    DOUBLED_VERTICES: "doubled_vertices", "Vertices at the place of an earlier one.";
     ISOLATED_VERTICES: "isolated_vertices", "Vertices without a face.";
     DUPLICATE_FACES: "duplicate_faces", "Faces with the vertices of an earlier one.";
     FLAT_FACES: "flat_faces", "Faces without area.";
@@ -56,6 +57,7 @@ pub static MODULE: Module = Module {
         NON_MANIFOLD_EDGES.spec(),
         NON_MANIFOLD_VERTICES.spec(),
         TURNED_EDGES.spec(),
+        DOUBLED_VERTICES.spec(),
         ISOLATED_VERTICES.spec(),
         DUPLICATE_FACES.spec(),
         FLAT_FACES.spec(),
@@ -86,6 +88,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         (NON_MANIFOLD_EDGES, info.n_non_manifold_edges as f64),
         (NON_MANIFOLD_VERTICES, info.n_non_manifold_vertices as f64),
         (TURNED_EDGES, info.n_inconsistent_edges as f64),
+        (DOUBLED_VERTICES, info.n_doubled_vertices as f64),
         (ISOLATED_VERTICES, info.n_isolated_vertices as f64),
         (DUPLICATE_FACES, info.n_duplicate_faces as f64),
         (FLAT_FACES, info.n_zero_area_faces as f64),
@@ -98,6 +101,13 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         (SIZE_Y, size.y),
         (SIZE_Z, size.z),
     ];
+    if info.n_coincident_border_edges > 0 {
+        io.warn(format!(
+            "{} of {} border edges lie on another one: the surface looks whole there, but its faces \
+             share no vertices; Weld joins them",
+            info.n_coincident_border_edges, info.n_border_edges
+        ));
+    }
     for (port, number) in numbers {
         io.put(port, number);
     }

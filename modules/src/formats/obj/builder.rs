@@ -73,6 +73,17 @@ impl LabelTrack {
         id
     }
 
+    /// Gives names that `new_name` knows a new one, which may be that of other faces.
+    pub fn rename(&mut self, new_name: impl Fn(&str) -> Option<String>) {
+        self.ids.clear();
+        let old = std::mem::take(&mut self.labels);
+        let renamed = old.into_iter().map(|name| new_name(&name).unwrap_or(name));
+        let ids: Vec<u32> = renamed.map(|name| self.id_of(name)).collect();
+        for value in self.index.index.iter_mut().filter(|value| **value != NO_VALUE) {
+            *value = ids[*value as usize];
+        }
+    }
+
     /// The names in the order of their first face.
     pub fn labels(&self) -> &[String] {
         &self.labels
@@ -99,15 +110,16 @@ pub(super) struct MeshBuilder {
     pub object: LabelTrack,
     pub group: LabelTrack,
     pub material: LabelTrack,
+    pub smoothing: LabelTrack,
     faces: Vec<[VertexId; 3]>,
     corner_texcoords: LazyIndex,
     corner_normals: LazyIndex,
 }
 
 impl MeshBuilder {
-    /// How many triangles there are.
-    pub fn n_faces(&self) -> usize {
-        self.faces.len()
+    /// The triangles so far.
+    pub fn faces(&self) -> &[[VertexId; 3]] {
+        &self.faces
     }
 
     /// Adds a triangle with the names that hold.
@@ -117,6 +129,7 @@ impl MeshBuilder {
         self.object.push(n_before);
         self.group.push(n_before);
         self.material.push(n_before);
+        self.smoothing.push(n_before);
         for (k, [_, texcoord, normal]) in corners.into_iter().enumerate() {
             self.corner_texcoords.push(3 * n_before + k, texcoord);
             self.corner_normals.push(3 * n_before + k, normal);
@@ -144,6 +157,7 @@ impl MeshBuilder {
             self.object.finish(Layer::OBJECT, n_faces),
             self.group.finish(Layer::GROUP, n_faces),
             self.material.finish(Layer::MATERIAL, n_faces),
+            self.smoothing.finish(Layer::SMOOTHING, n_faces),
         ];
         mesh.layers.extend(labels.into_iter().flatten());
         mesh

@@ -1,8 +1,11 @@
 //! A cursor over the bytes of a line-based text file that knows which line it is on.
 //!
-//! Lines end with LF, CRLF or CR. A backslash before the line end joins the next line on, and is
-//! then as good as a blank. `#` begins a comment; within a name only after a blank, because names
-//! such as `metal#2` are about.
+//! Lines end with LF, CRLF or CR. A backslash before the line end, with or without blanks between,
+//! joins the next line on, and is then as good as a blank. `#` begins a comment. A name is all that
+//! is left of its line: `#` is a part of it, and so is a backslash at its end, since names such as
+//! `Material #25` and `C:\temp\` are about.
+
+use crate::data::name_from_bytes;
 
 /// Where reading stands.
 pub(super) struct Cursor<'a> {
@@ -11,7 +14,7 @@ pub(super) struct Cursor<'a> {
     line: usize,
 }
 
-fn is_blank(byte: u8) -> bool {
+pub(super) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
@@ -71,13 +74,22 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// Bytes of the backslash that comes next with the blanks and the line end behind it; 0 where
+    /// there is none.
+    fn continuation_length(&self) -> usize {
+        let Some((b'\\', after)) = self.rest().split_first() else { return 0 };
+        let n_blanks = after.iter().take_while(|byte| is_blank(**byte)).count();
+        match (self.line_end_at(1 + n_blanks), after.len() == n_blanks) {
+            (0, false) => 0,
+            (n_bytes, _) => 1 + n_blanks + n_bytes,
+        }
+    }
+
     /// Steps over a backslash with the line end behind it; says whether there was one.
     fn skip_continuation(&mut self) -> bool {
-        let n_bytes = if self.peek() == Some(b'\\') { self.line_end_at(1) } else { 0 };
-        if n_bytes > 0 {
-            self.pos += 1 + n_bytes;
-            self.line += 1;
-        }
+        let n_bytes = self.continuation_length();
+        self.pos += n_bytes;
+        self.line += usize::from(n_bytes > 0);
         n_bytes > 0
     }
 
@@ -105,7 +117,7 @@ impl<'a> Cursor<'a> {
     pub fn is_word_over(&self) -> bool {
         match self.peek() {
             None | Some(b' ' | b'\n' | b'\r' | b'\t' | b'#' | 0x0b | 0x0c) => true,
-            Some(b'\\') => self.line_end_at(1) > 0,
+            Some(b'\\') => self.continuation_length() > 0,
             Some(_) => false,
         }
     }
@@ -145,18 +157,15 @@ impl<'a> Cursor<'a> {
         self.line += usize::from(n_bytes > 0);
     }
 
-    /// Reads what is left of the line as text without the blanks around it, and says by
-    /// `comments` whether a comment ends it. What is not UTF-8 is read as Latin-1, where every byte
-    /// is the character of its number.
-    pub fn text(&mut self, comments: Comments) -> String {
+    /// Reads what is left of the line as text without the blanks around it.
+    pub fn text(&mut self, backslash: Backslash) -> String {
         self.skip_blanks();
         let mut text = Vec::new();
         while let Some(byte) = self.peek() {
-            let after_blank = text.last().is_none_or(|&b| is_blank(b));
+            let joins = backslash == Backslash::Joins || text.last().is_none_or(|&b| is_blank(b));
             match byte {
                 b'\n' | b'\r' => break,
-                b'#' if after_blank && comments == Comments::Cut => break,
-                b'\\' if self.skip_continuation() => text.push(b' '),
+                b'\\' if joins && self.skip_continuation() => text.push(b' '),
                 _ => {
                     text.push(byte);
                     self.pos += 1;
@@ -164,19 +173,26 @@ impl<'a> Cursor<'a> {
             }
         }
         let n_kept = text.iter().rposition(|&b| !is_blank(b)).map_or(0, |last| last + 1);
-        text.truncate(n_kept);
-        String::from_utf8(text)
-            .unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| char::from(byte)).collect())
+        name_from_bytes(&text[..n_kept])
+    }
+
+    /// Reads what is left of the line as one name. A comment in the place of the name is none.
+    pub fn name(&mut self) -> String {
+        let name = self.text(Backslash::OfName);
+        let is_comment = name.strip_prefix('#').is_some_and(|rest| {
+            rest.is_empty() || rest.starts_with(|c: char| c.is_ascii() && is_blank(c as u8))
+        });
+        if is_comment { String::new() } else { name }
     }
 }
 
-/// What to do with `#` after a blank.
+/// What a backslash at the end of a line is.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Comments {
-    /// It begins a comment, which is left out.
-    Cut,
-    /// It is a part of the text.
-    Keep,
+pub(super) enum Backslash {
+    /// It joins the next line on.
+    Joins,
+    /// So it does after a blank; else it is the last character of a name.
+    OfName,
 }
 
 /// Bytes in quotation marks for a message: printable, and cut where they are long.

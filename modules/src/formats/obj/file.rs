@@ -1,19 +1,18 @@
 //! OBJ files with their material files and textures on the disk.
 
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use mve_core::Control;
 
-use super::cursor::{Comments, Cursor};
-use super::materials::FileNames;
+use super::bounds::{Bounds, FileScope};
+use super::cursor::Cursor;
 use super::parse::parse_with;
-use super::textures::{self, Pictures, TextureFolder, texture_folder};
-use super::{Companions, ObjError, Warning, Warnings, parse_mtl, write_mtl, write_obj};
-use crate::data::{Material, TriMesh};
+use super::textures::{self, Pictures, TextureFolder, named, packed};
+use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
+use crate::data::{Material, TriMesh, name_from_file, name_to_file};
 use crate::formats::plain_file::read_plain;
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
@@ -25,14 +24,29 @@ const MAX_MTL_BYTES: u64 = 64 << 20;
 pub const TEXTURE_FOLDER: &str = "-textures";
 
 /// Reads an OBJ file, the material files that it names, which are relative to its folder, and the
-/// pictures that these name. What is missing of material files and pictures is a warning.
+/// pictures that these name. What is missing of material files and pictures is a warning, and so
+/// is what lies outside of the folder of the file.
 ///
 /// # Errors
 /// [`ObjError::File`] with the path when the file cannot be read, and those of
 /// [`parse`](super::parse()).
 pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), ObjError> {
+    load_within(path, FileScope::Folder, control)
+}
+
+/// Reads an OBJ file as [`load`] does, with the files of a scope.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_within(
+    path: &Path,
+    scope: FileScope,
+    control: Control,
+) -> Result<(TriMesh, Vec<Warning>), ObjError> {
     let bytes = read_plain(path, u64::MAX).map_err(|source| FileError::read(path, source))?;
-    let mut disk = Disk { folder: folder_of(path), pictures: Pictures::default(), control };
+    let folder = folder_of(path);
+    let pictures = Pictures::default();
+    let mut disk = Disk { bounds: Bounds::new(&folder, scope), folder, pictures, control };
     let loaded = parse_with(&bytes, &mut disk, control)?;
     control.at(1.0).map_err(|_| ObjError::Cancelled)?;
     Ok(loaded)
@@ -41,24 +55,27 @@ pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), Ob
 /// The files beside an OBJ file.
 struct Disk<'a> {
     folder: PathBuf,
+    bounds: Bounds,
     pictures: Pictures,
     control: Control<'a>,
 }
 
 impl Companions for Disk<'_> {
     fn material_file(&mut self, name: &str) -> io::Result<Vec<u8>> {
-        read_plain(&self.folder.join(name), MAX_MTL_BYTES)
+        let path = self.folder.join(name_to_file(name));
+        self.bounds.check(&path)?;
+        read_plain(&path, MAX_MTL_BYTES)
     }
 
     fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings) {
         let folders = texture_folders(&self.folder, library);
-        self.pictures.read_all(materials, &folders, warnings, self.control);
+        self.pictures.read_all(materials, &folders, &self.bounds, warnings, self.control);
     }
 }
 
 /// Where the pictures are looked for that a material file names: beside it, then beside the mesh.
 fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
-    let mut folders = vec![folder_of(&folder.join(library))];
+    let mut folders = vec![folder_of(&folder.join(name_to_file(library)))];
     if folders[0] != folder {
         folders.push(folder.to_owned());
     }
@@ -69,7 +86,7 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// stem beside it. Their pictures go into a folder beside both, its name the stem and
 /// [`TEXTURE_FOLDER`]: as the files that they were read from, byte for byte, or else as PNG files.
 /// Names that two pictures share get a number, and those that a system refuses are changed. What
-/// else lies in that folder stays. A texture whose picture was not read keeps the name that it came
+/// else lies in that folder stays. A texture whose file was not read keeps the name that it came
 /// with.
 ///
 /// Pictures come first and the OBJ file last, so that no file names one that is not there; each
@@ -79,6 +96,33 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
 /// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
+    let folder = texture_folder(path);
+    let name = name_from_file(folder.file_name().unwrap_or_default());
+    let textures = packed(&mesh.materials, &name);
+    save_with(mesh, path, &textures, control)
+}
+
+/// Writes `mesh` as [`save`] does, but without pictures: the material file names them in `folder`,
+/// which is relative to it.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_naming(
+    mesh: &TriMesh,
+    path: &Path,
+    folder: &str,
+    control: Control,
+) -> Result<(), FileError> {
+    let textures = TextureFolder { materials: named(&mesh.materials, folder), files: Vec::new() };
+    save_with(mesh, path, &textures, control)
+}
+
+fn save_with(
+    mesh: &TriMesh,
+    path: &Path,
+    textures: &TextureFolder,
+    control: Control,
+) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
         write_obj(mesh, &mut Watched { out, control }, mtl_name)
     };
@@ -87,7 +131,7 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     }
     let refuse = |source| FileError::write(path, source);
     let mtl_path = path.with_extension("mtl");
-    let Some(mtl_name) = mtl_path.file_name().map(OsStr::to_string_lossy) else {
+    let Some(mtl_name) = mtl_path.file_name().map(name_from_file) else {
         return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
     };
     if mtl_path == path {
@@ -96,22 +140,26 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileErr
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    let mut folder_name = path.file_stem().unwrap_or_default().to_owned();
-    folder_name.push(TEXTURE_FOLDER);
-    let folder = path.with_file_name(&folder_name);
-    let TextureFolder { materials, files } =
-        texture_folder(&mesh.materials, &folder_name.to_string_lossy());
-    if !files.is_empty() {
+    let folder = texture_folder(path);
+    if !textures.files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }
-    for (name, image) in &files {
-        save_atomic(&folder.join(name), |out| match image.encoded() {
+    for (name, image) in &textures.files {
+        save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
             Some(bytes) => Watched { out, control }.write_all(bytes),
-            None => write_png(image.pixels(), out, control),
+            // What has no bytes has pixels.
+            None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
     }
-    save_atomic(&mtl_path, |out| write_mtl(&materials, out))?;
+    save_atomic(&mtl_path, |out| write_mtl(&textures.materials, out))?;
     save_atomic(path, |out| write(out, Some(&mtl_name)))
+}
+
+/// The folder for the pictures of a mesh that is saved at `path`.
+fn texture_folder(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(TEXTURE_FOLDER);
+    path.with_file_name(name)
 }
 
 /// A writer that fails once the control says so.
@@ -140,6 +188,7 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
     const STATEMENT: &[u8] = b"mtllib";
     let Ok(bytes) = read_plain(path, u64::MAX) else { return Vec::new() };
     let folder = folder_of(path);
+    let bounds = [FileScope::Folder, FileScope::Anywhere].map(|scope| Bounds::new(&folder, scope));
     let (mut paths, mut known) = (Vec::new(), HashSet::new());
     for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')) {
         // Almost no line gets beyond the first test.
@@ -151,9 +200,8 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
         if cursor.word() != STATEMENT {
             continue;
         }
-        let FileNames { whole, words } = FileNames::of(&cursor.text(Comments::Keep));
-        for name in whole.into_iter().chain(words) {
-            let path = folder.join(&name);
+        for name in materials::candidates(&cursor.name()) {
+            let path = folder.join(name_to_file(&name));
             if name.is_empty() || !known.insert(path.clone()) {
                 continue;
             }
@@ -162,9 +210,11 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
             let folders = texture_folders(&folder, &name);
             let materials = parse_mtl(&bytes).0;
             for texture in materials.iter().flat_map(|material| &material.textures) {
-                let (path, _) = textures::find(&texture.name, &folders);
-                if known.insert(path.clone()) {
-                    paths.push(path);
+                for bounds in &bounds {
+                    let (path, _) = textures::find(&texture.name, &folders, bounds);
+                    if known.insert(path.clone()) {
+                        paths.push(path);
+                    }
                 }
             }
         }

@@ -3,14 +3,15 @@
 //! After "Object Files (.obj)", Wavefront Technologies, Advanced Visualizer Manual, appendix B1,
 //! 1992. One file gives one mesh. Vertices keep their number and order: vertex i of the mesh is
 //! the file's vertex i + 1, used by a face or not. Texture coordinates and normals keep theirs and
-//! are corner layers; objects, groups and materials are face layers; colors after the coordinates
-//! are a vertex layer. Polygons are cut into triangles on their own vertices, so that n corners
-//! give n - 2 triangles in the place of the polygon.
+//! are corner layers; objects, groups, materials and smoothing groups are face layers; colors after
+//! the coordinates are a vertex layer. Polygons are cut into triangles on their own vertices, so
+//! that n corners give n - 2 triangles in the place of the polygon.
 //!
 //! The reader takes what files in the wild contain: any line end, continued lines, comments
-//! anywhere, faces before their vertices, names that are not UTF-8, lines of no known kind. What
-//! is left out is reported as a [`Warning`]; what is wrong is an [`ObjError`] with its line.
-//! Left out without a word, since they say nothing about the surface: smoothing groups (`s`) and
+//! anywhere, faces before their vertices, names that are not UTF-8, numbers as old programs spell
+//! them, lines of no known kind. What is left out is reported as a [`Warning`], a face, normal or
+//! texture coordinate with a number that is not there among them; what spoils the file is an
+//! [`ObjError`] with its line. Left out without a word, since they say nothing about the surface:
 //! display attributes. Left out with a warning: points, lines, free-form curves and surfaces, the
 //! weight `w` of a vertex, the third texture coordinate.
 //!
@@ -20,14 +21,18 @@
 //! mesh a group with vertices renumbered, duplicated and dropped, errors without a line, and fans
 //! for concave polygons.
 
+mod bounds;
 mod builder;
+mod constrained;
 mod cursor;
 mod file;
+mod kind;
 mod materials;
 mod number;
 mod parse;
 mod textures;
 mod triangulate;
+mod trouble;
 mod write;
 
 use std::io;
@@ -37,7 +42,8 @@ use thiserror::Error;
 use super::FileError;
 use crate::data::Material;
 
-pub use file::{TEXTURE_FOLDER, companions, load, save};
+pub use bounds::FileScope;
+pub use file::{TEXTURE_FOLDER, companions, load, load_within, save, save_naming};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};
@@ -133,13 +139,13 @@ impl Warnings {
     pub fn add(&mut self, line: usize, text: &str) {
         match self.list.iter_mut().find(|warning| warning.text == text) {
             Some(warning) => warning.n_lines += 1,
-            None => self.push(Some(line), text.to_owned()),
+            None => self.push(Warning { line: Some(line), n_lines: 1, text: text.to_owned() }),
         }
     }
 
     /// Adds one about the whole file.
     pub fn add_general(&mut self, text: String) {
-        self.push(None, text);
+        self.push(Warning { line: None, n_lines: 1, text });
     }
 
     /// Adds one about the whole file that may come up again and again.
@@ -149,15 +155,16 @@ impl Warnings {
         }
     }
 
-    fn push(&mut self, line: Option<usize>, text: String) {
+    /// Adds one whose text is not there yet.
+    pub fn push(&mut self, warning: Warning) {
         const MORE: &str = "more kinds of lines are left out";
         if self.list.len() < Self::MOST {
-            self.list.push(Warning { line, n_lines: 1, text });
+            self.list.push(warning);
         } else if let Some(last) = self.list.last_mut() {
             if last.text == MORE {
-                last.n_lines += 1;
+                last.n_lines += warning.n_lines;
             } else {
-                *last = Warning { line, n_lines: 1, text: MORE.to_owned() };
+                *last = Warning { text: MORE.to_owned(), ..warning };
             }
         }
     }
@@ -176,3 +183,5 @@ mod model_tests;
 mod tests;
 #[cfg(test)]
 mod texture_tests;
+#[cfg(test)]
+mod trouble_tests;

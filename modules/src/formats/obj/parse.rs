@@ -7,14 +7,16 @@
 use std::io;
 
 use glam::{DVec2, DVec3};
-use mve_core::Control;
+use mve_core::{Cancelled, Control};
 
 use super::builder::{Corner, MeshBuilder};
-use super::cursor::{Comments, Cursor, quoted};
-use super::number::{finite, integer, numbers};
+use super::cursor::{Cursor, quoted};
+use super::kind::check_kind;
+use super::number::{integer, numbers};
 use super::triangulate::{Cut, Triangulator};
+use super::trouble::Trouble;
 use super::{Companions, MtlSource, ObjError, Warning, Warnings, materials};
-use crate::data::{Material, NO_VALUE, TriMesh};
+use crate::data::{Material, NO_VALUE, TriMesh, name_from_bytes};
 
 /// Bytes between two calls of the control.
 const PROGRESS_STEP: usize = 1 << 20;
@@ -32,9 +34,8 @@ const LEFT_OUT: [(&[u8], &str); 8] = [
 ];
 
 /// Statements that are left out without a warning: parts of a free-form element, of which there
-/// was a warning, smoothing groups and what concerns only the display.
-const PASSED_OVER: [&[u8]; 23] = [
-    b"s",
+/// was a warning, and what concerns only the display.
+const PASSED_OVER: [&[u8]; 22] = [
     b"mg",
     b"lod",
     b"bevel",
@@ -104,8 +105,9 @@ pub(super) fn parse_with(
     if reader.mesh.positions.is_empty() {
         return Err(ObjError::NoVertices);
     }
-    let Reader { mesh, mut warnings, libraries, .. } = reader;
-    if mesh.n_faces() == 0 {
+    let Reader { mut mesh, mut warnings, libraries, trouble, .. } = reader;
+    trouble.settle(&mut mesh, &mut warnings)?;
+    if mesh.faces().is_empty() {
         warnings.add_general("the file has vertices but no faces".to_owned());
     }
     let last = bytes.rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
@@ -113,33 +115,11 @@ pub(super) fn parse_with(
         let message = "the last line has no end; the file may have been cut there";
         warnings.add_general(message.to_owned());
     }
-    let used = mesh.material.labels();
-    let materials = materials::read_all(&libraries, used, companions, &mut warnings);
+    let libraries = materials::read_all(&libraries, companions, &mut warnings);
+    libraries.match_names(&mut mesh.material, &mut warnings);
     let mut mesh = mesh.finish();
-    mesh.materials = materials;
+    mesh.materials = libraries.materials;
     Ok((mesh, warnings.into_list()))
-}
-
-/// Recognizes at once what is not text.
-fn check_kind(bytes: &[u8]) -> Result<(), ObjError> {
-    const KINDS: [(&[u8], &str); 9] = [
-        (b"ply\n", "it looks like a PLY file"),
-        (b"ply\r", "it looks like a PLY file"),
-        (b"solid ", "it looks like an STL file"),
-        (b"OFF", "it looks like an OFF file"),
-        (b"glTF", "it looks like a binary glTF file"),
-        (b"PK\x03\x04", "it looks like a ZIP archive; unpack it first"),
-        (b"\x1f\x8b", "it looks like a gzip archive; unpack it first"),
-        (b"\xff\xfe", "it is UTF-16; save it as UTF-8"),
-        (b"\xfe\xff", "it is UTF-16; save it as UTF-8"),
-    ];
-    if let Some(&(_, kind)) = KINDS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
-        return Err(ObjError::NotObj { line: 1, kind });
-    }
-    match bytes[..bytes.len().min(4096)].contains(&0) {
-        true => Err(ObjError::NotObj { line: 1, kind: "it holds binary data" }),
-        false => Ok(()),
-    }
 }
 
 /// What one run over the file reads.
@@ -186,6 +166,7 @@ struct Reader<'p> {
     n_seen: [usize; 3],
     libraries: Vec<String>,
     warnings: Warnings,
+    trouble: Trouble,
     triangulator: Triangulator,
     polygon: Vec<Corner>,
     points: Vec<DVec3>,
@@ -202,6 +183,7 @@ impl<'p> Reader<'p> {
             n_seen: [0; 3],
             libraries: Vec::new(),
             warnings: Warnings::default(),
+            trouble: Trouble::default(),
             triangulator: Triangulator::default(),
             polygon: Vec::new(),
             points: Vec::new(),
@@ -264,8 +246,11 @@ impl<'p> Reader<'p> {
     }
 
     fn vertex(&mut self, cursor: &mut Cursor) -> Result<(), ObjError> {
-        let [x, y, z] = numbers(cursor, "3 coordinates after `v`")?;
-        let position = finite(cursor, DVec3::new(x, y, z))?;
+        let mut position = DVec3::from(numbers::<3>(cursor, "3 coordinates after `v`")?);
+        if !position.is_finite() {
+            self.trouble.points.push((self.mesh.positions.len() as u32, cursor.line(), position));
+            position = DVec3::ZERO;
+        }
         let color = if cursor.is_line_over() { NO_VALUE } else { self.vertex_extras(cursor)? };
         self.mesh.color_index.push(self.mesh.positions.len(), color);
         self.mesh.positions.push(position);
@@ -289,10 +274,12 @@ impl<'p> Reader<'p> {
             1 if extras[0] == 1.0 => {}
             1 => self.warnings.add(line, "the weight `w` of a vertex is left out"),
             2 => self.warnings.add(line, "2 numbers after the coordinates are left out"),
+            _ if !color.is_finite() => {
+                self.warnings.add(line, "a color is not finite; its vertex has none");
+            }
             _ => {
-                let color = finite(cursor, color)?;
                 if color.min_element() < 0.0 || color.max_element() > 1.0 {
-                    self.warnings.add(line, "a color lies outside 0 to 1 and is kept as it is");
+                    self.trouble.colors.add(line);
                 }
                 // There are no more colors than vertices, so the index fits.
                 color_id = self.mesh.colors.len() as u32;
@@ -335,41 +322,59 @@ impl<'p> Reader<'p> {
         Ok(())
     }
 
+    /// Reads a face. One that cannot be read is left out.
     #[inline]
     fn face(&mut self, cursor: &mut Cursor) -> Result<(), Stop> {
         let line = cursor.line();
+        match self.corners(cursor, line) {
+            Ok(()) => {}
+            Err(Stop::Error(error @ ObjError::Line { .. })) => {
+                self.trouble.add_face(error);
+                return Ok(());
+            }
+            Err(stop) => return Err(stop),
+        }
+        match self.polygon[..] {
+            [a, b, c] => self.mesh.push_triangle([a, b, c]),
+            _ => self.cut_polygon(line)?,
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn corners(&mut self, cursor: &mut Cursor, line: usize) -> Result<(), Stop> {
         self.polygon.clear();
         while !cursor.is_line_over() {
             let corner = self.corner(cursor)?;
             self.polygon.push(corner);
         }
-        if self.mesh.n_faces() + self.polygon.len() >= NO_VALUE as usize {
+        if self.mesh.faces().len() + self.polygon.len() >= NO_VALUE as usize {
             return Err(ObjError::TooMany { line, what: "triangles" }.into());
         }
-        match self.polygon[..] {
-            [a, b, c] => self.mesh.push_triangle([a, b, c]),
-            [] | [_] | [_, _] => {
-                let found = format!("a face of {} vertices", self.polygon.len());
-                let expected = "3 or more".to_owned();
-                return Err(ObjError::Line { line, found, expected }.into());
-            }
-            _ => self.cut_polygon(line),
+        if self.polygon.len() < 3 {
+            let found = format!("a face of {} vertices", self.polygon.len());
+            let expected = "3 or more".to_owned();
+            return Err(ObjError::Line { line, found, expected }.into());
         }
         Ok(())
     }
 
-    fn cut_polygon(&mut self, line: usize) {
+    fn cut_polygon(&mut self, line: usize) -> Result<(), Stop> {
         self.points.clear();
         let positions = &self.mesh.positions;
         self.points.extend(self.polygon.iter().map(|corner| positions[corner[0] as usize]));
         self.triangles.clear();
-        if self.triangulator.cut(&self.points, &mut self.triangles) == Cut::Fan {
+        // The share of the file that is read stays as it is meanwhile.
+        let control = self.control.part(self.reported, self.reported);
+        let cut = self.triangulator.cut(&self.points, &mut self.triangles, control);
+        if cut.map_err(|Cancelled| ObjError::Cancelled)? == Cut::Fan {
             let text = "a polygon has no area or crosses itself; it is cut into a fan";
             self.warnings.add(line, text);
         }
         for triangle in &self.triangles {
             self.mesh.push_triangle(triangle.map(|k| self.polygon[k as usize]));
         }
+        Ok(())
     }
 
     /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -393,9 +398,10 @@ impl<'p> Reader<'p> {
         if cursor.is_word_over() { Ok(corner) } else { Err(bad_corner(cursor, start).into()) }
     }
 
-    /// The index from 0 for one of the file, which counts from 1, or back from -1.
+    /// The index from 0 for one of the file, which counts from 1, or back from -1. The corner of a
+    /// texture coordinate or normal that is not there has none.
     #[inline]
-    fn resolve(&self, raw: i64, list: usize, line: usize) -> Result<u32, Stop> {
+    fn resolve(&mut self, raw: i64, list: usize, line: usize) -> Result<u32, Stop> {
         let n_seen = self.n_seen[list];
         let n_known = match list {
             0 => self.mesh.positions.len(),
@@ -410,19 +416,29 @@ impl<'p> Reader<'p> {
         if raw > 0 && self.pass == Pass::All {
             return Err(Stop::Forward);
         }
-        Err(out_of_range(raw, list, line, n_known).into())
+        let error = out_of_range(raw, list, line, n_known);
+        if list == 0 {
+            return Err(error.into());
+        }
+        self.trouble.add_corner(list, line, error);
+        Ok(NO_VALUE)
     }
 
     #[cold]
     fn other(&mut self, cursor: &mut Cursor, keyword: &[u8]) -> Result<(), Stop> {
         match keyword {
-            b"o" => self.mesh.object.set(cursor.text(Comments::Cut)),
-            b"g" => self.mesh.group.set(cursor.text(Comments::Cut)),
-            b"usemtl" => self.mesh.material.set(cursor.text(Comments::Cut)),
+            b"o" => self.mesh.object.set(cursor.name()),
+            b"g" => self.mesh.group.set(cursor.name()),
+            b"usemtl" => self.mesh.material.set(cursor.name()),
+            b"s" => {
+                cursor.skip_blanks();
+                let number = cursor.word();
+                let is_off = matches!(number, b"off" | b"0");
+                self.mesh.smoothing.set(if is_off { "".into() } else { name_from_bytes(number) });
+            }
             b"mtllib" => {
-                let name = cursor.text(Comments::Keep);
-                let is_named = !materials::without_comment(&name).is_empty();
-                if is_named && !self.libraries.contains(&name) {
+                let name = cursor.name();
+                if !name.is_empty() && !self.libraries.contains(&name) {
                     self.libraries.push(name);
                 }
             }

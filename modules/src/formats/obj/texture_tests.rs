@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use mve_core::Control;
 
+use super::bounds::Bounds;
 use super::tests::read;
-use super::textures::{Pictures, texture_folder, texture_of};
+use super::textures::{Pictures, packed, texture_of};
 use super::*;
 use crate::data::{Image, PixelKind, Texture, TextureImage, TextureRole, TriMesh};
 use crate::formats::png::write_png;
@@ -47,7 +48,7 @@ fn texture(mesh: &TriMesh, material: usize) -> &Texture {
 
 /// The gray value of a material's first texture.
 fn gray(mesh: &TriMesh, material: usize) -> u8 {
-    texture(mesh, material).image.as_ref().expect("a picture").pixels().bytes[0]
+    texture(mesh, material).image.as_ref().expect("a picture").pixels().expect("pixels").bytes[0]
 }
 
 fn names_in(folder: &Path) -> Vec<String> {
@@ -165,13 +166,19 @@ fn paths_of_other_machines_are_looked_for_beside_the_material_file() {
         assert!(said.starts_with(&format!("texture {name} is not there; ")), "{said}");
         assert!(said.ends_with("skin.png is taken") && said.contains("mat"), "{said}");
     }
-    // An absolute path that leads to a file is taken.
+    // An absolute path that leads to a file is taken where that is allowed.
     let folder = tempfile::tempdir().expect("folder");
     let path = folder.path().join("away.png");
     fs::write(&path, png(9)).expect("write");
     let mtl = format!("newmtl a\nmap_Kd {}\nnewmtl b\n", path.display());
-    let (mesh, warnings) = load_with(&folder.path().join("in"), ("in.mtl", &mtl), &[]);
+    let inner = folder.path().join("in");
+    let (mesh, warnings) = load_with(&inner, ("in.mtl", &mtl), &[]);
+    assert_eq!(texture(&mesh, 0).image, None);
+    assert!(warnings[0].contains("lies outside of the folder of the mesh"), "{warnings:?}");
+    let loaded = load_within(&inner.join("mesh.obj"), FileScope::Anywhere, Control::none());
+    let (mesh, warnings) = loaded.expect("load");
     assert_eq!((gray(&mesh, 0), warnings), (9, Vec::new()));
+    assert!(companions(&inner.join("mesh.obj")).contains(&path));
 }
 
 #[test]
@@ -187,7 +194,7 @@ fn broken_and_missing_pictures_are_named_and_keep_their_statements() {
     ];
     let (mesh, warnings) = load_with(folder.path(), ("in.mtl", mtl), &files);
     let said = [
-        "texture text.png is neither a PNG nor a JPEG file",
+        "texture text.png is neither a PNG nor a JPEG file; it is kept as it is",
         "texture tex/gone.png is not there",
         "texture cut.png is no picture that can be read: ",
         "texture folder is not there",
@@ -196,8 +203,12 @@ fn broken_and_missing_pictures_are_named_and_keep_their_statements() {
     assert!(warnings.iter().zip(said).all(|(found, said)| found.starts_with(said)), "{warnings:?}");
     let out = folder.path().join("out.obj");
     save(&mesh, &out, Control::none()).expect("save");
-    assert_eq!(fs::read_to_string(out.with_extension("mtl")).expect("read"), mtl);
-    assert!(!folder.path().join("out-textures").exists());
+    let written = fs::read_to_string(out.with_extension("mtl")).expect("read");
+    assert_eq!(written.replace("out-textures/", ""), mtl);
+    let kept = folder.path().join("out-textures");
+    assert_eq!(names_in(&kept), ["cut.png", "text.png"]);
+    assert_eq!(fs::read(kept.join("text.png")).expect("read"), b"no picture");
+    assert_eq!(load(&out, Control::none()).expect("load").0, mesh);
 }
 
 #[test]
@@ -235,7 +246,7 @@ fn a_picture_that_was_made_is_saved_as_png() {
     save(&mesh, &out, Control::none()).expect("save");
     assert_eq!(names_in(&folder.path().join("out-textures")), ["skin.jpg.png"]);
     let (again, _) = load(&out, Control::none()).expect("load");
-    assert_eq!(texture(&again, 0).image.as_ref().expect("read").pixels(), &pixels);
+    assert_eq!(texture(&again, 0).image.as_ref().expect("read").pixels(), Some(&pixels));
 }
 
 /// The names of the files that pictures of these names get, read from such a file or made.
@@ -251,7 +262,7 @@ fn names_of_files(names: &[&str], encoded: Option<&[u8]>) -> Vec<String> {
         Material { textures: vec![texture], ..Material::default() }
     };
     let materials: Vec<Material> = names.iter().map(material).collect();
-    texture_folder(&materials, "t").files.into_iter().map(|(name, _)| name).collect()
+    packed(&materials, "t").files.into_iter().map(|(name, _)| name).collect()
 }
 
 #[test]
@@ -314,7 +325,9 @@ fn files_count_beside_pixels() {
         let mut warnings = Warnings::default();
         let folders = [folder.path().to_owned()];
         let mut pictures = Pictures::of_at_most(n_most);
-        pictures.read_all(&mut materials, &folders, &mut warnings, Control::none());
+        let bounds = Bounds::new(folder.path(), FileScope::Folder);
+        let control = Control::none();
+        pictures.read_all(&mut materials, &folders, &bounds, &mut warnings, control);
         let warnings = warnings.into_list();
         assert_eq!(warnings.len(), said.len(), "{warnings:?}");
         assert!(warnings.iter().zip(said).all(|(found, said)| found.text.contains(said)));
@@ -337,12 +350,27 @@ fn names_in_latin_1_are_read_and_found() {
         assert!(companions(&path).contains(&folder.path().join(&name)));
         let (mesh, warnings) = load(&path, Control::none()).expect("load");
         assert_eq!((warnings, gray(&mesh, 0)), (Vec::new(), 5));
-        assert_eq!(texture(&mesh, 0).name, "häuser.png");
+        assert_eq!(crate::data::name_to_file(&texture(&mesh, 0).name), name);
         let out = folder.path().join("out.obj");
         save(&mesh, &out, Control::none()).expect("save");
-        assert_eq!(names_in(&folder.path().join("out-textures")), ["häuser.png"]);
+        assert!(folder.path().join("out-textures").join(&name).is_file());
         assert_eq!(load(&out, Control::none()).expect("load").0, mesh);
     }
+}
+
+#[test]
+fn textures_may_be_named_where_they_lie() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mtl = "newmtl a\nmap_Kd -s 2 2 tex/skin.png\n\nnewmtl b\nmap_Kd gone.png\n";
+    let (mesh, _) = load_with(folder.path(), ("in.mtl", mtl), &[("tex/skin.png", png(5))]);
+    let out = folder.path().join("out/a/out.obj");
+    fs::create_dir_all(out.parent().expect("a folder")).expect("folder");
+    save_naming(&mesh, &out, "../../tex", Control::none()).expect("save");
+    let text = fs::read_to_string(out.with_extension("mtl")).expect("read");
+    assert_eq!(text, mtl.replace("tex/skin.png", "../../tex/skin.png"));
+    assert!(!out.with_file_name("out-textures").exists());
+    let (again, _) = load_within(&out, FileScope::Anywhere, Control::none()).expect("load");
+    assert_eq!(gray(&again, 0), 5);
 }
 
 #[test]

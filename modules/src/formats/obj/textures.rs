@@ -1,15 +1,18 @@
 //! The pictures that material files name: what their statements say, and the files on the disk.
 
 use std::collections::{HashMap, HashSet};
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mve_core::Control;
 
 use super::Warnings;
+use super::bounds::Bounds;
 use super::write::path_text;
-use crate::data::{Material, Texture, TextureImage, TextureRole};
+use crate::data::{
+    Material, Texture, TextureImage, TextureRole, name_from_file, name_recoded, name_to_file,
+    shown_name,
+};
 use crate::formats::plain_file::read_plain;
 use crate::formats::texture_file::read_texture;
 
@@ -112,34 +115,23 @@ fn spellings(name: &str) -> Vec<String> {
 /// The file that a texture's name means: the first that is there of what it may mean in the folder
 /// of its material file; of its last part alone in that folder, since names hold paths of the
 /// machines where they were written; and of both in the other folders. Where there is no such
-/// file, the path that is written.
-pub(super) fn find(name: &str, folders: &[PathBuf]) -> (PathBuf, Place) {
+/// file, or it lies out of bounds, the path that is written.
+pub(super) fn find(name: &str, folders: &[PathBuf], bounds: &Bounds) -> (PathBuf, Place) {
     let names = spellings(name);
     let alone: Vec<&str> = names.iter().filter_map(|name| name.rsplit('/').next()).collect();
     let whole: Vec<&str> = names.iter().map(String::as_str).collect();
     for (at, folder) in folders.iter().enumerate() {
         for (names, is_written) in [(&whole, at == 0), (&alone, false)] {
-            let mut paths =
-                names.iter().flat_map(|name| file_names(name)).map(|name| folder.join(name));
-            if let Some(path) = paths.find(|path| path.is_file()) {
+            let spellings =
+                names.iter().flat_map(|name| [Some((*name).to_owned()), name_recoded(name)]);
+            let mut paths = spellings.flatten().map(|name| folder.join(name_to_file(&name)));
+            if let Some(path) = paths.find(|path| path.is_file() && bounds.check(path).is_ok()) {
                 return (path, if is_written { Place::AsWritten } else { Place::Elsewhere });
             }
         }
     }
-    (folders.first().map(|folder| folder.join(name)).unwrap_or_default(), Place::Nowhere)
-}
-
-/// The name as a file may have it: as it is, or in bytes of Latin-1, in which it may stand in the
-/// material file too.
-fn file_names(name: &str) -> Vec<OsString> {
-    let mut names = vec![OsString::from(name)];
-    #[cfg(unix)]
-    if !name.is_ascii()
-        && let Some(bytes) = name.chars().map(|c| u8::try_from(c).ok()).collect()
-    {
-        names.push(std::os::unix::ffi::OsStringExt::from_vec(bytes));
-    }
-    names
+    let written = folders.first().map(|folder| folder.join(name_to_file(name)));
+    (written.unwrap_or_default(), Place::Nowhere)
 }
 
 /// Where the file of a texture lies.
@@ -153,9 +145,12 @@ pub(super) enum Place {
     Nowhere,
 }
 
+/// A picture, and why its file cannot be decoded, if so.
+type Kept = (Arc<TextureImage>, Option<String>);
+
 /// Reads pictures, each file once.
 pub(super) struct Pictures {
-    known: HashMap<PathBuf, Result<Arc<TextureImage>, String>>,
+    known: HashMap<PathBuf, Result<Kept, String>>,
     n_bytes_left: u64,
 }
 
@@ -176,6 +171,7 @@ impl Pictures {
         &mut self,
         materials: &mut [Material],
         folders: &[PathBuf],
+        bounds: &Bounds,
         warnings: &mut Warnings,
         control: Control,
     ) {
@@ -184,22 +180,25 @@ impl Pictures {
             if control.at(1.0).is_err() {
                 return;
             }
-            let (path, place) = find(&texture.name, folders);
-            let written = texture.name.clone();
+            let (path, place) = find(&texture.name, folders, bounds);
+            let written = shown_name(&texture.name);
             let picture = match place {
+                Place::Nowhere if path.is_file() => {
+                    let why = bounds.check(&path).err().map(|why| why.to_string());
+                    Err(format!("is left out: {}", why.unwrap_or_default()))
+                }
                 Place::Nowhere => Err("is not there".to_owned()),
                 _ => self.read(&path),
             };
             match picture {
                 Err(why) => warnings.add_once(format!("texture {written} {why}")),
-                Ok(image) => {
+                Ok((image, fault)) => {
                     texture.image = Some(image);
-                    let name = path.file_name().unwrap_or_default();
-                    // A name in other bytes is said as the material file's text says it.
-                    texture.name = match name.to_str() {
-                        Some(name) => name.to_owned(),
-                        None => name.as_encoded_bytes().iter().map(|&b| char::from(b)).collect(),
-                    };
+                    texture.name = name_from_file(path.file_name().unwrap_or_default());
+                    if let Some(fault) = fault {
+                        let text = format!("texture {written} {fault}; it is kept as it is");
+                        warnings.add_once(text);
+                    }
                     if place == Place::Elsewhere {
                         let found = path.display();
                         let text = format!("texture {written} is not there; {found} is taken");
@@ -210,22 +209,28 @@ impl Pictures {
         }
     }
 
-    fn read(&mut self, path: &Path) -> Result<Arc<TextureImage>, String> {
+    /// The picture of a file, and why it cannot be decoded.
+    fn read(&mut self, path: &Path) -> Result<Kept, String> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
         }
         let read = || {
             let bytes = read_plain(path, MAX_FILE_BYTES);
             let bytes = bytes.map_err(|error| format!("cannot be read: {error}"))?;
-            let pixels = read_texture(&bytes)?;
-            let n_bytes = (pixels.bytes.len() + bytes.len()) as u64;
+            let pixels = read_texture(&bytes);
+            let n_pixel_bytes = pixels.as_ref().map_or(0, |pixels| pixels.bytes.len());
+            let n_bytes = (n_pixel_bytes + bytes.len()) as u64;
             let n_left = self.n_bytes_left.checked_sub(n_bytes);
             let n_left = n_left.ok_or("is too large together with those before it")?;
-            Ok((Arc::new(TextureImage::of_file(pixels, bytes)), n_left))
+            let (image, fault) = match pixels {
+                Ok(pixels) => (TextureImage::of_file(pixels, bytes), None),
+                Err(fault) => (TextureImage::of_unknown(bytes), Some(fault)),
+            };
+            Ok(((Arc::new(image), fault), n_left))
         };
-        let found = read().map(|(image, n_left)| {
+        let found = read().map(|(kept, n_left)| {
             self.n_bytes_left = n_left;
-            image
+            kept
         });
         self.known.insert(path.to_owned(), found.clone());
         found
@@ -240,8 +245,19 @@ pub(super) struct TextureFolder {
     pub files: Vec<(String, Arc<TextureImage>)>,
 }
 
+/// Names each picture that was read as a file in this folder.
+pub(super) fn named(materials: &[Material], folder: &str) -> Vec<Material> {
+    let mut materials = materials.to_vec();
+    for texture in materials.iter_mut().flat_map(|material| &mut material.textures) {
+        if texture.image.is_some() {
+            texture.name = path_text(&format!("{folder}/{}", texture.name));
+        }
+    }
+    materials
+}
+
 /// Gives each picture a file name of its own in a folder of this name.
-pub(super) fn texture_folder(materials: &[Material], folder: &str) -> TextureFolder {
+pub(super) fn packed(materials: &[Material], folder: &str) -> TextureFolder {
     let mut materials = materials.to_vec();
     let mut files: Vec<(String, Arc<TextureImage>)> = Vec::new();
     let mut places: HashMap<*const TextureImage, usize> = HashMap::new();

@@ -1,11 +1,14 @@
 //! Cuts a polygon in space into triangles on its own vertices.
 //!
-//! Ears are clipped in the plane of the polygon's Newell normal (Meisters, "Polygons have ears",
-//! American Mathematical Monthly 82, 1975; Newell's normal after Sutherland, Sproull and
-//! Schumacker, "A characterization of ten hidden-surface algorithms", ACM Computing Surveys 6,
-//! 1974). Every polygon of n vertices gives exactly n - 2 triangles of the same orientation.
-//! Vertices that lie on a straight edge are kept, where the usual libraries (earcut among them)
-//! drop them and leave a T-junction: that is why this is not a library's.
+//! The plane is that of the polygon's Newell normal (Sutherland, Sproull and Schumacker, "A
+//! characterization of ten hidden-surface algorithms", ACM Computing Surveys 6, 1974), looked at
+//! along the axis that is nearest to it, so that coordinates stay as they are. Small polygons lose
+//! their ears (Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975), large ones
+//! get a constrained Delaunay triangulation, and each is there for where the other one fails: the
+//! ears know no corners closer than a tolerance, and the triangulation takes a corner that rounding
+//! puts across an edge for a crossing. Every polygon of n vertices gives n - 2 triangles of the
+//! same orientation. Vertices that lie on a straight edge are kept, where earcut and its kin drop
+//! them and leave a T-junction.
 //!
 //! A quadrilateral is cut at the diagonal from its first vertex unless only the other one lies
 //! within it. The shorter diagonal would give better triangles, but then a file with bent
@@ -13,14 +16,25 @@
 //! would decide the pattern on a flat grid.
 
 use glam::{DVec2, DVec3};
+use mve_core::{Cancelled, Control};
+
+use super::constrained;
 
 /// Area below which a triangle is taken for a line, relative to the polygon's squared extent.
 /// It is well above the rounding of the projection and far below any wanted triangle.
 const FLAT: f64 = 1e-12;
 
-/// Tests of a vertex against an ear that one [`Triangulator`] makes before it resorts to fans:
-/// about a second. Only polygons of tens of thousands of vertices come near.
-const MAX_TESTS: u64 = 200_000_000;
+/// Area below which a polygon's normal is rounding alone, relative to its squared extent.
+const NOISE: f64 = 1e-15;
+
+/// Corners up to which ears are clipped first: that takes the square of their number, but no
+/// memory.
+const SMALL: usize = 64;
+
+/// Tests of a vertex against an ear for each corner, and in all for one polygon, before the rest
+/// becomes a fan. Only polygons that cross themselves come near.
+const MAX_TESTS: u64 = 20_000;
+const MAX_ALL_TESTS: u64 = 200_000_000;
 
 /// How well a polygon was cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,10 +59,18 @@ pub(super) struct Triangulator {
 
 impl Triangulator {
     /// Cuts the polygon with these corner points and appends its triangles, as indices into
-    /// `points`, to `triangles`. Takes O(n) for a convex polygon and O(n²) at most for others.
-    /// Fewer than three points give no triangle.
-    pub fn cut(&mut self, points: &[DVec3], triangles: &mut Vec<[u32; 3]>) -> Cut {
-        match *points {
+    /// `points`, to `triangles`, in O(n log n) but for long slanting teeth. Fewer than three points
+    /// give no triangle.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn cut(
+        &mut self,
+        points: &[DVec3],
+        triangles: &mut Vec<[u32; 3]>,
+        control: Control,
+    ) -> Result<Cut, Cancelled> {
+        Ok(match *points {
             [] | [_] | [_, _] => Cut::Exact,
             [_, _, _] => {
                 triangles.push([0, 1, 2]);
@@ -58,16 +80,39 @@ impl Triangulator {
                 triangles.extend(cut_quad([a, b, c, d]));
                 Cut::Exact
             }
-            _ if self.flatten(points) => self.clip_ears(triangles),
+            _ if self.flatten(points) => self.cut_flat(triangles, control)?,
             _ => {
                 let corners: Vec<u32> = (0..points.len() as u32).collect();
                 push_fan(&corners, triangles);
                 Cut::Fan
             }
-        }
+        })
     }
 
-    /// Projects the polygon along its Newell normal; `false` when it has none.
+    fn cut_flat(
+        &mut self,
+        triangles: &mut Vec<[u32; 3]>,
+        control: Control,
+    ) -> Result<Cut, Cancelled> {
+        let n_before = triangles.len();
+        let is_small = self.flat.len() <= SMALL;
+        if !is_small && constrained::cover(&self.flat, triangles, control)? {
+            return Ok(Cut::Exact);
+        }
+        let cut = self.clip_ears(triangles);
+        if cut == Cut::Fan && is_small {
+            let mut others = Vec::new();
+            if constrained::cover(&self.flat, &mut others, control)? {
+                triangles.truncate(n_before);
+                triangles.extend(others);
+                return Ok(Cut::Exact);
+            }
+        }
+        Ok(cut)
+    }
+
+    /// Looks at the polygon along the axis nearest to its Newell normal, from where it is
+    /// counter-clockwise; `false` when it has none.
     fn flatten(&mut self, points: &[DVec3]) -> bool {
         let origin = points[0];
         let mut normal = DVec3::ZERO;
@@ -79,24 +124,24 @@ impl Triangulator {
         }
         self.tolerance = FLAT * extent * extent;
         // A polygon whose parts cancel, such as a figure of eight, has no plane to cut it in.
-        if !normal.is_finite() || normal.length() <= self.tolerance {
+        if !normal.is_finite() || normal.length() <= NOISE * extent * extent {
             return false;
         }
-        let (u, v) = normal.normalize().any_orthonormal_pair();
+        let axis = normal.abs().max_position();
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (u, v) = if normal[axis] > 0.0 { (u, v) } else { (v, u) };
         self.flat.clear();
-        self.flat.extend(points.iter().map(|&p| {
-            let offset = p - origin;
-            DVec2::new(offset.dot(u), offset.dot(v))
-        }));
+        self.flat.extend(points.iter().map(|p| DVec2::new(p[u], p[v])));
         true
     }
 
     fn clip_ears(&mut self, triangles: &mut Vec<[u32; 3]>) -> Cut {
         let n = self.flat.len() as u32;
         self.start_ring(n);
+        let most_tests = MAX_ALL_TESTS.min(u64::from(n) * MAX_TESTS);
         let (mut at, mut n_left, mut n_missed) = (0_u32, n, 0_u32);
         while n_left > 3 {
-            if n_missed > n_left || self.n_tests > MAX_TESTS {
+            if n_missed > n_left || self.n_tests > most_tests {
                 return self.fan_rest(at, triangles);
             }
             let (before, after) = (self.previous[at as usize], self.next[at as usize]);
@@ -116,10 +161,11 @@ impl Triangulator {
             }
         }
         triangles.push([self.previous[at as usize], at, self.next[at as usize]]);
-        Cut::Exact
+        if self.turn_at(at) < -self.tolerance { Cut::Fan } else { Cut::Exact }
     }
 
     fn start_ring(&mut self, n: u32) {
+        self.n_tests = 0;
         self.previous.clear();
         self.previous.extend((0..n).map(|i| (i + n - 1) % n));
         self.next.clear();

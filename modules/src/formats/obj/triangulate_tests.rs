@@ -13,7 +13,7 @@ fn area_of(points: &[DVec3], triangles: &[[u32; 3]]) -> (f64, DVec3) {
 
 fn cut(points: &[DVec3]) -> (Cut, Vec<[u32; 3]>) {
     let mut triangles = Vec::new();
-    let cut = Triangulator::default().cut(points, &mut triangles);
+    let cut = Triangulator::default().cut(points, &mut triangles, Control::none()).unwrap();
     assert_eq!(triangles.len(), points.len() - 2);
     (cut, triangles)
 }
@@ -115,6 +115,133 @@ fn degenerate_polygons_give_a_fan() {
         cut(&[DVec3::splat(1e308), -DVec3::splat(1e308), DVec3::X, DVec3::Y, DVec3::Z]).0,
         Cut::Fan
     );
+}
+
+/// A plate of n × n units, each with a square hole of half its width, whose holes are joined to the
+/// border from below by bridges.
+fn grating(n: i32) -> Vec<[f64; 2]> {
+    let (mut points, n_units) = (Vec::new(), f64::from(n));
+    for column in (0..n).map(f64::from) {
+        let (left, right) = (column + 0.25, column + 0.75);
+        // Up along the left sides, over the others on the way down.
+        for row in (0..n).map(f64::from) {
+            points.extend([[left, row], [left, row + 0.25], [left, row + 0.75]]);
+        }
+        for row in (0..n).rev().map(f64::from) {
+            if row + 1.0 < n_units {
+                points.push([left, row + 0.75]);
+            }
+            points.extend([[right, row + 0.75], [right, row + 0.25]]);
+            points.extend([[left, row + 0.25], [left, row]]);
+        }
+    }
+    points.extend([[n_units, 0.0], [n_units, n_units], [0.0, n_units], [0.0, 0.0]]);
+    points
+}
+
+#[test]
+fn many_holes_are_left_out_however_many_corners_there_are() {
+    for n in [2, 5, 40] {
+        let points = grating(n);
+        let area = 0.75 * f64::from(n * n);
+        for points in
+            [tilted(&points), points.iter().map(|p| DVec3::new(p[0], 0.0, p[1])).collect()]
+        {
+            let (found, vector) = area_of(&points, &assert_covered(&points));
+            assert!((found - area).abs() < 1e-9 * area, "{found} {area} {vector}");
+        }
+    }
+}
+
+#[test]
+fn details_far_smaller_than_the_polygon_are_cut() {
+    // Teeth of a micrometer along a kilometer, at map coordinates.
+    for n in [20, 2000] {
+        let step = 1000.0 / f64::from(n);
+        let teeth = (0..n).flat_map(|i| {
+            let x = 500_000.0 + step * f64::from(i);
+            [[x, 5e6], [x + 0.5 * step, 5e6 + 1e-6]]
+        });
+        let shape: Vec<[f64; 2]> = teeth
+            .chain([[501_000.0, 5e6], [501_000.0, 5e6 + 1.0], [500_000.0, 5e6 + 1.0]])
+            .collect();
+        let points: Vec<DVec3> = shape.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
+        let (found, _) = area_of(&points, &assert_covered(&points));
+        assert!((found - 1000.0).abs() < 1e-2, "{found}");
+    }
+}
+
+#[test]
+fn large_concave_polygons_take_no_square_of_time() {
+    let n = 30_000;
+    let coast: Vec<[f64; 2]> = (0..n)
+        .map(|i| {
+            let angle = TAU * f64::from(i) / f64::from(n);
+            let radius = 2.0
+                + (7.0 * angle).sin()
+                + 0.3 * (91.0 * angle).cos()
+                + 0.01 * f64::from(i * 7919 % 101) / 101.0;
+            [radius * angle.cos(), radius * angle.sin()]
+        })
+        .collect();
+    assert_covered(&tilted(&coast));
+    let star = (0..n).map(|i| {
+        let (angle, radius) = (TAU * f64::from(i) / f64::from(n), 1.0 + 0.5 * f64::from(i % 2));
+        [radius * angle.cos(), radius * angle.sin()]
+    });
+    assert_covered(&tilted(&star.collect::<Vec<_>>()));
+    let comb: Vec<[f64; 2]> = (0..n)
+        .map(|i| [f64::from(i / 2), if (i + 1) % 4 < 2 { 0.0 } else { 5000.0 }])
+        .chain([[f64::from(n / 2 - 1), -1.0], [0.0, -1.0]])
+        .collect();
+    assert_covered(&tilted(&comb));
+}
+
+#[test]
+fn spikes_and_corners_on_own_edges_lose_no_area() {
+    // A square with a spike outside that is walked there and back, and one inside.
+    let mut shape = vec![[0.0, 0.0], [2.0, 0.0], [5.0, 0.0], [9.0, 0.0], [5.0, 0.0], [2.0, 0.0]];
+    shape.extend([[2.0, 2.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0]]);
+    for n_more in [0, 200] {
+        let mut points = shape.clone();
+        let more = (1..=n_more).map(|i| [0.0, 2.0 - 2.0 * f64::from(i) / f64::from(n_more + 1)]);
+        points.extend(more);
+        let points: Vec<DVec3> = points.iter().map(|p| DVec3::new(p[0], p[1], 1.0)).collect();
+        assert!((area_of(&points, &assert_covered(&points)).0 - 4.0).abs() < 1e-12);
+    }
+    // A hole that touches the side of the square, its corner in the midst of an edge.
+    let mut shape = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0], [2.0, 0.0]];
+    shape.extend([[1.0, 2.0], [3.0, 2.0], [2.0, 0.0]]);
+    let points: Vec<DVec3> = shape.iter().map(|p| DVec3::new(p[0], p[1], 1.0)).collect();
+    let mut triangles = Vec::new();
+    let cut = Triangulator::default().cut(&points, &mut triangles, Control::none());
+    assert_eq!(cut, Ok(Cut::Exact));
+    assert!((area_of(&points, &triangles).0 - 14.0).abs() < 1e-12);
+}
+
+#[test]
+fn work_on_one_polygon_is_no_debt_of_the_next() {
+    let n = 3000;
+    let crossing: Vec<DVec3> = (0..n)
+        .map(|i| {
+            let angle = TAU * 7.0 * f64::from(i) / f64::from(n);
+            let radius = 1.0 + 0.5 * (3.1 * angle).sin();
+            DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        })
+        .collect();
+    let comb: Vec<[f64; 2]> = (0..200)
+        .map(|i| [f64::from(i / 2), if (i + 1) % 4 < 2 { 0.0 } else { 5.0 }])
+        .chain([[99.0, -1.0], [0.0, -1.0]])
+        .collect();
+    let mut triangulator = Triangulator::default();
+    for _ in 0..4 {
+        let mut triangles = Vec::new();
+        let control = Control::none();
+        assert_eq!(triangulator.cut(&crossing, &mut triangles, control), Ok(Cut::Fan));
+        assert_eq!(triangles.len(), crossing.len() - 2);
+        let cut = triangulator.cut(&tilted(&comb), &mut triangles, control);
+        assert_eq!(cut, Ok(Cut::Exact));
+    }
 }
 
 proptest! {

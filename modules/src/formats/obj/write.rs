@@ -8,7 +8,9 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
-use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, Texture, TriMesh};
+use crate::data::{
+    Domain, Layer, LayerValues, Material, NO_VALUE, Texture, TriMesh, name_to_bytes,
+};
 
 /// Bytes that are gathered before they go to the writer.
 const CHUNK: usize = 1 << 16;
@@ -16,11 +18,11 @@ const CHUNK: usize = 1 << 16;
 /// Writes `mesh` as OBJ text that names `mtl_name` as its material file.
 ///
 /// Written are positions, faces and, where they have the usual kind and domain, the layers
-/// texcoord, normal (corner or vertex), color, object, group and material. What was read from an
-/// OBJ file reads back equal: positions, faces, layers and their indices. Layers of other names
-/// have no place in the format and are left out. Names cannot hold line ends, blanks or a backslash
-/// at the end, or ` #`: what is at the end is left out, and `_` takes the place of line ends and of
-/// such a `#`. That of the material file may hold a `#`: readers look for it as it is first.
+/// texcoord, normal (corner or vertex), color, object, group, material and smoothing. What was read
+/// from an OBJ file reads back equal: positions, faces, layers and their indices, and the bytes of
+/// names. Layers of other names have no place in the format and are left out. Names cannot hold
+/// line ends, for which `_` stands, nor blanks or a backslash after a blank at the end, which are
+/// left out.
 ///
 /// # Errors
 /// `InvalidInput` when the mesh is not well formed or a written number is not finite; whatever the
@@ -63,7 +65,7 @@ pub fn write_mtl(materials: &[Material], out: &mut dyn Write) -> io::Result<()> 
         if i > 0 {
             text.buffer.push(b'\n');
         }
-        text.name_line("newmtl", Some(&material.name))?;
+        text.name_line("newmtl", &material.name)?;
         let n_statements = material.statements.len();
         for place in 0..=n_statements {
             let is_here = |texture: &&Texture| texture.place.min(n_statements) == place;
@@ -72,7 +74,7 @@ pub fn write_mtl(materials: &[Material], out: &mut dyn Write) -> io::Result<()> 
                 text.statement(keyword, &format!("{options}{name}"))?;
             }
             if let Some((keyword, arguments)) = material.statements.get(place) {
-                text.statement(keyword, arguments)?;
+                text.statement(keyword, arguments.trim_end_matches(['\\', ' ']))?;
             }
         }
     }
@@ -122,21 +124,25 @@ fn write_vertices(mesh: &TriMesh, text: &mut Text) -> io::Result<()> {
 }
 
 fn write_faces(mesh: &TriMesh, lists: [Option<&Layer>; 2], text: &mut Text) -> io::Result<()> {
-    const STATEMENTS: [(&str, &str); 3] =
-        [("o", Layer::OBJECT), ("g", Layer::GROUP), ("usemtl", Layer::MATERIAL)];
-    let labels = STATEMENTS.map(|(keyword, name)| match mesh.layer(name) {
+    const STATEMENTS: [(&str, &str, &str); 4] = [
+        ("o", Layer::OBJECT, ""),
+        ("g", Layer::GROUP, ""),
+        ("usemtl", Layer::MATERIAL, ""),
+        ("s", Layer::SMOOTHING, "off"),
+    ];
+    let labels = STATEMENTS.map(|(keyword, name, none)| match mesh.layer(name) {
         Some(Layer { domain: Domain::Face, values: LayerValues::Label(v), index, .. }) => {
-            Some((keyword, v.as_slice(), index.as_slice()))
+            Some((keyword, none, v.as_slice(), index.as_slice()))
         }
         _ => None,
     });
-    let mut current: [Option<&str>; 3] = [None; 3];
+    let mut current = [None; STATEMENTS.len()];
     for (f, face) in mesh.faces.iter().enumerate() {
         for (label, current) in labels.iter().zip(&mut current) {
-            let Some((keyword, values, index)) = label else { continue };
+            let Some((keyword, none, values, index)) = label else { continue };
             let name = values.get(index[f] as usize).map(String::as_str);
             if name != *current {
-                text.name_line(keyword, name)?;
+                text.name_line(keyword, name.unwrap_or(none))?;
                 *current = name;
             }
         }
@@ -164,9 +170,14 @@ fn is_blank(c: char) -> bool {
     matches!(c, ' ' | '\t' | '\x0b' | '\x0c')
 }
 
-/// A line without blanks and backslashes at its end; a backslash would join the next one on.
+/// A statement without what would join the next line on: blanks and backslashes at its end, but
+/// not the backslash of a name.
 fn line_that_ends(line: &str) -> &str {
-    line.trim_end_matches(|c| c == '\\' || is_blank(c))
+    let mut line = line.trim_end_matches(is_blank);
+    while let Some(shorter) = line.strip_suffix('\\').filter(|rest| rest.ends_with(is_blank)) {
+        line = shorter.trim_end_matches(is_blank);
+    }
+    line
 }
 
 /// The text on its way to the writer.
@@ -190,23 +201,18 @@ impl Text<'_> {
 
     fn statement(&mut self, keyword: &str, arguments: &str) -> io::Result<()> {
         let line: String = format!("{keyword} {arguments}").chars().map(plain_char).collect();
-        self.buffer.extend_from_slice(line_that_ends(&line).as_bytes());
+        self.buffer.extend_from_slice(&name_to_bytes(line_that_ends(&line)));
         self.end_line()
     }
 
-    fn name_line(&mut self, keyword: &str, name: Option<&str>) -> io::Result<()> {
-        self.buffer.extend_from_slice(keyword.as_bytes());
-        let mut before = ' ';
-        let mut line = String::new();
-        for c in name.unwrap_or_default().trim_matches(is_blank).chars().map(plain_char) {
-            line.push(if c == '#' && is_blank(before) { '_' } else { c });
-            before = c;
+    fn name_line(&mut self, keyword: &str, name: &str) -> io::Result<()> {
+        let name = name.trim_matches(is_blank);
+        // Alone, or before a blank, it would begin a comment.
+        let is_comment = |rest: &str| rest.is_empty() || rest.starts_with(is_blank);
+        match name.strip_prefix('#').filter(|rest| is_comment(rest)) {
+            Some(rest) => self.statement(keyword, &format!("_{rest}")),
+            None => self.statement(keyword, name),
         }
-        if !line.is_empty() {
-            self.buffer.push(b' ');
-            self.buffer.extend_from_slice(line_that_ends(&line).as_bytes());
-        }
-        self.end_line()
     }
 
     fn numbers(&mut self, keyword: &str, values: &[f64], element: usize) -> io::Result<()> {

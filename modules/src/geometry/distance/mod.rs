@@ -1,8 +1,10 @@
-//! Distances between surfaces: a tree of triangles, samples, mean and largest distance.
+//! Distances between surfaces: a tree of triangles, samples, mean and largest distance,
+//! attributes that moved.
 
 pub mod bulk;
 pub mod bvh;
 mod bvh_build;
+pub mod drift;
 pub mod hausdorff;
 mod hausdorff_max;
 pub mod point_triangle;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
+use super::weld::{coincident, same_places};
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
 use crate::mesh::union_find::UnionFind;
@@ -27,12 +28,16 @@ pub struct MeshInfo {
     /// Closed or broken-off runs of border edges; at a vertex with several borders each run stays
     /// with its own fan of faces.
     pub n_border_loops: usize,
+    /// Border edges that lie on another one: the surface looks whole there.
+    pub n_coincident_border_edges: usize,
     /// Edges of more than two faces.
     pub n_non_manifold_edges: usize,
     /// Vertices whose faces do not all hang together over shared edges at the vertex.
     pub n_non_manifold_vertices: usize,
     /// Edges of two faces that run along it in the same direction.
     pub n_inconsistent_edges: usize,
+    /// Vertices at the place of an earlier one.
+    pub n_doubled_vertices: usize,
     /// Faces that name the same three vertices as an earlier face, in any order.
     pub n_duplicate_faces: usize,
     /// Faces that name a vertex twice.
@@ -97,6 +102,11 @@ pub fn mesh_info(mesh: &TriMesh, control: Control) -> Result<MeshInfo, Cancelled
     let around = look_around(mesh, &adjacency, control.part(0.5, 0.7))?;
     let shape = shape(mesh, control.part(0.7, 0.75))?;
     let n_used = mesh.positions.len() - n_isolated;
+    let places = same_places(&mesh.positions, control.part(0.75, 0.75))?;
+    let n_doubled = vertices().filter(|v| places[v.idx()] != v.0).count();
+    let borders = edges().filter(|&e| adjacency.sides_of(e).len() == 1);
+    let border_ends = borders.map(|e| adjacency.edges()[e.idx()]);
+    let n_coincident = coincident(&places, border_ends);
     let euler = n_used as i64 - adjacency.edges().len() as i64 + mesh.faces.len() as i64;
     let mut info = MeshInfo {
         n_vertices: mesh.positions.len(),
@@ -107,11 +117,13 @@ pub fn mesh_info(mesh: &TriMesh, control: Control) -> Result<MeshInfo, Cancelled
         n_components_by_edge: components_by_edge(mesh, &adjacency, control.part(0.8, 0.85))?,
         n_border_edges: edges().filter(|&e| adjacency.sides_of(e).len() == 1).count(),
         n_border_loops: around.n_border_loops,
+        n_coincident_border_edges: n_coincident,
         n_non_manifold_edges: edges().filter(|&e| adjacency.sides_of(e).len() > 2).count(),
         n_non_manifold_vertices: around.n_non_manifold_vertices,
         n_inconsistent_edges: edges()
             .filter(|&e| adjacency.sides_of(e).len() == 2 && !adjacency.is_oriented(mesh, e))
             .count(),
+        n_doubled_vertices: n_doubled,
         n_duplicate_faces: duplicate_faces(mesh, &adjacency, control.part(0.85, 1.0))?,
         n_degenerate_index_faces: mesh.faces.iter().filter(|f| names_twice(f)).count(),
         n_zero_area_faces: shape.n_zero_area,

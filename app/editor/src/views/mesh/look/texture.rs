@@ -104,7 +104,7 @@ fn of_one_size(read: Vec<Result<RgbaImage, String>>, most: u32) -> Result<Pictur
 /// The picture of a texture, as the GPU takes it.
 fn picture_of(texture: &Texture) -> Result<RgbaImage, String> {
     let name = &texture.name;
-    let Some(pixels) = texture.image.as_deref().map(TextureImage::pixels) else {
+    let Some(pixels) = texture.image.as_deref().and_then(TextureImage::pixels) else {
         let message = "is not there or cannot be read: see the warnings of its loader";
         return Err(format!("texture {name} {message}"));
     };
