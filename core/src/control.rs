@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 use crate::cancel::CancelToken;
+use crate::node_outputs::MissedTarget;
 
 /// The caller ended the computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -24,6 +25,10 @@ pub trait Reporter: Sync {
     fn log(&self, line: &str);
     /// Trouble that does not stop the module.
     fn warn(&self, line: &str);
+    /// A target that the module was given is not reached; `line` says why.
+    fn missed(&self, _missed: MissedTarget, line: &str) {
+        self.warn(line);
+    }
     /// A part of the work is done and took so many seconds.
     fn phase(&self, _name: &'static str, _seconds: f64) {}
 }

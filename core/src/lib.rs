@@ -30,6 +30,7 @@ mod plan;
 mod port;
 mod problem;
 mod program;
+mod quantity;
 mod registry;
 mod run;
 mod schema;
@@ -51,17 +52,19 @@ pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
 pub use module::{Io, Module};
-pub use node_outputs::LogLine;
+pub use node_outputs::{LogLine, MissedTarget};
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, nearest};
 pub use program::{
-    Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
-    brief, brief_value, exact, run_program, stands_for,
+    ColumnRecord, Columns, Measure, PlanFile, Program, ProgramEvent, ProgramOptions,
+    ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord,
+    StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, are_alike, brief, brief_value, exact,
+    median, run_program, stands_for,
 };
+pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,

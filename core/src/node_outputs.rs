@@ -1,5 +1,7 @@
 //! What the run of a node gave, as caches keep it.
 
+use std::fmt;
+
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +12,7 @@ use crate::data::Value;
 pub(crate) struct NodeOutputs {
     pub outputs: Vec<Value>,
     pub log: Vec<LogLine>,
+    pub missed: Vec<MissedTarget>,
     pub seconds: f64,
     /// Seconds of parts of the work, where the module says them; none of a value from the disk.
     pub phases: IndexMap<String, f64>,
@@ -19,6 +22,23 @@ impl NodeOutputs {
     /// Whether no file of these values was found damaged so far.
     pub fn is_sound(&self) -> bool {
         self.outputs.iter().flat_map(Value::stored).all(|file| file.is_sound())
+    }
+}
+
+/// A target that a module was given and did not reach.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MissedTarget {
+    /// What was to be reached: `faces`.
+    pub what: String,
+    /// What was asked for.
+    pub asked: f64,
+    /// Where it ended.
+    pub reached: f64,
+}
+
+impl fmt::Display for MissedTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} {}", self.reached, self.asked, self.what)
     }
 }
 

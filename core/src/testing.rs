@@ -54,6 +54,7 @@ pub fn program_options(cancel: &CancelToken) -> ProgramOptions<'_> {
         threads: 1,
         shard: Shard { index: 0, count: 1 },
         sharing: Sharing::Shared,
+        timings: 1,
         memory: 1 << 30,
         disk_cache: None,
         time_limit: None,
@@ -252,7 +253,7 @@ static SCALED: Entry<MakeNumber> = Entry {
 static ZERO: Entry<MakeNumber> =
     Entry { id: "Zero", summary: "Nothing.", params: &[], build: |_| Ok(0.0) };
 static HOWS: Choices<MakeNumber> =
-    Choices { entries: &[Listed { item: &SCALED, source: 1 }, Listed { item: &ZERO, source: 2 }] };
+    Choices::new(&[Listed { item: &SCALED, source: 1 }, Listed { item: &ZERO, source: 2 }]);
 const HOW: ChoiceParam<MakeNumber> =
     ChoiceParam::new("how", "How to make the number.", &HOWS, "Scaled");
 const NUMBER: Out<f64> = Out::new("number", "The number.");

@@ -28,15 +28,32 @@ const LEVELS: Param<i64> = Param::integer(
 .between((1, MAX_LEVELS as i64));
 const VARIANT: Param<Variant> = Param::one_of("variant", "Which rules to follow.", "Published");
 
+const MSDM2: Quantity = Quantity::new("msdm2", "Mean of both directions, 0 for equal meshes.")
+    .titled("MSDM2")
+    .lower()
+    .chief();
+const ORIGINAL_MSDM2: Quantity = Quantity::new(
+    "original_msdm2",
+    "Over the vertices of the original, seen against the simplified mesh.",
+)
+.titled("MSDM2, over the original")
+.lower();
+const SIMPLIFIED_MSDM2: Quantity = Quantity::new(
+    "simplified_msdm2",
+    "Over the vertices of the simplified mesh, seen against the original.",
+)
+.titled("MSDM2, over the simplified mesh")
+.lower();
+
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Msdm2",
     summary: "How different the meshes look, 0 for equal to about 1, by the statistics of their \
               curvature in small windows (Lavoué 2011).",
     params: &[LEVELS.spec(), VARIANT.spec()],
-    build,
+    build: MakeMetric { quantities: &[MSDM2, ORIGINAL_MSDM2, SIMPLIFIED_MSDM2], make },
 };
 
-fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
+fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
     let n_levels = settings.get(&LEVELS)? as usize;
     let options = Msdm2Options { n_levels, variant: settings.get(&VARIANT)? };
     Ok(Box::new(Msdm2Metric { options }))
@@ -57,20 +74,11 @@ impl Metric for Msdm2Metric {
         control: Control,
     ) -> Result<Comparison, MetricError> {
         let found = msdm2(original, simplified, &self.options, control)?;
-        let value = |name, value, doc| Measure::new(name, value, "", doc);
         let (of_original, of_simplified) = (&found.from_original, &found.from_simplified);
         let scalars = vec![
-            value("msdm2", found.symmetric(), "Mean of both directions, 0 for equal meshes."),
-            value(
-                "original_msdm2",
-                of_original.value,
-                "Over the vertices of the original, seen against the simplified mesh.",
-            ),
-            value(
-                "simplified_msdm2",
-                of_simplified.value,
-                "Over the vertices of the simplified mesh, seen against the original.",
-            ),
+            Measure::of(&MSDM2, found.symmetric()),
+            Measure::of(&ORIGINAL_MSDM2, of_original.value),
+            Measure::of(&SIMPLIFIED_MSDM2, of_simplified.value),
         ];
         let warnings = warnings(&found, original, simplified);
         Ok(Comparison {
