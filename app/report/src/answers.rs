@@ -105,7 +105,7 @@ pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question
         text: question.text.clone(),
         measure: measure.title,
         better: measure.better,
-        names: sides.map(|side| labels::of_value(&side)),
+        names: sides.map(|side| results.name_of(path, &side)),
         same_titles: same.iter().map(|column| columns::title(results, measures, column)).collect(),
         n_missed: missed.len(),
         n_unequal: unequal.len(),

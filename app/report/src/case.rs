@@ -55,7 +55,11 @@ impl Cell {
             Self::Empty => String::new(),
             Self::Text(text) => text.clone(),
             Self::Number(Estimate { mean, half_width: Some(half), .. }) if *half > 0.0 => {
-                format!("{} ± {}", brief(*mean), labels::rounded(*half, 2))
+                // No more digits than the interval leaves.
+                let digits = mean.abs().log10().floor() - half.log10().floor() + 2.0;
+                let digits = if digits.is_finite() { digits.clamp(1.0, 17.0) } else { 5.0 };
+                let mean = labels::rounded(*mean, digits as usize);
+                format!("{mean} ± {}", labels::rounded(*half, 2))
             }
             Self::Number(estimate) => brief(estimate.mean),
         }

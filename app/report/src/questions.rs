@@ -5,7 +5,6 @@ use mve_core::{Better, Question};
 
 use crate::axes::Axis;
 use crate::columns::MeasureColumn;
-use crate::labels;
 use crate::results::Results;
 
 /// Values of an axis beyond which nobody asks for each of them, and questions that are asked.
@@ -24,20 +23,20 @@ pub fn questions(results: &Results, measures: &[MeasureColumn]) -> Vec<Question>
         |axis: &&Axis| axis.paths.len() == 1 && axis.varies() && axis.values.len() <= MOST_VALUES;
     // Numbers are something to plot against, and models are not compared with each other.
     let all = results.series_axes().iter().filter(is_few).filter(|axis| !axis.is_scale());
-    let all = all.flat_map(|axis| of_axis(axis, measure));
+    let all = all.flat_map(|axis| of_axis(results, axis, measure));
     all.take(MOST_QUESTIONS).collect()
 }
 
 /// How each value of an axis does against its first.
-fn of_axis(axis: &Axis, measure: &MeasureColumn) -> Vec<Question> {
+fn of_axis(results: &Results, axis: &Axis, measure: &MeasureColumn) -> Vec<Question> {
     let values: Vec<_> = axis.values.iter().filter_map(|value| value.first()?.clone()).collect();
     let better = if measure.better == Better::Higher { "higher" } else { "lower" };
     let question = |other: &serde_json::Value| Question {
         text: format!(
             "Is “{}” {better} with {} than with {}?",
             measure.title,
-            labels::of_value(other),
-            labels::of_value(&values[0])
+            results.name_of(&axis.paths[0], other),
+            results.name_of(&axis.paths[0], &values[0])
         ),
         measure: measure.column.clone(),
         compare: IndexMap::from([(axis.paths[0].clone(), [other.clone(), values[0].clone()])]),

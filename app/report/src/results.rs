@@ -10,6 +10,8 @@ use std::sync::Arc;
 use indexmap::{IndexMap, IndexSet};
 use mve_core::{PlanFile, ReportSpec, Role, StepRecord, StepStatus, Store};
 
+use serde_json::Value as Json;
+
 use crate::ReportError;
 use crate::axes::{self, Axis};
 use crate::case::{Case, StepOf};
@@ -213,6 +215,19 @@ impl Results {
     /// The names of the series in a line each; one without a name where there are none.
     pub fn series_labels(&self) -> Vec<String> {
         self.series.iter().map(|series| self.series_names(series).join(" · ")).collect()
+    }
+
+    /// A value of a parameter in words, with the name of its axis where it does not say by itself
+    /// what it is: `Quadric`, `flip angle 45`.
+    pub fn name_of(&self, path: &str, value: &Json) -> String {
+        let label = labels::of_value(value);
+        let axis = self.axes.iter().find(|axis| axis.paths.iter().any(|known| known == path));
+        match axis {
+            Some(axis) if !value.is_string() && !value.is_object() => {
+                format!("{} {label}", axis.title)
+            }
+            _ => label,
+        }
     }
 
     /// The places of a case on all axes but those of the series.

@@ -18,7 +18,7 @@ const MOST_FAILED: usize = 200;
 const MOST_PAIRS: usize = 500;
 
 /// What becomes of steps that missed their target.
-const WHERE_MISSED: &str = "They are marked † in tables and hollow in plots, and are not compared \
+const WHERE_MISSED: &str = "They are marked † in tables and ringed in plots, and are not compared \
                             with others; the table of all steps says by how much.";
 
 /// What ran, in a sentence.
@@ -151,7 +151,7 @@ fn legend(figure: &Figure) -> String {
         text.push_str("<span><i class=\"front\"></i>Pareto front</span>");
     }
     if figure.panels.iter().flat_map(|panel| &panel.points).any(|point| point.is_missed) {
-        text.push_str("<span><b>○</b>hollow: target not reached</span>");
+        text.push_str("<span><b>◎</b>ring: target not reached</span>");
     }
     text.push_str("</p>\n");
     text

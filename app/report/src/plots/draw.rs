@@ -196,8 +196,8 @@ struct Look {
     canvas: Canvas,
 }
 
-/// The line and the marks of a series, hollow where a target was missed, with error bars where there
-/// are repeats.
+/// The line and the marks of a series, with a ring where a target was missed and error bars where
+/// there are repeats.
 fn series_plots(style: &SeriesStyle, points: &[&Point], look: Look) -> Vec<Plot> {
     let color = look.canvas.color(style.color);
     let (missed, reached): (Vec<&Point>, Vec<&Point>) =
@@ -208,15 +208,20 @@ fn series_plots(style: &SeriesStyle, points: &[&Point], look: Look) -> Vec<Plot>
         let line = LinePlot::new().with_data(data.collect::<Vec<_>>()).with_color(&color);
         plots.push(line.with_stroke_width(1.2).with_line_style(style.line()).into());
     }
-    for (points, is_hollow) in [(reached, false), (missed, true)] {
-        if !points.is_empty() {
-            plots.push(marks(style, &points, look, is_hollow).into());
-        }
+    if !missed.is_empty() {
+        let rings = missed.iter().map(|point| (point.x.mean, point.y.mean));
+        let rings = ScatterPlot::new().with_data(rings.collect::<Vec<_>>()).with_color(&color);
+        plots.push(
+            rings.with_size(8.0).with_marker_opacity(0.0).with_marker_stroke_width(1.2).into(),
+        );
+    }
+    if !points.is_empty() {
+        plots.push(marks(style, points, look).into());
     }
     plots
 }
 
-fn marks(style: &SeriesStyle, points: &[&Point], look: Look, is_hollow: bool) -> ScatterPlot {
+fn marks(style: &SeriesStyle, points: &[&Point], look: Look) -> ScatterPlot {
     let tip = |point: &&Point| {
         let mark = if point.is_missed { ", target not reached" } else { "" };
         format!("{}: {}, {}{mark}", point.name, brief(point.x.mean), brief(point.y.mean))
@@ -228,9 +233,6 @@ fn marks(style: &SeriesStyle, points: &[&Point], look: Look, is_hollow: bool) ->
         .with_size(4.5)
         .with_marker(style.marker())
         .with_tooltip_labels(points.iter().map(tip));
-    if is_hollow {
-        marks = marks.with_marker_opacity(0.0).with_marker_stroke_width(1.3);
-    }
     if points.iter().any(|point| point.y.half_width.is_some_and(|half| half > 0.0)) {
         // A logarithmic scale has no place for an interval that reaches 0.
         let below = |point: &&Point, half: f64| {
