@@ -14,6 +14,7 @@ use crate::error::ModuleError;
 use crate::files::FileHashes;
 use crate::listed::Listed;
 use crate::module::{Io, Module};
+use crate::node_outputs::MissedTarget;
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
@@ -215,7 +216,8 @@ const A: MaybeIn<f64> = MaybeIn::new("a", "A number, 0 without a link.");
 const SUM: Out<f64> = Out::new("sum", "The sum.");
 const AMOUNT: Param<f64> = Param::number("amount", "What is added.", 1.0).within((-100.0, 100.0));
 
-/// Adds a number to its input. An amount of −13 panics, 99 fails, and −1 waits to be stopped.
+/// Adds a number to its input. An amount of −13 panics, 99 fails, 98 misses a target, and −1 waits
+/// to be stopped.
 pub static ADD: Module = Module {
     id: "Add",
     summary: "Adds.",
@@ -233,6 +235,10 @@ pub static ADD: Module = Module {
         assert!(amount != -13.0, "thirteen brings bad luck");
         if amount == 99.0 {
             return Err(ModuleError::Failed("99 is too much".to_owned()));
+        }
+        if amount == 98.0 {
+            let missed = MissedTarget { what: "parts".to_owned(), asked: 100.0, reached: 98.0 };
+            io.missed(missed, "98 is too little");
         }
         io.log(format!("adding {amount}"));
         let a = io.maybe(A).map_or(0.0, |a| *a);
