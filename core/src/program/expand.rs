@@ -92,15 +92,19 @@ impl Program {
         }
         program.warnings = checker.problems;
         program.columns.settle();
+        let faults = program.faults_of_report(map, values);
+        if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
+    }
+
+    /// What its report says of columns and parameters that are not there.
+    fn faults_of_report(&self, map: &Map, values: IndexMap<String, Vec<&Json>>) -> Vec<String> {
         let idle = map.nodes.iter().filter(|(_, node)| !node.mode.is_active());
-        let about = About {
-            columns: &program.columns,
-            nodes: &program.nodes,
+        self.report.faults(&About {
+            columns: &self.columns,
+            nodes: &self.nodes,
             idle: idle.map(|(name, _)| name.clone()).collect(),
             values,
-        };
-        let faults = program.report.faults(&about);
-        if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
+        })
     }
 
     fn add_step(&mut self, params: &Assignment, repeat: u32, checker: &mut Checker) {

@@ -8,6 +8,7 @@ use mve_core::{StepStatus, brief};
 use super::{Page, address, count, cut, escape};
 use crate::answers::{Answer, change};
 use crate::case::Case;
+use crate::columns::MeasureColumn;
 use crate::labels;
 use crate::pictures::Picture;
 use crate::plots::{self, Figure};
@@ -262,21 +263,8 @@ pub(super) fn correlation(page: &Page) -> String {
     }
     // What is measured in the unit of a model cannot be compared between models.
     let across = measures.iter().all(|measure| !measure.is_of_model);
-    let columns: Vec<Vec<Option<f64>>> = measures
-        .iter()
-        .map(|measure| {
-            let mean = |case: &Case| {
-                let compared = Some(case).filter(|case| case.missed().is_none())?;
-                Some(measure.estimate(page.results, compared)?.mean)
-            };
-            page.results.cases.iter().map(mean).collect()
-        })
-        .collect();
-    let is_constant = |column: &[Option<f64>]| {
-        let mut numbers = column.iter().flatten();
-        let first = numbers.next();
-        numbers.all(|number| Some(number) == first)
-    };
+    let columns: Vec<Vec<Option<f64>>> =
+        measures.iter().map(|measure| numbers(page, measure)).collect();
     let (kept, constant): (Vec<usize>, Vec<usize>) =
         (0..columns.len()).partition(|place| !is_constant(&columns[*place]));
     let names: Vec<&str> = measures.iter().map(|measure| measure.title.as_str()).collect();
@@ -318,9 +306,26 @@ pub(super) fn correlation(page: &Page) -> String {
         let about = "within each row group, averaged";
         text.push_str(&matrix("Spearman", about, &kept, &names, &entry));
     }
-    text.push_str("</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many steps, or groups, have both. ");
-    text.push_str("Ties share their mean rank.</p>\n");
+    text.push_str(
+        "</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many \
+         steps, or groups, have both. Ties share their mean rank.</p>\n",
+    );
     text
+}
+
+/// The numbers of a measure in all cases that reached their target.
+fn numbers(page: &Page, measure: &MeasureColumn) -> Vec<Option<f64>> {
+    let mean = |case: &Case| {
+        let compared = Some(case).filter(|case| case.missed().is_none())?;
+        Some(measure.estimate(page.results, compared)?.mean)
+    };
+    page.results.cases.iter().map(mean).collect()
+}
+
+fn is_constant(column: &[Option<f64>]) -> bool {
+    let mut numbers = column.iter().flatten();
+    let first = numbers.next();
+    numbers.all(|number| Some(number) == first)
 }
 
 /// The numbers of two columns where both have one and the place is wanted.

@@ -166,7 +166,6 @@ pub(super) fn steps(page: &Page) -> String {
     let mut columns = columns::long_columns(results, page.measures);
     let n_hidden = columns.len().saturating_sub(MOST_COLUMNS);
     columns.truncate(MOST_COLUMNS);
-    let varied = results.varied();
     let mut text = String::new();
     if !results.is_timed() {
         text.push_str(
@@ -174,37 +173,69 @@ pub(super) fn steps(page: &Page) -> String {
              run the program with <code>--timing</code> to compare them.</p>\n",
         );
     }
+    let shown = ShownColumns {
+        varied: results.varied(),
+        columns,
+        has_missed: results.cases.iter().any(|case| case.missed().is_some()),
+        has_warnings: results.cases.iter().any(|case| !case.warnings().is_empty()),
+    };
     text.push_str("<div class=\"scroll\"><table class=\"sortable\">\n<thead><tr>");
-    for (place, path) in varied.iter().enumerate() {
-        let _ = write!(text, "<th class=\"text h{place}\">{}</th>", escape(path));
-    }
-    for column in &columns {
-        let title = columns::title(results, page.measures, column);
-        let _ = write!(text, "<th title=\"{}\">{}</th>", escape(column), escape(&title));
-    }
-    let has_missed = results.cases.iter().any(|case| case.missed().is_some());
-    let has_warnings = results.cases.iter().any(|case| !case.warnings().is_empty());
-    if has_missed {
-        text.push_str("<th class=\"text\">target missed</th>");
-    }
-    if has_warnings {
-        text.push_str("<th>warnings</th>");
-    }
-    text.push_str("<th class=\"text\">status</th><th class=\"text\">step</th></tr></thead>\n");
-    text.push_str("<tbody>\n");
+    text.push_str(&shown.head(page));
+    text.push_str("</tr></thead>\n<tbody>\n");
     for case in results.cases.iter().take(MOST_STEPS) {
-        text.push_str("<tr>");
-        for (place, path) in varied.iter().enumerate() {
+        text.push_str(&shown.row(page, case));
+    }
+    text.push_str("</tbody></table></div>\n");
+    let n_rows = results.cases.len().saturating_sub(MOST_STEPS);
+    let hidden = [(n_rows, "more row"), (n_hidden, "more column")];
+    for (n, what) in hidden.iter().filter(|(n, _)| *n > 0) {
+        let (file, n) = (address(page.store, "results.csv"), count(*n, what));
+        let _ = writeln!(text, "<p class=\"note\">{n} in <a href=\"{file}\">results.csv</a>.</p>");
+    }
+    text
+}
+
+/// The columns of the table of all cases.
+struct ShownColumns {
+    varied: Vec<String>,
+    columns: Vec<String>,
+    has_missed: bool,
+    has_warnings: bool,
+}
+
+impl ShownColumns {
+    fn head(&self, page: &Page) -> String {
+        let mut text = String::new();
+        for (place, path) in self.varied.iter().enumerate() {
+            let _ = write!(text, "<th class=\"text h{place}\">{}</th>", escape(path));
+        }
+        for column in &self.columns {
+            let title = escape(&columns::title(page.results, page.measures, column));
+            let _ = write!(text, "<th title=\"{}\">{title}</th>", escape(column));
+        }
+        if self.has_missed {
+            text.push_str("<th class=\"text\">target missed</th>");
+        }
+        if self.has_warnings {
+            text.push_str("<th>warnings</th>");
+        }
+        text.push_str("<th class=\"text\">status</th><th class=\"text\">step</th>");
+        text
+    }
+
+    fn row(&self, page: &Page, case: &Case) -> String {
+        let mut text = "<tr>".to_owned();
+        for (place, path) in self.varied.iter().enumerate() {
             let label = case.params.get(path).map(crate::labels::of_value).unwrap_or_default();
             let full = case.params.get(path).map(|value| cut(&value.to_string(), 400));
             let full = escape(&full.unwrap_or_default());
             let label = escape(&label);
             let _ = write!(text, "<td class=\"text h{place}\" title=\"{full}\">{label}</td>");
         }
-        for column in &columns {
+        for column in &self.columns {
             text.push_str(&number_cell(&case.cell(column)));
         }
-        text.push_str(&troubles(case, has_missed, has_warnings));
+        text.push_str(&self.troubles(case));
         let _ = write!(text, "<td class=\"text\">{}</td><td class=\"text id\">", case.status());
         for step in &case.steps {
             let id = escape(&cut(&step.id, 8)).replace(" …", "");
@@ -217,31 +248,25 @@ pub(super) fn steps(page: &Page) -> String {
             }
         }
         text.push_str("</td></tr>\n");
+        text
     }
-    text.push_str("</tbody></table></div>\n");
-    let n_rows = results.cases.len().saturating_sub(MOST_STEPS);
-    let hidden = [(n_rows, "more row"), (n_hidden, "more column")];
-    for (n, what) in hidden.iter().filter(|(n, _)| *n > 0) {
-        let (file, n) = (address(page.store, "results.csv"), count(*n, what));
-        let _ = writeln!(text, "<p class=\"note\">{n} in <a href=\"{file}\">results.csv</a>.</p>");
-    }
-    text
-}
 
-/// What a case missed, and how much its steps warned of, where some case has such a cell.
-fn troubles(case: &Case, has_missed: bool, has_warnings: bool) -> String {
-    let mut text = String::new();
-    if has_missed {
-        let missed = case.missed().map(|missed| format!("† {}", escape(&missed)));
-        let _ = write!(text, "<td class=\"text\">{}</td>", missed.unwrap_or_default());
+    /// What a case missed, and how much its steps warned of, where some case has such a cell.
+    fn troubles(&self, case: &Case) -> String {
+        let mut text = String::new();
+        if self.has_missed {
+            let missed = case.missed().map(|missed| format!("† {}", escape(&missed)));
+            let _ = write!(text, "<td class=\"text\">{}</td>", missed.unwrap_or_default());
+        }
+        if self.has_warnings {
+            let warnings = case.warnings();
+            let n = warnings.len();
+            let shown = if n == 0 { String::new() } else { n.to_string() };
+            let about = escape(&cut(&warnings.join("\n"), 1000));
+            let _ = write!(text, "<td data-v=\"{n}\" title=\"{about}\">{shown}</td>");
+        }
+        text
     }
-    if has_warnings {
-        let warnings = case.warnings();
-        let shown = if warnings.is_empty() { String::new() } else { warnings.len().to_string() };
-        let about = escape(&cut(&warnings.join("\n"), 1000));
-        let _ = write!(text, "<td data-v=\"{}\" title=\"{about}\">{shown}</td>", warnings.len());
-    }
-    text
 }
 
 fn number_cell(cell: &Cell) -> String {

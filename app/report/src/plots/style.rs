@@ -71,9 +71,10 @@ pub fn series_styles(results: &Results) -> Vec<SeriesStyle> {
 
 /// Numbers of color, shape and dash. No two of forty series look alike.
 fn style(nth: usize, places: &[usize]) -> [usize; 3] {
-    let [color, shape, dash] = match places {
-        &[color, shape] if shape < SHAPES.len() && color < N_COLORS => [color, shape, shape],
-        &[color, shape, dash] if shape < SHAPES.len() && color < N_COLORS => [color, shape, dash],
+    let fits = |color: usize, shape: usize| color < N_COLORS && shape < SHAPES.len();
+    let [color, shape, dash] = match *places {
+        [color, shape] if fits(color, shape) => [color, shape, shape],
+        [color, shape, dash] if fits(color, shape) => [color, shape, dash],
         _ => [nth, nth, nth / N_COLORS],
     };
     [color % N_COLORS, shape % SHAPES.len(), dash % N_DASHES]
