@@ -4,18 +4,36 @@
 //! from any thread. Whoever called it sees how far the work is and may end it. In a module,
 //! [`Io::control`](crate::Io::control) is that of the run.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::cancel::CancelToken;
-use crate::node_outputs::MissedTarget;
 
 /// The caller ended the computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("cancelled")]
 pub struct Cancelled;
+
+/// A target that a module was given and did not reach.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MissedTarget {
+    /// What was to be reached: `faces`.
+    pub what: String,
+    /// What was asked for.
+    pub asked: f64,
+    /// Where it ended.
+    pub reached: f64,
+}
+
+impl fmt::Display for MissedTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} {}", self.reached, self.asked, self.what)
+    }
+}
 
 /// Hears what a module says while it runs, from any of its threads.
 pub trait Reporter: Sync {

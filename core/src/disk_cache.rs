@@ -12,11 +12,12 @@ use std::time::SystemTime;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::control::MissedTarget;
 use crate::data::Value;
 use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
-use crate::node_outputs::{LogLine, MissedTarget, NodeOutputs};
+use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::stored::{SUFFIX, Stored, TEMPORARY};
 
 /// Outputs made in less time than this are made again sooner than they are read.

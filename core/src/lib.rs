@@ -41,7 +41,7 @@ pub mod testing;
 
 pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
-pub use control::{Cancelled, Control, Report, Reporter, Steps};
+pub use control::{Cancelled, Control, MissedTarget, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
@@ -52,7 +52,7 @@ pub use listed::{Listed, source_hash};
 pub use machine::Machine;
 pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
 pub use module::{Io, Module};
-pub use node_outputs::{LogLine, MissedTarget};
+pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};

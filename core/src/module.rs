@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::cancel::CancelToken;
+use crate::control::MissedTarget;
 use crate::control::{Control, Reporter};
 use crate::data::{Data, Value};
 use crate::error::ModuleError;
-use crate::node_outputs::MissedTarget;
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType, Settings};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 use crate::stored::StoredWriter;

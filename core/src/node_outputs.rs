@@ -1,10 +1,9 @@
 //! What the run of a node gave, as caches keep it.
 
-use std::fmt;
-
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::control::MissedTarget;
 use crate::data::Value;
 
 /// All that a node's run gave.
@@ -22,23 +21,6 @@ impl NodeOutputs {
     /// Whether no file of these values was found damaged so far.
     pub fn is_sound(&self) -> bool {
         self.outputs.iter().flat_map(Value::stored).all(|file| file.is_sound())
-    }
-}
-
-/// A target that a module was given and did not reach.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MissedTarget {
-    /// What was to be reached: `faces`.
-    pub what: String,
-    /// What was asked for.
-    pub asked: f64,
-    /// Where it ended.
-    pub reached: f64,
-}
-
-impl fmt::Display for MissedTarget {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {} {}", self.reached, self.asked, self.what)
     }
 }
 

@@ -8,13 +8,13 @@ use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::cancel::CancelToken;
+use crate::control::MissedTarget;
 use crate::control::Reporter;
 use crate::data::{Data, Value};
 use crate::error::ModuleError;
 use crate::files::FileHashes;
 use crate::listed::Listed;
 use crate::module::{Io, Module};
-use crate::node_outputs::MissedTarget;
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};

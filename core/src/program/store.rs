@@ -26,8 +26,8 @@ use thiserror::Error;
 
 use super::plan_file::PlanFile;
 use super::timing::Timing;
+use crate::control::MissedTarget;
 use crate::files::{fresh_file, is_below, refuse_links};
-use crate::node_outputs::MissedTarget;
 use crate::run::{NodeRecord, NodeStatus};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.

@@ -6,8 +6,8 @@ use std::time::Instant;
 use indexmap::IndexMap;
 
 use super::{EventKind, PROGRESS_PAUSE, Runner};
-use crate::control::Reporter;
-use crate::node_outputs::{LogLine, MissedTarget};
+use crate::control::{MissedTarget, Reporter};
+use crate::node_outputs::LogLine;
 use crate::plan::PlanNode;
 
 /// Hears of one run of a module.

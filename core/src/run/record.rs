@@ -6,9 +6,10 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::cache::CacheUse;
+use crate::control::MissedTarget;
 use crate::data::Scalar;
 use crate::fingerprint::Fingerprint;
-use crate::node_outputs::{LogLine, MissedTarget};
+use crate::node_outputs::LogLine;
 use crate::plan::PlanNode;
 
 /// How a node ended.

@@ -165,8 +165,8 @@ pub(super) fn plots(page: &Page) -> String {
         return String::new();
     }
     let mut text = "<p class=\"note\">The Pareto front joins what nothing else beats in both \
-                    directions; sizes within 1 % count as equal. Scales over more than a decade are \
-                    logarithmic. Rest on a point to read it.</p>\n"
+                    directions; sizes within 1 % count as equal. Scales over more than a decade \
+                    are logarithmic. Rest on a point to read it.</p>\n"
         .to_owned();
     let mut number = 0;
     for figure in figures {
