@@ -9,7 +9,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{
-    Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Stored, StoredWriter, Value,
+    Better, Control, Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Quantities,
+    Quantity, Role, Settings, Stored, StoredWriter, Value,
 };
 use mve_modules::data::{
     DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
@@ -17,6 +18,7 @@ use mve_modules::data::{
 };
 use mve_modules::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
+use mve_modules::metric::METRICS;
 use mve_modules::registry;
 use serde_json::{Map as JsonMap, Value as Json, json};
 
@@ -246,6 +248,49 @@ fn declarations_are_whole() {
         }
     });
     registry().modules().iter().for_each(|info| assert!(ids.insert(info.module.id)));
+}
+
+/// Whether a number of this name is one of those that are declared; `#` stands for digits.
+fn is_declared(name: &str, declared: &[Quantity]) -> bool {
+    let start = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let numbered = format!("{start}#");
+    declared.iter().any(|quantity| quantity.name == name || quantity.name == numbered)
+}
+
+#[test]
+fn metrics_give_what_they_declare() {
+    let (mesh, other) = (vase(&VaseOptions::DEFAULT), subdivided_box(&BoxOptions::DEFAULT));
+    for entry in METRICS.entries.iter().map(|listed| listed.item) {
+        let settings = Settings::defaults(entry.params).unwrap();
+        let metric = (entry.build.make)(&settings).unwrap();
+        let found = metric.compare(&mesh, &other, Control::none()).unwrap();
+        let declared = entry.build.quantities;
+        for measure in &found.scalars {
+            assert!(is_declared(&measure.name, declared), "{}: {}", entry.id, measure.name);
+        }
+        let is_chief = |quantity: &&Quantity| quantity.role == Role::Chief;
+        let mut chief = declared.iter().filter(is_chief).peekable();
+        assert!(chief.peek().is_some(), "{}: no chief quantity", entry.id);
+        assert!(chief.all(|quantity| quantity.better != Better::Neither), "{}", entry.id);
+        assert!(declared.iter().all(|quantity| is_sentence(quantity.doc)), "{}", entry.id);
+    }
+}
+
+#[test]
+fn rows_of_measures_hold_what_is_declared() {
+    each_module(|info| {
+        let Ok(outputs) = run(info.module, &tetrahedron()) else { return };
+        for output in info.module.outputs {
+            let cells = outputs[output.name].cells();
+            match output.quantities {
+                Quantities::Row(row) => {
+                    assert!(cells.iter().all(|(name, _)| is_declared(name, row)), "{cells:?}");
+                }
+                Quantities::Plain => assert!(cells.is_empty(), "{}: undeclared", info.module.id),
+                _ => {}
+            }
+        }
+    });
 }
 
 fn is_snake(name: &str) -> bool {

@@ -210,7 +210,13 @@ mod tests {
 
     fn text_of(n: usize) -> Arc<NodeOutputs> {
         let outputs = vec![Value::new("x".repeat(n))];
-        Arc::new(NodeOutputs { outputs, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() })
+        Arc::new(NodeOutputs {
+            outputs,
+            log: Vec::new(),
+            missed: Vec::new(),
+            seconds: 1.0,
+            phases: IndexMap::new(),
+        })
     }
 
     fn key(n: u8) -> Fingerprint {

@@ -4,9 +4,11 @@
 //! from any thread. Whoever called it sees how far the work is and may end it. In a module,
 //! [`Io::control`](crate::Io::control) is that of the run.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::cancel::CancelToken;
@@ -16,6 +18,23 @@ use crate::cancel::CancelToken;
 #[error("cancelled")]
 pub struct Cancelled;
 
+/// A target that a module was given and did not reach.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MissedTarget {
+    /// What was to be reached: `faces`.
+    pub what: String,
+    /// What was asked for.
+    pub asked: f64,
+    /// Where it ended.
+    pub reached: f64,
+}
+
+impl fmt::Display for MissedTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} {}", self.reached, self.asked, self.what)
+    }
+}
+
 /// Hears what a module says while it runs, from any of its threads.
 pub trait Reporter: Sync {
     /// The share of the work that is done, 0 to 1.
@@ -24,6 +43,10 @@ pub trait Reporter: Sync {
     fn log(&self, line: &str);
     /// Trouble that does not stop the module.
     fn warn(&self, line: &str);
+    /// A target that the module was given is not reached; `line` says why.
+    fn missed(&self, _missed: MissedTarget, line: &str) {
+        self.warn(line);
+    }
     /// A part of the work is done and took so many seconds.
     fn phase(&self, _name: &'static str, _seconds: f64) {}
 }

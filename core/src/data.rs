@@ -37,6 +37,9 @@ pub trait Data: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// The declaration of the type.
     const TYPE: DataType;
 
+    /// Whether every value is one cell of a table, as [`Data::scalar`] gives it.
+    const IS_CELL: bool = false;
+
     /// Bytes that the value holds, heap included; what the caches count against their budgets.
     fn byte_size(&self) -> usize;
 
@@ -227,6 +230,7 @@ impl<T: Data> Erased for T {
 impl Data for f64 {
     const TYPE: DataType =
         DataType { id: "Number", doc: "A number, whole or not.", color: [150, 160, 170] };
+    const IS_CELL: bool = true;
 
     fn byte_size(&self) -> usize {
         size_of::<Self>()
@@ -243,6 +247,7 @@ impl Data for f64 {
 
 impl Data for bool {
     const TYPE: DataType = DataType { id: "Flag", doc: "True or false.", color: [205, 120, 150] };
+    const IS_CELL: bool = true;
 
     fn byte_size(&self) -> usize {
         size_of::<Self>()
@@ -259,6 +264,7 @@ impl Data for bool {
 
 impl Data for String {
     const TYPE: DataType = DataType { id: "Text", doc: "A text.", color: [110, 170, 220] };
+    const IS_CELL: bool = true;
 
     fn byte_size(&self) -> usize {
         size_of::<Self>() + self.len()

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::json;
 
 use crate::param::{ParamSpec, Setting};
+use crate::quantity::{Better, Quantities, Quantity};
 use crate::registry::{ModuleInfo, Registry};
 
 /// All modules, by category.
@@ -42,6 +43,7 @@ pub fn describe_module(info: &ModuleInfo) -> String {
         text.push_str("\nOutputs:\n\n");
         for output in module.outputs {
             let _ = writeln!(text, "- `{}` ({}): {}", output.name, output.data_type.id, output.doc);
+            describe_quantities(output.quantities, &mut text);
         }
     }
     if !module.params.is_empty() {
@@ -49,6 +51,38 @@ pub fn describe_module(info: &ModuleInfo) -> String {
         describe_params(module.params, 0, &mut text);
     }
     text
+}
+
+/// What the numbers of an output are measured in, and which are better; those of a row by name.
+fn describe_quantities(quantities: Quantities, text: &mut String) {
+    let row = match quantities {
+        Quantities::One(quantity) if facts_of(&quantity).is_empty() => return,
+        Quantities::One(quantity) => {
+            let _ = writeln!(text, "  - {}", facts_of(&quantity));
+            return;
+        }
+        Quantities::Row(row) => row,
+        _ => return,
+    };
+    for quantity in row {
+        let facts = facts_of(quantity);
+        let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
+        let _ = writeln!(text, "  - `{}`{facts}: {}", quantity.name, quantity.doc);
+    }
+}
+
+fn facts_of(quantity: &Quantity) -> String {
+    let unit = Some(quantity.unit.name()).filter(|unit| !unit.is_empty());
+    let better = match quantity.better {
+        Better::Lower => Some("lower is better"),
+        Better::Higher => Some("higher is better"),
+        Better::Neither => None,
+    };
+    unit.map(|unit| format!("in {unit}"))
+        .into_iter()
+        .chain(better.map(str::to_owned))
+        .collect::<Vec<_>>()
+        .join("; ")
 }
 
 fn describe_params(params: &[ParamSpec], depth: usize, text: &mut String) {

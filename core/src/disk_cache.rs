@@ -12,6 +12,7 @@ use std::time::SystemTime;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::control::MissedTarget;
 use crate::data::Value;
 use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
@@ -37,6 +38,7 @@ struct FileContent {
     /// Type and bytes of each output.
     outputs: Vec<(String, Vec<u8>)>,
     log: Vec<LogLine>,
+    missed: Vec<MissedTarget>,
     seconds: f64,
 }
 
@@ -79,8 +81,8 @@ impl DiskCache {
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
         let phases = IndexMap::new();
-        let FileContent { log, seconds, .. } = kept;
-        is_whole.then_some(NodeOutputs { outputs, log, seconds, phases })
+        let FileContent { log, missed, seconds, .. } = kept;
+        is_whole.then_some(NodeOutputs { outputs, log, missed, seconds, phases })
     }
 
     pub(crate) fn store(&self, key: Fingerprint, results: &NodeOutputs) {
@@ -91,7 +93,12 @@ impl DiskCache {
             Ok::<_, postcard::Error>((value.data_type().id.to_owned(), value.encode()?))
         });
         let Ok(outputs) = outputs.collect::<Result<_, _>>() else { return };
-        let kept = FileContent { outputs, log: results.log.clone(), seconds: results.seconds };
+        let kept = FileContent {
+            outputs,
+            log: results.log.clone(),
+            missed: results.missed.clone(),
+            seconds: results.seconds,
+        };
         // A full disk costs the next process time, and nothing else.
         if let Ok(content) = postcard::to_stdvec(&kept) {
             let files: Vec<_> = results.outputs.iter().flat_map(Value::stored).collect();
@@ -164,7 +171,13 @@ mod tests {
 
     fn outputs(text: &str) -> NodeOutputs {
         let values = vec![Value::new(text.to_owned())];
-        NodeOutputs { outputs: values, log: Vec::new(), seconds: 1.0, phases: IndexMap::new() }
+        NodeOutputs {
+            outputs: values,
+            log: Vec::new(),
+            missed: Vec::new(),
+            seconds: 1.0,
+            phases: IndexMap::new(),
+        }
     }
 
     #[test]

@@ -30,6 +30,7 @@ mod plan;
 mod port;
 mod problem;
 mod program;
+mod quantity;
 mod registry;
 mod run;
 mod schema;
@@ -40,7 +41,7 @@ pub mod testing;
 
 pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
-pub use control::{Cancelled, Control, Report, Reporter, Steps};
+pub use control::{Cancelled, Control, MissedTarget, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
@@ -58,10 +59,12 @@ pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, nearest};
 pub use program::{
-    Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
-    ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
-    brief, brief_value, exact, run_program, stands_for,
+    ColumnRecord, Columns, Measure, PlanFile, Program, ProgramEvent, ProgramOptions,
+    ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord,
+    StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, are_alike, brief, brief_value, exact,
+    median, run_program, stands_for,
 };
+pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};
 pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::cancel::CancelToken;
+use crate::control::MissedTarget;
 use crate::control::{Control, Reporter};
 use crate::data::{Data, Value};
 use crate::error::ModuleError;
@@ -171,6 +172,12 @@ impl<'a> Io<'a> {
     /// Reports trouble that does not stop the module.
     pub fn warn(&self, line: impl AsRef<str>) {
         self.reporter.warn(line.as_ref());
+    }
+
+    /// Reports that a target which the module was given is not reached, and why. Such a result is
+    /// never compared as if it had been.
+    pub fn missed(&self, missed: MissedTarget, line: impl AsRef<str>) {
+        self.reporter.missed(missed, line.as_ref());
     }
 
     fn value(&self, name: &str) -> Option<&Value> {

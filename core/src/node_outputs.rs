@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::control::MissedTarget;
 use crate::data::Value;
 
 /// All that a node's run gave.
@@ -10,6 +11,7 @@ use crate::data::Value;
 pub(crate) struct NodeOutputs {
     pub outputs: Vec<Value>,
     pub log: Vec<LogLine>,
+    pub missed: Vec<MissedTarget>,
     pub seconds: f64,
     /// Seconds of parts of the work, where the module says them; none of a value from the disk.
     pub phases: IndexMap<String, f64>,

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::data::{Data, DataType, DecodeError, Value, decode};
+use crate::quantity::{Quantities, Quantity};
 
 /// A required input: the plan refuses a map that leaves it unlinked.
 #[derive(Debug)]
@@ -43,6 +44,7 @@ impl DataType {
 pub struct Out<T> {
     pub(crate) name: &'static str,
     doc: &'static str,
+    quantities: Quantities,
     of: PhantomData<fn() -> T>,
 }
 
@@ -68,6 +70,10 @@ pub struct OutputSpec {
     pub doc: &'static str,
     /// The type that it gives.
     pub data_type: DataType,
+    /// Which numbers it brings into the table of results.
+    pub quantities: Quantities,
+    /// Whether a value is one cell of a table.
+    pub(crate) is_cell: bool,
     pub(crate) decode: fn(&[u8]) -> Result<Value, DecodeError>,
 }
 
@@ -110,11 +116,31 @@ impl<T: Data> MaybeIn<T> {
 impl<T: Data> Out<T> {
     /// Declares the output.
     pub const fn new(name: &'static str, doc: &'static str) -> Self {
-        Self { name, doc, of: PhantomData }
+        Self { name, doc, quantities: Quantities::Plain, of: PhantomData }
+    }
+
+    /// Declares which numbers its value brings into the table of results.
+    pub const fn giving(self, quantities: Quantities) -> Self {
+        Self { quantities, ..self }
     }
 
     /// The declaration, for [`crate::Module::outputs`].
     pub const fn spec(&self) -> OutputSpec {
-        OutputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, decode: decode::<T> }
+        OutputSpec {
+            name: self.name,
+            doc: self.doc,
+            data_type: T::TYPE,
+            quantities: self.quantities,
+            is_cell: T::IS_CELL,
+            decode: decode::<T>,
+        }
+    }
+}
+
+impl Out<f64> {
+    /// Declares an output that is a number, under the name of what it is.
+    pub const fn number(quantity: Quantity) -> Self {
+        let (name, doc) = (quantity.name, quantity.doc);
+        Self { name, doc, quantities: Quantities::One(quantity), of: PhantomData }
     }
 }

@@ -1,6 +1,7 @@
 //! Running a plan: nodes start as soon as their inputs are there, on a few threads.
 
 mod listener;
+mod record;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -8,14 +9,14 @@ use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
 use listener::Listener;
-use serde::{Deserialize, Serialize};
+pub use record::{NodeRecord, NodeStatus};
+use serde::Serialize;
 
 use crate::cache::{Cache, CacheUse, Claim};
 use crate::cancel::CancelToken;
-use crate::data::{Scalar, Value};
+use crate::data::Value;
 use crate::error::ModuleError;
 use crate::files::{lying_at, refuse_links, refuse_special};
-use crate::fingerprint::Fingerprint;
 use crate::module::Io;
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
@@ -92,59 +93,6 @@ pub enum EventKind<'a> {
         #[serde(skip)]
         outputs: &'a [Value],
     },
-}
-
-/// How a node ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
-pub enum NodeStatus {
-    /// Its outputs are there.
-    Done,
-    /// Its module gave an error or panicked.
-    Failed {
-        /// What a person should read.
-        error: String,
-    },
-    /// A node that it takes a value from did not get done.
-    Skipped {
-        /// The node that failed.
-        because_of: String,
-    },
-    /// The run was stopped before it was done.
-    Stopped,
-}
-
-/// What is kept of a node's run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NodeRecord {
-    /// Id of its module.
-    pub module: String,
-    /// How it ended.
-    #[serde(flatten)]
-    pub status: NodeStatus,
-    /// Hash of all that determines its outputs.
-    pub key: Fingerprint,
-    /// Seconds that its module ran; none if it did not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seconds: Option<f64>,
-    /// Seconds of parts of that, where the module says them.
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub phases: IndexMap<String, f64>,
-    /// Where its outputs came from, if not from running it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cached: Option<CacheUse>,
-    /// Its outputs that fit table cells, by the name of the output or of the cell.
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub scalars: IndexMap<String, Scalar>,
-    /// Its other outputs, in a line each.
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub values: IndexMap<String, String>,
-    /// Files that it wrote, relative to the output folder.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub files: Vec<PathBuf>,
-    /// What its module said.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub log: Vec<LogLine>,
 }
 
 /// A node's record and, if they were to be kept, its outputs.
@@ -310,7 +258,7 @@ impl Runner<'_> {
     }
 
     fn not_run(&self, node: &PlanNode, status: NodeStatus, log: Vec<LogLine>) -> NodeOutcome {
-        let record = NodeRecord { log, ..blank(node, status) };
+        let record = NodeRecord { log, ..NodeRecord::blank(node, status) };
         let outcome = NodeOutcome { record, outputs: IndexMap::new() };
         self.tell(node, EventKind::Ended { record: &outcome.record, outputs: &[] });
         outcome
@@ -371,7 +319,7 @@ impl Runner<'_> {
         results: &NodeOutputs,
         cached: Option<CacheUse>,
     ) -> NodeRecord {
-        let mut record = blank(node, NodeStatus::Done);
+        let mut record = NodeRecord::blank(node, NodeStatus::Done);
         for (spec, value) in node.info.module.outputs.iter().zip(&results.outputs) {
             let cells = value.cells();
             if let Some(scalar) = value.scalar() {
@@ -390,7 +338,8 @@ impl Runner<'_> {
         let base = self.options.output_folder;
         let written = node.writes.iter().flat_map(|path| lying_at(base, path));
         record.files = written.filter(|path| base.join(path).is_file()).collect();
-        record.log = results.log.clone();
+        record.missed.clone_from(&results.missed);
+        record.log.clone_from(&results.log);
         record
     }
 
@@ -413,6 +362,7 @@ impl Runner<'_> {
             node,
             log: Mutex::default(),
             phases: Mutex::default(),
+            missed: Mutex::default(),
             told: Mutex::default(),
         };
         let start = Instant::now();
@@ -424,7 +374,8 @@ impl Runner<'_> {
         match outputs {
             Ok(outputs) => {
                 let phases = listener.phases.into_inner().unwrap_or_else(PoisonError::into_inner);
-                Ok(NodeOutputs { outputs, log, seconds, phases })
+                let missed = listener.missed.into_inner().unwrap_or_else(PoisonError::into_inner);
+                Ok(NodeOutputs { outputs, log, missed, seconds, phases })
             }
             Err(error) => Err((error, log)),
         }
@@ -480,20 +431,5 @@ impl Runner<'_> {
         let Some(folder) = path.parent() else { return Ok(()) };
         std::fs::create_dir_all(folder)
             .map_err(|error| ModuleError::io(folder, format!("cannot make this folder: {error}")))
-    }
-}
-
-fn blank(node: &PlanNode, status: NodeStatus) -> NodeRecord {
-    NodeRecord {
-        module: node.info.module.id.to_owned(),
-        status,
-        key: node.key,
-        seconds: None,
-        phases: IndexMap::new(),
-        cached: None,
-        scalars: IndexMap::new(),
-        values: IndexMap::new(),
-        files: Vec::new(),
-        log: Vec::new(),
     }
 }

@@ -127,6 +127,7 @@ fn report() -> Json {
     let column = json!({ "type": "string", "description": "node.output, seconds.node or seconds" });
     let columns = json!({ "type": "array", "items": column });
     let path = json!({ "type": "string", "description": "A parameter that the program varies." });
+    let paths = json!({ "anyOf": [path, { "type": "array", "items": path }] });
     json!({
         "description": "What the report shows, and the questions that it answers.",
         "type": "object",
@@ -141,14 +142,17 @@ fn report() -> Json {
                     "additionalProperties": false,
                     "properties": {
                         "column": column,
-                        "better": { "enum": ["lower", "higher"], "default": "lower" },
+                        "better": {
+                            "description": "Where it is not as the module declares.",
+                            "enum": ["lower", "higher", "neither"]
+                        },
                         "title": { "type": "string" }
                     }
                 }
             },
             "against": columns,
-            "group": path,
-            "series": path,
+            "group": paths,
+            "series": paths,
             "questions": {
                 "type": "array",
                 "items": {

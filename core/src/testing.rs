@@ -8,6 +8,7 @@ use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::cancel::CancelToken;
+use crate::control::MissedTarget;
 use crate::control::Reporter;
 use crate::data::{Data, Value};
 use crate::error::ModuleError;
@@ -54,6 +55,7 @@ pub fn program_options(cancel: &CancelToken) -> ProgramOptions<'_> {
         threads: 1,
         shard: Shard { index: 0, count: 1 },
         sharing: Sharing::Shared,
+        timings: 1,
         memory: 1 << 30,
         disk_cache: None,
         time_limit: None,
@@ -214,7 +216,8 @@ const A: MaybeIn<f64> = MaybeIn::new("a", "A number, 0 without a link.");
 const SUM: Out<f64> = Out::new("sum", "The sum.");
 const AMOUNT: Param<f64> = Param::number("amount", "What is added.", 1.0).within((-100.0, 100.0));
 
-/// Adds a number to its input. An amount of −13 panics, 99 fails, and −1 waits to be stopped.
+/// Adds a number to its input. An amount of −13 panics, 99 fails, 98 misses a target, and −1 waits
+/// to be stopped.
 pub static ADD: Module = Module {
     id: "Add",
     summary: "Adds.",
@@ -232,6 +235,10 @@ pub static ADD: Module = Module {
         assert!(amount != -13.0, "thirteen brings bad luck");
         if amount == 99.0 {
             return Err(ModuleError::Failed("99 is too much".to_owned()));
+        }
+        if amount == 98.0 {
+            let missed = MissedTarget { what: "parts".to_owned(), asked: 100.0, reached: 98.0 };
+            io.missed(missed, "98 is too little");
         }
         io.log(format!("adding {amount}"));
         let a = io.maybe(A).map_or(0.0, |a| *a);
@@ -252,7 +259,7 @@ static SCALED: Entry<MakeNumber> = Entry {
 static ZERO: Entry<MakeNumber> =
     Entry { id: "Zero", summary: "Nothing.", params: &[], build: |_| Ok(0.0) };
 static HOWS: Choices<MakeNumber> =
-    Choices { entries: &[Listed { item: &SCALED, source: 1 }, Listed { item: &ZERO, source: 2 }] };
+    Choices::new(&[Listed { item: &SCALED, source: 1 }, Listed { item: &ZERO, source: 2 }]);
 const HOW: ChoiceParam<MakeNumber> =
     ChoiceParam::new("how", "How to make the number.", &HOWS, "Scaled");
 const NUMBER: Out<f64> = Out::new("number", "The number.");

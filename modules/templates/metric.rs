@@ -3,16 +3,23 @@
 //! Say what the metric measures, in which unit, which end of its scale is good, and name its
 //! source: authors, title, venue, year, and every deviation.
 
-use mve_core::{Control, Entry};
+use mve_core::{Control, Entry, Quantity};
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
 use crate::data::{Measure, TriMesh};
+
+/// Which values are better, and the unit, are said here; of `chief` ones each report has a table.
+const AREA: Quantity =
+    Quantity::new("area", "Difference of the areas over the area of the original; 0 is equal.")
+        .titled("Difference of areas")
+        .lower()
+        .chief();
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Template",
     summary: "The difference of the areas of the two surfaces, as a part of the original's area.",
     params: &[],
-    build: |_| Ok(Box::new(Template)),
+    build: MakeMetric { quantities: &[AREA], make: |_| Ok(Box::new(Template)) },
 };
 
 /// See the file's header. Has no parameters.
@@ -34,11 +41,7 @@ impl Metric for Template {
             return Err(MetricError::Input { mesh: MeshRole::Original, message });
         }
         let part = (after - before).abs() / before;
-        let doc = "Difference of the areas over the area of the original; 0 is equal.";
-        Ok(Comparison {
-            scalars: vec![Measure::new("area", part, "", doc)],
-            ..Comparison::default()
-        })
+        Ok(Comparison { scalars: vec![Measure::of(&AREA, part)], ..Comparison::default() })
     }
 }
 

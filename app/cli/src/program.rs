@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use mve_core::{
     CancelToken, EventKind, Problem, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry,
-    Shard, Sharing, StepRecord, StepStatus, Store, did_you_mean,
+    Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS, did_you_mean,
 };
 use mve_report::Report;
 use serde::Serialize;
@@ -33,6 +33,7 @@ const STOPPING: &str = "stopping; finished steps are kept, run the same command 
   mve program maps/classic_experiment.json costs --dry-run        list its steps
   mve program maps/classic_experiment.json costs --jobs 4 --time-limit 60
   mve program maps/classic_experiment.json costs --timing         seconds that can be compared
+  mve program maps/classic_experiment.json costs --timing=9       from nine runs of each step
   mve program maps/classic_experiment.json costs --shard 1/8      one of eight processes
 
 Finished steps are kept and never run twice: the same command resumes. A step whose inputs, \
@@ -56,9 +57,12 @@ pub struct Args {
     /// Run only part I of N, counted from 1; others run the other parts into the same folder
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     shard: Option<Shard>,
-    /// Share nothing and run one step at a time on one thread, so that seconds can be compared
-    #[arg(long, conflicts_with_all = ["jobs", "cache"])]
-    timing: bool,
+    /// Share nothing and run one step at a time on one thread, in rounds of shuffled order after a
+    /// run that does not count: seconds that can be compared. N runs of each step, 3 if not said;
+    /// as many as the program has repeats where it has some
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true)]
+    #[arg(value_parser = parse_count, conflicts_with_all = ["jobs", "cache"])]
+    timing: Option<Option<usize>>,
     /// List the steps and write nothing
     #[arg(long)]
     dry_run: bool,
@@ -83,6 +87,17 @@ pub struct Args {
     /// Print every event as a line of JSON, and a summary as the last line
     #[arg(long)]
     json: bool,
+}
+
+impl Args {
+    fn sharing(&self) -> Sharing {
+        if self.timing.is_some() { Sharing::Timing } else { Sharing::Shared }
+    }
+
+    /// How often each step is to be timed, if at all.
+    fn timings(&self) -> Option<usize> {
+        self.timing.map(|n| n.unwrap_or(TIMINGS))
+    }
 }
 
 fn parse_shard(text: &str) -> Result<Shard, String> {
@@ -126,7 +141,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let shard = args.shard.unwrap_or(Shard { index: 0, count: 1 });
     if args.dry_run {
         let store = Store::look(&folder)?;
-        return report::dry_run(&program, store.as_ref(), &folder, shard, args.json);
+        let timings = args.timings();
+        return report::dry_run(&program, store.as_ref(), &folder, shard, timings, args.json);
     }
     let store = Store::open(&folder)?;
     let outcome = run_steps(args, quiet, &program, &store, shard)?;
@@ -186,11 +202,12 @@ fn run_steps(
     shard: Shard,
 ) -> Result<ProgramOutcome, Stop> {
     let disk_cache = open_cache(args.cache.as_deref())?;
-    let threads = set_threads(args.threads.or(args.timing.then_some(1)))?;
+    let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = report::places(program, shard);
     let is_found = |place: &&usize| {
         let record = program.record(store, **place);
-        record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
+        let is_kept = record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done);
+        is_kept && report::is_timed(program, store, **place, args.timings())
     };
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);
@@ -201,7 +218,8 @@ fn run_steps(
         jobs: args.jobs.unwrap_or(threads),
         threads,
         shard,
-        sharing: if args.timing { Sharing::Timing } else { Sharing::Shared },
+        sharing: args.sharing(),
+        timings: args.timings().unwrap_or(TIMINGS),
         memory: args.memory.unwrap_or_else(half_of_memory),
         disk_cache,
         time_limit: args.time_limit,

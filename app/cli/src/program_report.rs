@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use mve_core::{Program, ProgramOutcome, Shard, Step, StepStatus, Store};
+use mve_core::{Program, ProgramOutcome, Shard, Step, StepStatus, Store, brief_value};
 use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -26,9 +26,21 @@ pub fn places(program: &Program, shard: Shard) -> Vec<usize> {
         .collect()
 }
 
+/// Whether a step has as many times as are asked for, where any are.
+pub fn is_timed(program: &Program, store: &Store, place: usize, timings: Option<usize>) -> bool {
+    let Some(timings) = timings else { return true };
+    let runs = program.runs_by_step(timings);
+    let wanted = runs.get(program.steps[place].id.as_str()).copied().unwrap_or(timings);
+    program.record(store, place).is_some_and(|record| record.has_timings(wanted))
+}
+
 /// The parameters of a step in a line.
 pub fn label(step: &Step) -> String {
-    let word = |json: &Json| json.as_str().map_or_else(|| json.to_string(), str::to_owned);
+    let word = |json: &Json| match json {
+        Json::Null => brief_value(json),
+        Json::String(text) => text.clone(),
+        other => other.to_string(),
+    };
     let params = step.params.iter().map(|(path, value)| format!("{path} = {}", word(value)));
     let repeat = (step.repeat > 0).then(|| format!("repeat {}", step.repeat));
     let all: Vec<_> = params.chain(repeat).collect();
@@ -50,6 +62,7 @@ pub fn dry_run(
     store: Option<&Store>,
     folder: &Path,
     shard: Shard,
+    timings: Option<usize>,
     json: bool,
 ) -> Result<Exit, Stop> {
     let steps = places(program, shard);
@@ -57,6 +70,8 @@ pub fn dry_run(
         .iter()
         .map(|place| {
             let record = store.and_then(|store| program.record(store, *place));
+            let is_timed = store.is_some_and(|store| is_timed(program, store, *place, timings));
+            let record = record.filter(|_| is_timed);
             let status = record.map_or("to do", |record| record.status.word());
             Row { event: "step", step: &program.steps[*place], status }
         })
@@ -124,13 +139,17 @@ pub fn results(
         text.push_str(&format!("\n{}", answers.trim_end_matches('\n')));
         text.push('\n');
     }
-    let ProgramOutcome { steps, ran, found, failed, missing, others, .. } = *outcome;
+    let ProgramOutcome { steps, ran, found, failed, missing, missed, others, .. } = *outcome;
     let mut parts = vec![format!("{} done", steps - missing - failed)];
     parts.extend((failed > 0).then(|| format!("{failed} failed")));
     parts.extend((missing > 0).then(|| format!("{missing} to do")));
     let (all, time) = (count(steps, "step"), seconds(outcome.seconds));
     text.push_str(&format!("\n{all}: {}; {ran} run now in {time} s", parts.join(", ")));
     text.push_str(&if found > 0 { format!(", {found} found\n") } else { "\n".to_owned() });
+    if missed > 0 {
+        let all = count(steps, "step");
+        text.push_str(&format!("{missed} of {all} did not reach their target; see missed\n"));
+    }
     if others > 0 {
         let others = count(others, "step");
         text.push_str(&format!("{others} of earlier versions of the program stay in the folder\n"));

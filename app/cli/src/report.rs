@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use mve_report::{Format, Report, ReportError};
+use mve_core::{Map, Store, did_you_mean};
+use mve_report::{Asked, Format, Report, ReportError};
+use serde_json::Value as Json;
 
 use crate::exit::{Exit, Stop};
 use crate::out;
@@ -17,23 +19,40 @@ pub const PAGE: &str = "report.html";
 #[command(after_help = "Examples:
   mve report mve-out/vase-costs                       writes mve-out/vase-costs/report.html
   mve report mve-out/vase-costs --out costs.html
+  mve report mve-out/vase-costs --map vase.json       with what the map says now
   mve report mve-out/vase-costs --format latex        tables to paste, best of each row bold
+  mve report mve-out/vase-costs --format latex --measure compare.rms --columns simplify.cost
+  mve report mve-out/vase-costs --format pdf          plots, into mve-out/vase-costs/plots
   mve report mve-out/vase-costs --format csv --out costs.csv
 
 The page needs no network and no files beside it: answers to the program's questions, tables with \
 the best of each row marked, plots with the Pareto front, the pictures that steps wrote, \
 correlations of the measures, and how it was made. Only its links lead to the store.
 
-What the columns mean is said in the map, as \"report\" of a program: its measures and which way \
-each is better, what they are plotted against, and questions that compare two values of a \
-parameter; `mve schema` has the form. Without it the report chooses, and takes lower as better.")]
+Which values of a column are better, its title and its unit are declared by modules. What is \
+shown, plotted and asked can be said in the map, as \"report\" of a program; `mve schema` has the \
+form. Without it the report shows what modules declare as chief measures, and asks of each thing \
+that is compared whether it does better than the first.")]
 pub struct Args {
     /// Folder of a program's results
     #[arg(value_name = "STORE")]
     store: PathBuf,
-    /// File to write [default: STORE/report.html; other formats go to standard output]
+    /// File to write, of plots the folder [default: STORE/report.html, STORE/plots; tables go to
+    /// standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Show what the program in this map says of its report now, not what it said when it ran
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Column that measures, in place of those of the program; may be repeated
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
+    measure: Vec<String>,
+    /// Varied parameters that give the rows of tables, and part plots
+    #[arg(long, value_name = "PARAM", value_delimiter = ',')]
+    rows: Vec<String>,
+    /// Varied parameters that give the columns of tables, and the series of plots
+    #[arg(long, value_name = "PARAM", value_delimiter = ',')]
+    columns: Vec<String>,
     /// What to write
     #[arg(short, long, value_enum, default_value_t = FormatName::Html)]
     format: FormatName,
@@ -47,17 +66,23 @@ enum FormatName {
     Csv,
     /// The answers, and a table a measure
     Markdown,
-    /// A table a measure, for the package booktabs
+    /// The answers, and a table a measure, for the packages booktabs and multirow
     Latex,
+    /// Each plot, standing alone
+    Svg,
+    /// Each plot, standing alone
+    Pdf,
 }
 
-impl From<FormatName> for Format {
-    fn from(kind: FormatName) -> Self {
-        match kind {
-            FormatName::Html => Self::Html,
-            FormatName::Csv => Self::Csv,
-            FormatName::Markdown => Self::Markdown,
-            FormatName::Latex => Self::Latex,
+impl FormatName {
+    /// What the report is written as; `None` of plots.
+    fn format(self) -> Option<Format> {
+        match self {
+            Self::Html => Some(Format::Html),
+            Self::Csv => Some(Format::Csv),
+            Self::Markdown => Some(Format::Markdown),
+            Self::Latex => Some(Format::Latex),
+            Self::Svg | Self::Pdf => None,
         }
     }
 }
@@ -69,24 +94,75 @@ impl From<ReportError> for Stop {
             ReportError::Missing(_) | ReportError::NotAStore(_) => {
                 Self { exit: Exit::Files, message: error.to_string() }
             }
+            ReportError::Asked(_) => Self::refused(error.to_string()),
         }
     }
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
-    let report = Report::read(&args.store)?;
+    let asked = Asked {
+        report: args.map.as_deref().map(|map| report_in(map, &args.store)).transpose()?,
+        measures: args.measure.clone(),
+        rows: args.rows.clone(),
+        columns: args.columns.clone(),
+    };
+    let report = Report::read_for(&args.store, &asked)?;
+    let Some(format) = args.format.format() else { return plots(args, &report) };
     // Tables may be read by a program: what they lack is said beside them.
-    if args.format != FormatName::Html && !report.missing().is_empty() {
-        out::tell(&format!("note: {}", report.missing()));
+    if args.format != FormatName::Html {
+        report.notes().iter().for_each(|note| out::tell(&format!("note: {note}")));
     }
     let page = (args.format == FormatName::Html).then(|| args.store.join(PAGE));
     let Some(path) = args.out.clone().or(page) else {
-        return out::print(&report.text(args.format.into(), None));
+        return out::print(&report.text(format, None));
     };
-    write(&report, args.format.into(), &path)?;
+    write(&report, format, &path)?;
     let mut text = answers(&report);
     text.push_str(&format!("report   {}\n", path.display()));
+    out::print(&text)
+}
+
+/// What the program of a store says of its report in a map.
+fn report_in(map: &Path, store: &Path) -> Result<Json, Stop> {
+    let missing = || ReportError::Missing(store.to_owned());
+    let found = Store::look(store).map_err(ReportError::from)?.ok_or_else(missing)?;
+    let name = found.plan().map_err(ReportError::from)?.program;
+    let text = std::fs::read_to_string(map).map_err(|error| Stop::file(map, &error))?;
+    let read = Map::parse(&text);
+    let map = map.display();
+    let read = read.map_err(|error| Stop::refused(format!("{map}: {error}")))?;
+    let names = read.programs.keys().map(String::as_str);
+    let spec = read.programs.get(&name).ok_or_else(|| {
+        let hint = did_you_mean(&name, names);
+        Stop::refused(format!(
+            "{map}: there is no program \"{name}\", of which this is a store{hint}"
+        ))
+    })?;
+    Ok(spec.report.clone().unwrap_or_else(|| serde_json::json!({})))
+}
+
+/// Writes each plot into a file of its own.
+fn plots(args: &Args, report: &Report) -> Result<Exit, Stop> {
+    let folder = args.out.clone().unwrap_or_else(|| args.store.join("plots"));
+    std::fs::create_dir_all(&folder).map_err(|error| Stop::file(&folder, &error))?;
+    let mut text = String::new();
+    for plot in report.plots() {
+        let (drawn, ending) = match args.format {
+            FormatName::Pdf => (plot.pdf(), "pdf"),
+            _ => (plot.svg(), "svg"),
+        };
+        let path = folder.join(format!("{}.{ending}", plot.name()));
+        let drawn = drawn.map_err(|why| Stop {
+            exit: Exit::Failed,
+            message: format!("{}: {why}", plot.name()),
+        })?;
+        std::fs::write(&path, drawn).map_err(|error| Stop::file(&path, &error))?;
+        text.push_str(&format!("plot     {}\n", path.display()));
+    }
+    if text.is_empty() {
+        text = "no plots: no measure differs over a size or a time\n".to_owned();
+    }
     out::print(&text)
 }
 

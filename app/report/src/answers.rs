@@ -7,9 +7,10 @@ use indexmap::IndexMap;
 use mve_core::{Better, Question, stands_for};
 use serde_json::{Map as JsonMap, Value as Json};
 
+use crate::case::Case;
 use crate::columns::{self, MeasureColumn};
 use crate::labels;
-use crate::results::{Case, Results};
+use crate::results::Results;
 use crate::stats::{RatioEstimate, geometric_mean, sign_test, wilcoxon};
 
 /// Numbers closer than this share of themselves are equal.
@@ -43,10 +44,14 @@ pub struct Answer {
     pub better: Better,
     /// The two things that are compared.
     pub names: [String; 2],
-    /// Columns that should be the same in both.
-    pub same: Vec<String>,
+    /// Titles of the columns that should be the same in both.
+    pub same_titles: Vec<String>,
     /// The pairs.
     pub pairs: Vec<Pair>,
+    /// Pairs of which a step did not reach its target.
+    pub n_missed: usize,
+    /// Other pairs whose results differ in size by more than 1 %.
+    pub n_unequal: usize,
     /// Steps on either side that have no partner or no value.
     pub n_alone: usize,
     /// Pairs whose first value is lower, higher, and neither.
@@ -69,10 +74,11 @@ pub struct Answer {
 
 /// Answers a question from the results.
 pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question) -> Answer {
-    let known = measures.iter().find(|measure| measure.column == question.measure);
-    let better = known.map_or(Better::Lower, |measure| measure.better);
+    let known = measures.iter().find(|measure| measure.column == question.measure).cloned();
+    let measure = known.unwrap_or_else(|| columns::of_column(results, &question.measure).remove(0));
+    let size = results.size.iter().filter(|size| **size != question.measure);
     let same = match question.same.is_empty() {
-        true => columns::faces(results).into_iter().collect(),
+        true => size.cloned().collect(),
         false => question.same.clone(),
     };
     let (path, sides) = match question.compare.iter().next() {
@@ -80,21 +86,29 @@ pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question
         None => ("", [Json::Null, Json::Null]),
     };
     let (found, n_alone) = pairs(results, path, &sides);
+    let has_missed = |(a, b): &(&Case, &Case)| [a, b].iter().any(|case| case.missed().is_some());
+    let (missed, found): (Vec<_>, Vec<_>) = found.into_iter().partition(has_missed);
+    let (unequal, found): (Vec<_>, Vec<_>) = found.into_iter().partition(|(a, b)| {
+        question.same.is_empty() && !same.is_empty() && !results.are_alike(&[Some(a), Some(b)])
+    });
     let pairs: Vec<Pair> = found
         .into_iter()
-        .filter_map(|(a, b)| pair(results, [a, b], path, &question.measure, &same))
+        .filter_map(|(a, b)| pair(results, [a, b], path, &measure, &same))
         .collect();
     let n_cases = results.cases.iter().filter(|case| {
         let value = case.params.get(path);
         value.is_some_and(|value| sides.iter().any(|side| stands_for(side, value)))
     });
-    let n_alone = n_alone.max(n_cases.count().saturating_sub(2 * pairs.len()));
+    let n_left_out = missed.len() + unequal.len();
+    let n_alone = n_alone.max(n_cases.count().saturating_sub(2 * (pairs.len() + n_left_out)));
     let mut answer = Answer {
         text: question.text.clone(),
-        measure: columns::title(measures, &question.measure),
-        better,
-        names: sides.map(|side| labels::of_value(&side)),
-        same,
+        measure: measure.title,
+        better: measure.better,
+        names: sides.map(|side| results.name_of(path, &side)),
+        same_titles: same.iter().map(|column| columns::title(results, measures, column)).collect(),
+        n_missed: missed.len(),
+        n_unequal: unequal.len(),
         n_alone,
         n_lower: pairs.iter().filter(|pair| order(pair) < 0).count(),
         n_higher: pairs.iter().filter(|pair| order(pair) > 0).count(),
@@ -173,12 +187,13 @@ fn pair(
     results: &Results,
     cases: [&Case; 2],
     path: &str,
-    measure: &str,
+    measure: &MeasureColumn,
     same: &[String],
 ) -> Option<Pair> {
     let mean = |case: &Case, column: &str| Some(case.estimate(column)?.mean);
     let both = |column: &str| Some([mean(cases[0], column)?, mean(cases[1], column)?]);
-    let values = both(measure)?;
+    let value = |case: &Case| Some(measure.estimate(results, case)?.mean);
+    let values = [value(cases[0])?, value(cases[1])?];
     let is_positive = values.iter().all(|value| *value > 0.0);
     let ratio = is_positive.then(|| values[0] / values[1]).filter(|ratio| ratio.is_normal());
     let same = same.iter().map(|column| both(column)).collect();
@@ -234,6 +249,9 @@ impl Answer {
         let n = self.pairs.len();
         let mut sentences = Vec::new();
         match self.overall {
+            _ if n == 0 && self.n_missed + self.n_unequal > 0 => {
+                sentences.push(format!("No two steps with {a} and with {b} can be compared."));
+            }
             _ if n == 0 => {
                 sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
             }
@@ -257,7 +275,7 @@ impl Answer {
             ));
         }
         if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
-            let axis = results.group_axis().map_or("group", |axis| axis.paths[0].as_str());
+            let axis = results.group_axis().map_or("group", |axis| axis.title.as_str());
             let interval = over.interval.map_or(String::new(), |(low, high)| {
                 format!(", 95\u{a0}% confidence interval {}", span(low, high))
             });
@@ -269,6 +287,14 @@ impl Answer {
             ));
         }
         sentences.extend(self.same_in_words());
+        let left_out = [
+            (self.n_missed, "a step did not reach its target"),
+            (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),
+        ];
+        for (n, why) in left_out.into_iter().filter(|(n, _)| *n > 0) {
+            let pairs = if n == 1 { "1 pair is".to_owned() } else { format!("{n} pairs are") };
+            sentences.push(format!("{pairs} left out, as {why}."));
+        }
         if self.n_alone > 0 {
             let n = self.n_alone;
             sentences.push(match n {
@@ -306,7 +332,7 @@ impl Answer {
         };
         let change = change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
-            (false, ..) => String::new(),
+            (false, ..) | (_, Better::Neither, _) => String::new(),
             (_, Better::Lower, false) | (_, Better::Higher, true) => {
                 format!(" By this measure {a} is the better one.")
             }
@@ -319,7 +345,7 @@ impl Answer {
     }
 
     fn same_in_words(&self) -> Vec<String> {
-        let words = self.same.iter().enumerate().map(|(place, column)| {
+        let words = self.same_titles.iter().enumerate().map(|(place, column)| {
             let both: Vec<[f64; 2]> =
                 self.pairs.iter().filter_map(|pair| pair.same.get(place).copied()?).collect();
             let off = |[a, b]: &[f64; 2]| (a - b).abs() / a.abs().max(b.abs()).max(1e-300);

@@ -1,14 +1,18 @@
-//! Which columns a report shows: what the program names, else what looks like a measure.
+//! Which columns a report shows: what the program names, else what modules declare as chief.
 //!
-//! Where the program names none, the outputs of nodes that take several links are measures, since
-//! what compares needs two things; if there are none, those of all nodes but the one that is
-//! compared. Constant and repeated columns say nothing, and of one node a few are enough.
+//! Where there is neither, the outputs of nodes that take several links are shown, since what
+//! compares needs two things; if there are none, those of all nodes but the one that is compared.
+//! Constant and repeated columns say nothing, and of one node a few are enough. What modules do not
+//! declare has no better end.
 
 use std::collections::HashMap;
 
-use mve_core::Better;
+use mve_core::{Better, ColumnRecord, Role, TIMES};
+use serde_json::Value as Json;
 
+use crate::case::{Case, Cell};
 use crate::results::Results;
+use crate::stats::Estimate;
 
 /// How many outputs of one node are shown, and how many measures are chosen.
 const MOST_OF_A_NODE: usize = 4;
@@ -21,10 +25,50 @@ pub struct MeasureColumn {
     pub column: String,
     /// Its name for a person.
     pub title: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+    /// Whether its numbers mean the same for every model.
+    pub is_of_model: bool,
     /// Which values are better.
     pub better: Better,
+    /// The parameter and the value with which the column holds this, where it holds something else
+    /// with others.
+    only_with: Option<(String, String)>,
     /// Whether some step gave a number.
     pub is_there: bool,
+}
+
+impl MeasureColumn {
+    /// Its name with its unit.
+    pub fn title_with_unit(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.title.clone(),
+            unit => format!("{} [{unit}]", self.title),
+        }
+    }
+
+    /// Whether the column holds this measure in a case.
+    fn is_in(&self, results: &Results, case: &Case) -> bool {
+        let Some((path, id)) = &self.only_with else { return true };
+        let of_map = || {
+            let (node, param) = path.split_once('.')?;
+            let node = &results.plan.map["nodes"][node];
+            Some(if param == "module" { &node["module"] } else { &node["params"][param] })
+        };
+        let value = case.params.get(path).or_else(of_map);
+        let chosen = |value: &Json| mve_core::chosen(value).is_some_and(|(chosen, _)| chosen == id);
+        value.is_some_and(chosen)
+    }
+
+    /// What a table shows of it.
+    pub fn cell(&self, results: &Results, case: &Case) -> Cell {
+        if self.is_in(results, case) { case.cell(&self.column) } else { Cell::Empty }
+    }
+
+    /// Its mean and interval.
+    pub fn estimate(&self, results: &Results, case: &Case) -> Option<Estimate> {
+        self.is_in(results, case).then(|| case.estimate(&self.column))?
+    }
 }
 
 /// The measures of a report, the most important first.
@@ -32,21 +76,51 @@ pub fn measures(results: &Results) -> Vec<MeasureColumn> {
     let named = &results.spec.measures;
     let mut all: Vec<MeasureColumn> = Vec::new();
     for measure in named {
-        if all.iter().all(|known| known.column != measure.column) {
-            let title = &measure.title;
-            let title = if title.is_empty() { title_of(&measure.column) } else { title.clone() };
-            let is_there = has_numbers(results, &measure.column);
-            let (column, better) = (measure.column.clone(), measure.better);
-            all.push(MeasureColumn { column, title, better, is_there });
+        if all.iter().any(|known| known.column == measure.column) {
+            continue;
         }
+        let mut of_column = of_column(results, &measure.column);
+        for known in &mut of_column {
+            known.better = measure.better.unwrap_or(known.better);
+            if !measure.title.is_empty() {
+                known.title.clone_from(&measure.title);
+                // Who names a measure says its unit as well, or wants none.
+                known.unit.clear();
+            }
+        }
+        all.extend(of_column);
     }
-    if !named.is_empty() {
-        return all;
+    if named.is_empty() {
+        let chosen = chosen(results);
+        all.extend(chosen.iter().flat_map(|column| of_column(results, column)));
+        all.retain(|measure| measure.is_there);
     }
+    told_apart(&mut all);
+    all
+}
+
+/// The columns of measures that nobody has named.
+fn chosen(results: &Results) -> Vec<String> {
+    let outputs = results.outputs();
+    let declared = outputs.iter().filter(|column| results.plan.columns.role(column) == Role::Chief);
+    let mut chosen: Vec<String> = declared.cloned().collect();
+    if chosen.is_empty() {
+        chosen = undeclared(results);
+    }
+    chosen.truncate(MOST_MEASURES);
+    if results.is_timed() {
+        let times = TIMES.iter().filter(|name| **name != "seconds");
+        chosen.extend(times.map(|name| (*name).to_owned()));
+    }
+    chosen
+}
+
+/// What looks like a measure.
+fn undeclared(results: &Results) -> Vec<String> {
     let hidden = against(results);
     let comparing = comparing_nodes(results);
     let series_node = results.series_node();
-    let chosen = chief(results, &|column| {
+    let chosen = few_of_each(results, &|column| {
         let node = column.split('.').next().unwrap_or_default();
         let is_chosen = match comparing.is_empty() {
             true => Some(node) != series_node,
@@ -54,75 +128,111 @@ pub fn measures(results: &Results) -> Vec<MeasureColumn> {
         };
         is_chosen && !hidden.iter().any(|known| known == column)
     });
-    let chosen = match chosen.is_empty() {
-        true => chief(results, &|column| !hidden.iter().any(|known| known == column)),
+    match chosen.is_empty() {
+        true => few_of_each(results, &|column| !hidden.iter().any(|known| known == column)),
         false => chosen,
+    }
+}
+
+/// What a column measures; several things where it holds others in other steps.
+pub fn of_column(results: &Results, column: &str) -> Vec<MeasureColumn> {
+    let mut records = results.plan.columns.find(column);
+    if records.is_empty() {
+        records.push(of_time(results, column));
+    }
+    let measure = |record: ColumnRecord| {
+        let title = if record.title.is_empty() { plain(column) } else { record.title };
+        let mut measure = MeasureColumn {
+            column: column.to_owned(),
+            title,
+            unit: record.unit,
+            is_of_model: record.is_of_model,
+            better: record.better,
+            only_with: record.only_with,
+            is_there: false,
+        };
+        measure.is_there =
+            results.cases.iter().any(|case| measure.estimate(results, case).is_some());
+        measure
     };
-    let measure = |column: String| {
-        let (title, better) = (title_of(&column), Better::Lower);
-        MeasureColumn { column, title, better, is_there: true }
+    records.into_iter().map(measure).collect()
+}
+
+/// What is known of times and memory. Only what was measured with nothing shared can be compared.
+fn of_time(results: &Results, column: &str) -> ColumnRecord {
+    let title = match column {
+        "seconds" => "time of a step".to_owned(),
+        "seconds_min" => "time of a step, minimum".to_owned(),
+        "seconds_median" => "time of a step, median".to_owned(),
+        "cpu_seconds" => "time of the processors".to_owned(),
+        "peak_bytes" => "peak memory".to_owned(),
+        _ => match column.strip_prefix("seconds.") {
+            Some(node) => format!("time of {node}"),
+            None => return ColumnRecord::default(),
+        },
     };
-    chosen.into_iter().take(MOST_MEASURES).map(measure).collect()
+    let unit = if column == "peak_bytes" { "bytes" } else { "s" }.to_owned();
+    let better = if results.is_timed() { Better::Lower } else { Better::Neither };
+    ColumnRecord { title, unit, better, ..ColumnRecord::default() }
+}
+
+/// A column's own name for a person: of an output the output's.
+fn plain(column: &str) -> String {
+    column.split_once('.').map_or(column, |(_, output)| output).replace('_', " ")
+}
+
+/// Puts the name of the node behind titles that several measures have.
+fn told_apart(measures: &mut [MeasureColumn]) {
+    let titles: Vec<String> = measures.iter().map(|measure| measure.title.clone()).collect();
+    for measure in measures {
+        if titles.iter().filter(|title| **title == measure.title).count() > 1 {
+            measure.title = format!("{}, {}", measure.title, measure.column);
+        }
+    }
 }
 
 /// The title of a measure, or of any column.
-pub fn title(measures: &[MeasureColumn], column: &str) -> String {
-    let measure = measures.iter().find(|measure| measure.column == column);
-    measure.map_or_else(|| title_of(column), |measure| measure.title.clone())
-}
-
-fn title_of(column: &str) -> String {
-    match column.strip_prefix("seconds.") {
-        Some(node) => format!("seconds of {node}"),
-        None => column.to_owned(),
+pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> String {
+    if let Some(measure) = measures.iter().find(|measure| measure.column == column) {
+        return measure.title_with_unit();
+    }
+    match of_column(results, column).as_slice() {
+        [only] => only.title_with_unit(),
+        _ => column.to_owned(),
     }
 }
 
-/// The columns that measures are plotted against: how many faces are left, and how long it took.
+/// The columns that measures are plotted against: how large results are, and, where it was
+/// measured with nothing shared, how long they took.
 pub fn against(results: &Results) -> Vec<String> {
     if !results.spec.against.is_empty() {
         let named = results.spec.against.iter();
-        return named.filter(|column| has_numbers(results, column)).cloned().collect();
+        return named.filter(|column| results.has_numbers(column)).cloned().collect();
     }
-    let time = results.series_node().map(|node| format!("seconds.{node}"));
-    let time = time.filter(|column| has_numbers(results, column));
-    let time = time.unwrap_or_else(|| "seconds".to_owned());
-    faces(results).into_iter().chain(Some(time)).collect()
+    let time = || {
+        let of_node = results.series_node().map(|node| format!("seconds.{node}"));
+        let of_node = of_node.filter(|column| results.has_numbers(column));
+        of_node.unwrap_or_else(|| "seconds".to_owned())
+    };
+    results.size.iter().cloned().chain(results.is_timed().then(time)).collect()
 }
 
-/// The column that counts the faces of what is compared: of the node whose parameter gives the
-/// series, or of one that runs after it.
-pub fn faces(results: &Results) -> Option<String> {
-    let place = |node: &str| results.plan.nodes.iter().position(|known| known == node);
-    let first = results.series_node().and_then(place).unwrap_or(0);
-    let is_after = |column: &&String| {
-        let node = column.split('.').next().unwrap_or_default();
-        place(node).is_none_or(|place| place >= first)
-    };
+/// Outputs for the table of all steps: those that modules declare as chief, else a few of each
+/// node.
+pub fn chief(results: &Results) -> Vec<String> {
     let outputs = results.outputs();
-    let named = |is_named: fn(&str) -> bool| {
-        let of_output =
-            |column: &&String| column.split_once('.').is_some_and(|(_, output)| is_named(output));
-        let found = outputs.iter().filter(of_output).filter(is_after);
-        found.filter(|column| has_numbers(results, column)).max_by_key(|column| {
-            // The first of those that differ from step to step.
-            let nth = outputs.iter().position(|known| known == *column).unwrap_or(0);
-            (!is_constant(results, column), usize::MAX - nth)
-        })
-    };
-    named(|output| output == "faces" || output == "n_faces")
-        .or_else(|| named(|output| output.ends_with("faces")))
-        .cloned()
+    let is_chief = |column: &&String| results.plan.columns.role(column) != Role::Detail;
+    let chief: Vec<String> = outputs.iter().filter(is_chief).cloned().collect();
+    if chief.is_empty() { few_of_each(results, &|_| true) } else { chief }
 }
 
-/// Outputs that a person reads, by a filter: the first few of each node that differ between cases
-/// and from each other.
-pub fn chief(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String> {
+/// Outputs by a filter: the first few of each node that differ between cases and from each other.
+fn few_of_each(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String> {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let mut seen: Vec<Vec<Option<f64>>> = Vec::new();
     let mut chosen = Vec::new();
     for column in results.outputs() {
-        if !is_wanted(&column) || is_constant(results, &column) {
+        if !is_wanted(&column) || results.is_constant(&column) {
             continue;
         }
         let numbers: Vec<_> =
@@ -143,12 +253,12 @@ pub fn chief(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String>
 
 /// The columns of the long table behind the parameters: measures, other chief outputs, seconds.
 pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String> {
-    let mut columns: Vec<String> =
-        measures.iter().filter(|m| m.is_there).map(|m| m.column.clone()).collect();
-    let others = against(results).into_iter().chain(chief(results, &|_| true));
+    let mut columns: Vec<String> = Vec::new();
     let varied = results.varied();
-    let others: Vec<String> = others.filter(|column| !varied.contains(column)).collect();
-    for column in others.into_iter().chain(["seconds".to_owned()]) {
+    let others = against(results).into_iter().chain(chief(results));
+    let others = others.filter(|column| !varied.contains(column));
+    let named = measures.iter().filter(|m| m.is_there).map(|m| m.column.clone());
+    for column in named.chain(others).chain(["seconds".to_owned()]) {
         if !columns.contains(&column) {
             columns.push(column);
         }
@@ -169,15 +279,4 @@ fn comparing_nodes(results: &Results) -> Vec<String> {
     let ends: Vec<String> = ends.collect();
     let n_of = |node: &String| ends.iter().filter(|end| *end == node).count();
     results.plan.nodes.iter().filter(|node| n_of(node) > 1).cloned().collect()
-}
-
-fn has_numbers(results: &Results, column: &str) -> bool {
-    results.cases.iter().any(|case| !case.numbers(column).is_empty())
-}
-
-/// Whether all of several cases that have a number have the same.
-pub fn is_constant(results: &Results, column: &str) -> bool {
-    let mut numbers = results.cases.iter().filter_map(|case| case.estimate(column));
-    let Some(first) = numbers.next() else { return true };
-    results.cases.len() > 1 && numbers.all(|number| number.mean == first.mean)
 }

@@ -13,15 +13,31 @@ pub fn of_value(value: &Json) -> String {
     shortened(&mve_core::brief_value(value))
 }
 
+/// A value without quotes where it is a text, `off` where it is none: for tables to compute with.
+pub fn word(value: &Json) -> String {
+    match value {
+        Json::Null => of_value(value),
+        Json::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// Whether a character would steer a reader or a terminal: control characters, and marks that turn
+/// the direction of text.
+pub fn is_odd(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// Names of the values of an axis, as short as they can be and still be told apart.
-pub fn of_axis(values: &[Vec<Json>]) -> Vec<String> {
+pub fn of_axis(values: &[Vec<Option<Json>>]) -> Vec<String> {
     let n_paths = values.first().map_or(0, Vec::len);
-    let one = |place: usize| values.iter().map(|value| of_value(&value[place])).collect::<Vec<_>>();
+    let shown = |value: &Option<Json>| value.as_ref().map(of_value).unwrap_or_default();
+    let one = |place: usize| values.iter().map(|value| shown(&value[place])).collect::<Vec<_>>();
     let is_telling = |place: &usize| {
-        values.iter().all(|value| !value[*place].is_null()) && are_distinct(&one(*place))
+        values.iter().all(|value| value[*place].is_some()) && are_distinct(&one(*place))
     };
-    let last_text = |value: &Vec<Json>| {
-        let last = value.iter().rev().find(|part| part.is_string());
+    let last_text = |value: &Vec<Option<Json>>| {
+        let last = value.iter().rev().flatten().find(|part| part.is_string());
         last.map_or_else(String::new, |part| file_name(&of_value(part)))
     };
     let last_texts: Vec<String> = values.iter().map(last_text).collect();
@@ -40,8 +56,9 @@ pub fn of_axis(values: &[Vec<Json>]) -> Vec<String> {
     labels
 }
 
-fn joined(value: &[Json]) -> String {
-    let parts = value.iter().filter(|part| !part.is_null()).map(|part| file_name(&of_value(part)));
+/// The values that a step sets; one that is off says so, one that is not set is the map's.
+fn joined(value: &[Option<Json>]) -> String {
+    let parts = value.iter().flatten().map(|part| file_name(&of_value(part)));
     let parts: Vec<_> = parts.collect();
     if parts.is_empty() { "as in the map".to_owned() } else { shortened(&parts.join(", ")) }
 }
@@ -115,18 +132,30 @@ mod tests {
 
     #[test]
     fn axes_are_told_apart() {
-        let axis = [vec![json!("Box"), json!(300)], vec![json!("Vase"), json!(300)]];
-        assert_eq!(of_axis(&axis), ["Box", "Vase"]);
-        let files = [vec![json!("L"), json!("m/cow.obj")], vec![json!("L"), json!("m/spot.obj")]];
-        assert_eq!(of_axis(&files), ["cow.obj", "spot.obj"]);
-        let mixed = [vec![json!("Box"), json!(null)], vec![json!("L"), json!("m/cow.obj")]];
-        assert_eq!(of_axis(&mixed), ["Box", "L"]);
-        let more = [&mixed[..], &[vec![json!("L"), json!("m/spot.obj")]]].concat();
-        assert_eq!(of_axis(&more), ["Box", "cow.obj", "spot.obj"]);
-        let same = [vec![json!("L"), json!("a/cow.obj")], vec![json!("L"), json!("b/cow.obj")]];
-        assert_eq!(of_axis(&same), ["a/cow.obj", "b/cow.obj"]);
-        let twins = [vec![json!("L"), json!(null)], vec![json!("L"), json!("m/cow.obj")]];
-        assert_eq!(of_axis(&twins), ["L", "cow.obj"]);
+        let axis = |values: Json| -> Vec<String> {
+            let value = |json: &Json| (json != "none").then(|| json.clone());
+            let values = values.as_array().unwrap().iter();
+            let values = values.map(|v| v.as_array().unwrap().iter().map(value).collect());
+            of_axis(&values.collect::<Vec<_>>())
+        };
+        assert_eq!(axis(json!([["Box", 300], ["Vase", 300]])), ["Box", "Vase"]);
+        let files = json!([["L", "m/cow.obj"], ["L", "m/spot.obj"]]);
+        assert_eq!(axis(files), ["cow.obj", "spot.obj"]);
+        assert_eq!(axis(json!([["Box", "none"], ["L", "m/cow.obj"]])), ["Box", "L"]);
+        let more = json!([["Box", "none"], ["L", "m/cow.obj"], ["L", "m/spot.obj"]]);
+        assert_eq!(axis(more), ["Box", "cow.obj", "spot.obj"]);
+        let same = json!([["L", "a/cow.obj"], ["L", "b/cow.obj"]]);
+        assert_eq!(axis(same), ["a/cow.obj", "b/cow.obj"]);
+        let twins = json!([["L", "none"], ["L", "m/cow.obj"]]);
+        assert_eq!(axis(twins), ["L", "cow.obj"]);
+    }
+
+    #[test]
+    fn off_is_off_and_what_is_not_set_is_the_maps() {
+        let angle = [vec![Some(json!(10))], vec![Some(json!(null))]];
+        assert_eq!(of_axis(&angle), ["10", "off"]);
+        let angle = [vec![Some(json!(10))], vec![Some(json!(null))], vec![None]];
+        assert_eq!(of_axis(&angle), ["10", "off", "as in the map"]);
     }
 
     #[test]

@@ -5,12 +5,16 @@
 //! in its `report` ([`mve_core::ReportSpec`]).
 
 mod answers;
+mod axes;
+mod case;
 mod columns;
 mod html;
 mod labels;
+mod latex;
 mod pictures;
 mod pivot;
 mod plots;
+mod questions;
 mod results;
 pub mod stats;
 mod text;
@@ -18,9 +22,10 @@ mod text;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use mve_core::StoreError;
-
 use columns::MeasureColumn;
+use mve_core::{Measure, ReportSpec, StoreError};
+use serde_json::Value as Json;
+
 use results::Results;
 
 /// What a report is written as.
@@ -32,7 +37,7 @@ pub enum Format {
     Csv,
     /// The answers and a table a measure.
     Markdown,
-    /// A table a measure, for the package `booktabs`.
+    /// The answers and a table a measure, for the packages `booktabs` and `multirow`.
     Latex,
 }
 
@@ -45,6 +50,21 @@ pub enum ReportError {
     NotAStore(PathBuf),
     /// The store cannot be read.
     Store(StoreError),
+    /// What is asked for does not fit the results: each fault in a sentence.
+    Asked(Vec<String>),
+}
+
+/// What a report shows in place of what its program says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// The `report` of a map's program.
+    pub report: Option<Json>,
+    /// The columns that measure.
+    pub measures: Vec<String>,
+    /// Parameters whose axes give rows, and part plots.
+    pub rows: Vec<String>,
+    /// Parameters whose axes give columns, and series.
+    pub columns: Vec<String>,
 }
 
 impl fmt::Display for ReportError {
@@ -62,6 +82,7 @@ impl fmt::Display for ReportError {
                 folder.display()
             ),
             Self::Store(error) => error.fmt(f),
+            Self::Asked(faults) => f.write_str(&faults.join("\n")),
         }
     }
 }
@@ -87,7 +108,14 @@ pub struct Report {
 impl Report {
     /// Reads a store.
     pub fn read(folder: &Path) -> Result<Self, ReportError> {
-        let results = Results::read(folder)?;
+        Self::read_for(folder, &Asked::default())
+    }
+
+    /// Reads a store, to show what is asked.
+    pub fn read_for(folder: &Path, asked: &Asked) -> Result<Self, ReportError> {
+        let mut results = Results::read(folder)?;
+        let spec = spec_of(&results, asked).map_err(ReportError::Asked)?;
+        results.ask(spec);
         let title = results.plan.map["title"].as_str().map(str::trim).unwrap_or_default();
         let title = if title.is_empty() { &results.plan.program } else { title };
         let title = labels::shortened_to(title, 300);
@@ -102,25 +130,30 @@ impl Report {
         let tables = || pivot::pivots(results, measures);
         match format {
             Format::Csv => text::csv(results, measures),
-            Format::Latex => text::latex(&self.title, &self.missing(), &tables()),
+            Format::Latex => latex::latex(&self.title, &self.notes(), &self.answers(), &tables()),
             Format::Markdown => {
-                text::markdown(&self.title, &self.missing(), &self.answers(), &tables())
+                text::markdown(&self.title, &self.notes(), &self.answers(), &tables())
             }
             Format::Html => {
                 let store = folder.map_or(String::new(), |from| way(from, &results.folder));
-                let against = columns::against(results);
                 html::page(&html::Page {
                     results,
                     title: &self.title,
                     measures,
                     answers: &self.answers(),
                     tables: &tables(),
-                    charts: &plots::charts(results, measures, &against),
+                    figures: &plots::figures(results, measures),
                     pictures: &pictures::pictures(results),
                     store: &store,
                 })
             }
         }
+    }
+
+    /// The plots, each standing alone, with a name for its file.
+    pub fn plots(&self) -> Vec<Plot> {
+        let (figures, _) = plots::figures(&self.results, &self.measures);
+        figures.into_iter().map(|figure| Plot { figure }).collect()
     }
 
     /// The answers to the questions of the program, each in plain sentences.
@@ -129,15 +162,73 @@ impl Report {
         answers.into_iter().map(|answer| (answer.text, answer.sentences)).collect()
     }
 
-    /// In a sentence, which steps are missing; empty if none is.
-    pub fn missing(&self) -> String {
-        self.results.missing_in_words()
+    /// What a reader must know first, in sentences: steps that are missing, and those that did not
+    /// reach their target.
+    pub fn notes(&self) -> Vec<String> {
+        let notes = [self.results.missing_in_words(), self.results.missed_in_words()];
+        notes.into_iter().filter(|note| !note.is_empty()).collect()
     }
 
     fn answers(&self) -> Vec<answers::Answer> {
-        let questions = self.results.spec.questions.iter();
-        questions.map(|q| answers::answer(&self.results, &self.measures, q)).collect()
+        let questions = questions::questions(&self.results, &self.measures);
+        let answer = |q| answers::answer(&self.results, &self.measures, q);
+        questions.iter().map(answer).collect()
     }
+}
+
+/// A plot of a report.
+pub struct Plot {
+    figure: plots::Figure,
+}
+
+impl Plot {
+    /// A name for its file, without an ending.
+    pub fn name(&self) -> String {
+        self.figure.file_name()
+    }
+
+    /// The plot as SVG.
+    pub fn svg(&self) -> Result<Vec<u8>, String> {
+        plots::draw(&self.figure, false)
+    }
+
+    /// The plot as PDF.
+    pub fn pdf(&self) -> Result<Vec<u8>, String> {
+        plots::draw(&self.figure, true)
+    }
+}
+
+/// What the report shows: what is asked, else what the store holds.
+fn spec_of(results: &Results, asked: &Asked) -> Result<ReportSpec, Vec<String>> {
+    let mut spec = match &asked.report {
+        Some(json) => ReportSpec::parse(json)?,
+        None => results.spec.clone(),
+    };
+    if !asked.measures.is_empty() {
+        let known = std::mem::take(&mut spec.measures);
+        spec.measures = asked
+            .measures
+            .iter()
+            .map(|column| {
+                let named = known.iter().find(|measure| measure.column == *column);
+                named.cloned().unwrap_or_else(|| Measure::new(column))
+            })
+            .collect();
+    }
+    if !asked.rows.is_empty() {
+        spec.group.clone_from(&asked.rows);
+        spec.series.retain(|path| !asked.rows.contains(path));
+    }
+    if !asked.columns.is_empty() {
+        spec.series.clone_from(&asked.columns);
+        spec.group.retain(|path| !asked.columns.contains(path));
+    }
+    // An old store does not say which columns it has.
+    let faults = match *asked == Asked::default() {
+        true => Vec::new(),
+        false => results.plan.faults(&spec),
+    };
+    if faults.is_empty() { Ok(spec) } else { Err(faults) }
 }
 
 /// The way from one folder to another, with `/` at its end; empty if they are one, or not known.

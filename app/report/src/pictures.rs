@@ -14,7 +14,8 @@ use image::imageops::FilterType;
 use image::{ImageFormat, ImageReader, Limits};
 use mve_core::{Fingerprint, is_below};
 
-use crate::results::{Case, Results};
+use crate::case::Case;
+use crate::results::Results;
 
 /// Pictures of one report, and of one node of one step.
 const MOST_PICTURES: usize = 800;

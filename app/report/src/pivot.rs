@@ -1,147 +1,166 @@
 //! Tables of one measure: rows are what was treated, columns what it was treated with, the best of
-//! each row marked.
+//! each row marked where its results can be compared.
 
 use mve_core::{Better, brief};
 
+use crate::case::{Case, Cell};
 use crate::columns::MeasureColumn;
-use crate::results::{Cell, Results};
-use crate::stats::geometric_mean;
+use crate::results::Results;
+use crate::stats::{estimate, geometric_mean};
 
 /// A table of one measure, or, where nothing is compared, of all measures.
 pub struct Pivot {
+    /// The column that it shows; none where it shows several.
+    pub column: Option<String>,
     /// What it measures.
     pub title: String,
-    /// Which values are better; `None` where the columns are different measures.
-    pub better: Option<Better>,
-    /// What the rows are.
-    pub corner: String,
-    /// Names of the columns.
-    pub columns: Vec<String>,
+    /// Which values are better.
+    pub better: Better,
+    /// Names of the axes that tell rows apart.
+    pub row_axes: Vec<String>,
+    /// Names of the axes that tell columns apart.
+    pub column_axes: Vec<String>,
+    /// Of each column its name on each of these axes.
+    pub columns: Vec<Vec<String>>,
     /// The rows.
     pub rows: Vec<PivotRow>,
-    /// Geometric means over the rows that are complete, and of how many.
+    /// Geometric means over the rows that are complete and can be compared, and of how many.
     pub means: Option<(Vec<f64>, usize)>,
     /// In how many rows each column is the best, alone or with others.
     pub n_best: Option<Vec<usize>>,
 }
 
 /// A row of a table.
+#[derive(Clone)]
 pub struct PivotRow {
-    /// Its name.
-    pub label: String,
+    /// Its name on each axis that tells rows apart.
+    pub names: Vec<String>,
     /// Its cells.
-    pub cells: Vec<Cell>,
-    /// Whether each is the best of the row, as far as its digits are shown.
-    pub is_best: Vec<bool>,
+    pub cells: Vec<PivotCell>,
+    /// Whether its results are of different sizes, so that none is the best.
+    pub is_unequal: bool,
 }
 
-/// A row of a table as it is shown.
-pub struct ShownRow {
-    /// Its name.
-    pub label: String,
-    /// Its cells.
-    pub cells: Vec<String>,
-    /// Whether each is the best.
-    pub is_best: Vec<bool>,
-}
-
-impl Pivot {
-    /// The rows, and what sums them up.
-    pub fn shown_rows(&self) -> Vec<ShownRow> {
-        let shown = |row: &PivotRow| ShownRow {
-            label: row.label.clone(),
-            cells: row.cells.iter().map(Cell::shown).collect(),
-            is_best: row.is_best.clone(),
-        };
-        let mut rows: Vec<ShownRow> = self.rows.iter().map(shown).collect();
-        if let (Some((means, n)), Some(better)) = (&self.means, self.better) {
-            let n_rows = self.rows.len();
-            let of = if *n == n_rows { String::new() } else { format!(" of {n} complete rows") };
-            rows.push(ShownRow {
-                label: format!("Geometric mean{of}"),
-                cells: means.iter().map(|mean| brief(*mean)).collect(),
-                is_best: best_mean(means, better),
-            });
-        }
-        if let Some(counts) = &self.n_best {
-            rows.push(ShownRow {
-                label: format!("Best in, of {}", self.rows.len()),
-                cells: counts.iter().map(usize::to_string).collect(),
-                is_best: vec![false; counts.len()],
-            });
-        }
-        rows
-    }
+/// A cell of a table.
+#[derive(Clone)]
+pub struct PivotCell {
+    /// What is in it.
+    pub cell: Cell,
+    /// Whether it is the best of its row, as far as its digits are shown.
+    pub is_best: bool,
+    /// The target that its step did not reach.
+    pub missed: Option<String>,
 }
 
 /// The tables of all measures that are there.
 pub fn pivots(results: &Results, measures: &[MeasureColumn]) -> Vec<Pivot> {
     let measures: Vec<&MeasureColumn> = measures.iter().filter(|m| m.is_there).collect();
-    let path = |place: usize| results.axes[place].paths.first().cloned();
-    let corner = results.row_axes().into_iter().filter_map(path).collect::<Vec<_>>();
-    let corner = corner.join(" · ");
-    if !results.has_series {
-        return plain(results, &measures, corner).into_iter().collect();
+    if !results.has_series() {
+        return plain(results, &measures).into_iter().collect();
     }
-    let one = |measure: &&MeasureColumn| {
-        let row = |(row, cases): (Vec<usize>, Vec<Option<&crate::results::Case>>)| {
-            let cell = |case: &Option<&crate::results::Case>| {
-                case.map_or(Cell::Empty, |case| case.cell(&measure.column))
-            };
-            let cells: Vec<Cell> = cases.iter().map(cell).collect();
-            let is_best = best_of(&cells, measure.better);
-            PivotRow { label: results.row_label(&row), cells, is_best }
-        };
-        let rows: Vec<PivotRow> = results.rows().into_iter().map(row).collect();
-        let columns = results.series_labels();
-        Pivot {
-            title: measure.title.clone(),
-            better: Some(measure.better),
-            corner: corner.clone(),
-            means: means(&rows, columns.len()),
-            n_best: n_best(&rows, columns.len()),
-            columns,
-            rows,
-        }
+    measures.iter().map(|measure| of_measure(results, measure)).collect()
+}
+
+fn row_axes(results: &Results) -> Vec<String> {
+    results.row_axes().into_iter().map(|place| results.axes[place].title.clone()).collect()
+}
+
+fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
+    let row = |(row, cases): (Vec<usize>, Vec<Option<&Case>>)| {
+        let is_unequal = !results.are_alike(&cases);
+        let cells: Vec<Cell> = cases
+            .iter()
+            .map(|case| case.map_or(Cell::Empty, |case| measure.cell(results, case)))
+            .collect();
+        let numbers = cases.iter().zip(&cells).map(|(case, cell)| {
+            let is_compared = case.is_some_and(Case::is_comparable) && !is_unequal;
+            cell.number().filter(|_| is_compared)
+        });
+        let is_best = best_of(&numbers.collect::<Vec<_>>(), measure.better);
+        let cells = cells.into_iter().zip(is_best).zip(&cases).map(|((cell, is_best), case)| {
+            let missed = case.and_then(Case::missed).filter(|_| cell != Cell::Empty);
+            PivotCell { cell, is_best, missed }
+        });
+        PivotRow { names: results.row_names(&row), cells: cells.collect(), is_unequal }
     };
-    measures.iter().map(one).collect()
+    let mut rows: Vec<PivotRow> = results.rows().into_iter().map(row).collect();
+    let mut columns: Vec<Vec<String>> =
+        results.series.iter().map(|series| results.series_names(series)).collect();
+    // What holds something else with some series, or in some rows, says nothing there.
+    let is_full = |column: usize| rows.iter().any(|row| row.cells[column].cell != Cell::Empty);
+    let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
+    let mut kept = full.iter();
+    columns.retain(|_| kept.next().copied().unwrap_or(false));
+    for row in &mut rows {
+        let mut kept = full.iter();
+        row.cells.retain(|_| kept.next().copied().unwrap_or(false));
+    }
+    if full.contains(&true) && full.contains(&false) {
+        rows.retain(|row| row.cells.iter().any(|cell| cell.cell != Cell::Empty));
+    }
+    let (means, n_best) = match measure.better {
+        Better::Neither => (None, None),
+        _ => (means(&rows, columns.len()), n_best(&rows, columns.len())),
+    };
+    Pivot {
+        column: Some(measure.column.clone()),
+        title: measure.title_with_unit(),
+        better: measure.better,
+        row_axes: row_axes(results),
+        column_axes: results.series_axes().iter().map(|axis| axis.title.clone()).collect(),
+        columns,
+        rows,
+        means,
+        n_best,
+    }
 }
 
 /// One table of all measures.
-fn plain(results: &Results, measures: &[&MeasureColumn], corner: String) -> Option<Pivot> {
-    let row = |(row, cases): (Vec<usize>, Vec<Option<&crate::results::Case>>)| {
+fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
+    let row = |(row, cases): (Vec<usize>, Vec<Option<&Case>>)| {
         let case = cases.first().copied().flatten();
-        let cell =
-            |measure: &&MeasureColumn| case.map_or(Cell::Empty, |case| case.cell(&measure.column));
-        let cells: Vec<Cell> = measures.iter().map(cell).collect();
-        let is_best = vec![false; cells.len()];
-        PivotRow { label: results.row_label(&row), cells, is_best }
+        let cell = |measure: &&MeasureColumn| PivotCell {
+            cell: case.map_or(Cell::Empty, |case| measure.cell(results, case)),
+            is_best: false,
+            missed: case.and_then(Case::missed),
+        };
+        let cells = measures.iter().map(cell).collect();
+        PivotRow { names: results.row_names(&row), cells, is_unequal: false }
     };
-    let rows: Vec<PivotRow> = results.rows().into_iter().map(row).collect();
-    let columns = measures.iter().map(|measure| measure.title.clone()).collect();
-    let title = "All measures".to_owned();
-    let table = Pivot { title, better: None, corner, columns, rows, means: None, n_best: None };
+    let table = Pivot {
+        column: None,
+        title: "All measures".to_owned(),
+        better: Better::Neither,
+        row_axes: row_axes(results),
+        column_axes: Vec::new(),
+        columns: measures.iter().map(|measure| vec![measure.title_with_unit()]).collect(),
+        rows: results.rows().into_iter().map(row).collect(),
+        means: None,
+        n_best: None,
+    };
     (!measures.is_empty()).then_some(table)
 }
 
-fn best_of(cells: &[Cell], better: Better) -> Vec<bool> {
-    let numbers: Vec<Option<f64>> = cells.iter().map(Cell::number).collect();
+/// Which of the numbers are the best; none where all are the same, or no end is better.
+pub fn best_of(numbers: &[Option<f64>], better: Better) -> Vec<bool> {
     let all = || numbers.iter().flatten().copied();
     let best = match better {
         Better::Lower => all().reduce(f64::min),
         Better::Higher => all().reduce(f64::max),
+        Better::Neither => None,
     };
     let best = best.map(brief);
     let is_best = |number: &Option<f64>| number.map(brief) == best && best.is_some();
     let marked: Vec<bool> = numbers.iter().map(is_best).collect();
-    // Where all are the same none is better.
     let n_marked = marked.iter().filter(|is| **is).count();
-    if n_marked == all().count() { vec![false; cells.len()] } else { marked }
+    if n_marked == all().count() { vec![false; numbers.len()] } else { marked }
 }
 
 fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
-    let numbers = |row: &PivotRow| row.cells.iter().map(Cell::number).collect::<Option<Vec<f64>>>();
-    let complete: Vec<Vec<f64>> = rows.iter().filter_map(numbers).collect();
+    let number = |cell: &PivotCell| cell.cell.number().filter(|_| cell.missed.is_none());
+    let numbers = |row: &PivotRow| row.cells.iter().map(number).collect::<Option<Vec<f64>>>();
+    let compared = rows.iter().filter(|row| !row.is_unequal);
+    let complete: Vec<Vec<f64>> = compared.filter_map(numbers).collect();
     if complete.len() < 2 || n_columns < 2 {
         return None;
     }
@@ -154,15 +173,74 @@ fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
 }
 
 fn n_best(rows: &[PivotRow], n_columns: usize) -> Option<Vec<usize>> {
-    let of_column = |column: usize| rows.iter().filter(|row| row.is_best[column]).count();
+    let of_column = |column: usize| rows.iter().filter(|row| row.cells[column].is_best).count();
     let counts: Vec<usize> = (0..n_columns).map(of_column).collect();
     (n_columns > 1 && rows.len() > 1 && counts.iter().any(|n| *n > 0)).then_some(counts)
 }
 
-/// Which of the means is the best, to mark it.
-fn best_mean(means: &[f64], better: Better) -> Vec<bool> {
-    let cell = |mean: &f64| crate::stats::estimate(&[*mean]).map_or(Cell::Empty, Cell::Number);
-    best_of(&means.iter().map(cell).collect::<Vec<_>>(), better)
+impl Pivot {
+    /// The rows, and behind them what sums them up.
+    pub fn with_means(&self) -> Vec<PivotRow> {
+        let mut rows = self.rows.clone();
+        let sum = |name: String, cells: Vec<PivotCell>| {
+            let mut names = vec![name];
+            names.resize(self.row_axes.len().max(1), String::new());
+            PivotRow { names, cells, is_unequal: false }
+        };
+        if let Some((means, n)) = &self.means {
+            let n_rows = self.rows.len();
+            let of = if *n == n_rows { String::new() } else { format!(" of {n} comparable rows") };
+            let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
+            let cells = means.iter().zip(best_of(&numbers, self.better));
+            let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
+            rows.push(sum(format!("Geometric mean{of}"), cells.collect()));
+        }
+        if let Some(counts) = &self.n_best {
+            let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
+            rows.push(sum(format!("Best in, of {}", self.rows.len()), cells));
+        }
+        rows
+    }
+
+    /// What stands over a table: the measure and its direction.
+    pub fn caption(&self) -> String {
+        match self.better {
+            Better::Neither => self.title.clone(),
+            Better::Lower => format!("{} (lower is better)", self.title),
+            Better::Higher => format!("{} (higher is better)", self.title),
+        }
+    }
+
+    /// What the marks in a table mean.
+    pub fn marks(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.has_missed() {
+            notes.push("† did not reach its target, and is not compared.".to_owned());
+        }
+        if self.better != Better::Neither && self.has_unequal_rows() {
+            notes.push(
+                "‡ the results differ in size by more than 1 %, so none is the best.".to_owned(),
+            );
+        }
+        notes
+    }
+
+    /// Whether the results of some row are of different sizes.
+    pub fn has_unequal_rows(&self) -> bool {
+        self.rows.iter().any(|row| row.is_unequal)
+    }
+
+    /// Whether some step did not reach its target.
+    pub fn has_missed(&self) -> bool {
+        self.rows.iter().flat_map(|row| &row.cells).any(|cell| cell.missed.is_some())
+    }
+}
+
+impl PivotCell {
+    fn of(number: f64, is_best: bool) -> Self {
+        let cell = estimate(&[number]).map_or(Cell::Empty, Cell::Number);
+        Self { cell, is_best, missed: None }
+    }
 }
 
 #[cfg(test)]
@@ -171,11 +249,11 @@ mod tests {
 
     #[test]
     fn the_best_of_a_row_is_marked_with_its_equals() {
-        let cell = |value: f64| crate::stats::estimate(&[value]).map_or(Cell::Empty, Cell::Number);
-        let cells = [cell(0.123456), cell(0.123457), Cell::Empty, cell(0.2)];
-        assert_eq!(best_of(&cells, Better::Lower), [true, true, false, false]);
-        assert_eq!(best_of(&cells, Better::Higher), [false, false, false, true]);
-        assert_eq!(best_of(&[cell(1.0), cell(1.0)], Better::Lower), [false, false]);
-        assert_eq!(best_of(&[Cell::Empty], Better::Lower), [false]);
+        let row = [Some(0.123456), Some(0.123457), None, Some(0.2)];
+        assert_eq!(best_of(&row, Better::Lower), [true, true, false, false]);
+        assert_eq!(best_of(&row, Better::Higher), [false, false, false, true]);
+        assert_eq!(best_of(&row, Better::Neither), [false; 4]);
+        assert_eq!(best_of(&[Some(1.0), Some(1.0)], Better::Lower), [false, false]);
+        assert_eq!(best_of(&[None], Better::Lower), [false]);
     }
 }

@@ -8,6 +8,8 @@ use std::time::Duration;
 use indexmap::IndexMap;
 use serde_json::Value as Json;
 
+use super::columns::Columns;
+use super::report_spec::About;
 use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
@@ -48,16 +50,18 @@ impl Program {
             assignments(spec).map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
         let values = values_of(&assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
-        let report = report_of(spec, map, &values).map_err(|faults| {
+        let refused = |faults: Vec<String>| {
             faults.into_iter().map(Problem::error).map(in_program).collect::<Vec<_>>()
-        })?;
+        };
+        let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
         let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let mut program = Self {
             name: name.to_owned(),
             steps: Vec::with_capacity(assignments.len()),
             varied,
             warnings: Vec::new(),
-            report,
+            report: report.unwrap_or_default(),
+            columns: Columns::default(),
             map_file: String::new(),
             spec: spec.clone(),
             map: map.without_programs(),
@@ -71,9 +75,9 @@ impl Program {
             nodes: Vec::new(),
         };
         let mut checker = Checker::default();
-        for assignment in assignments {
+        for assignment in &assignments {
             for repeat in 0..spec.repeats.unwrap_or(1) {
-                program.add_step(&assignment, repeat, &mut checker);
+                program.add_step(assignment, repeat, &mut checker);
             }
         }
         program.shared = checker.keys.into_iter().filter(|(_, n)| *n > 1).map(|(k, _)| k).collect();
@@ -87,7 +91,20 @@ impl Program {
             return Err(checker.problems.into_iter().map(in_program).collect());
         }
         program.warnings = checker.problems;
-        Ok(program)
+        program.columns.settle();
+        let faults = program.faults_of_report(map, values);
+        if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
+    }
+
+    /// What its report says of columns and parameters that are not there.
+    fn faults_of_report(&self, map: &Map, values: IndexMap<String, Vec<&Json>>) -> Vec<String> {
+        let idle = map.nodes.iter().filter(|(_, node)| !node.mode.is_active());
+        self.report.faults(&About {
+            columns: &self.columns,
+            nodes: &self.nodes,
+            idle: idle.map(|(name, _)| name.clone()).collect(),
+            values,
+        })
     }
 
     fn add_step(&mut self, params: &Assignment, repeat: u32, checker: &mut Checker) {
@@ -105,6 +122,7 @@ impl Program {
                     let reads = node.reads.iter().filter(|(_, content)| *content != missing);
                     self.inputs.extend(reads.cloned());
                     self.modules.insert(node.info.module.id, node.info.version);
+                    self.columns.add(node);
                 }
                 self.steps.push(Step { id, repeat, params: params.clone() });
             }
@@ -143,18 +161,6 @@ fn time_limit_of(spec: &ProgramSpec) -> Result<Option<Duration>, Problem> {
         return Err(Problem::error(message));
     }
     Ok(spec.time_limit.map(Duration::from_secs_f64))
-}
-
-/// What the program says of its report, checked against the map and what is varied.
-fn report_of(
-    spec: &ProgramSpec,
-    map: &Map,
-    values: &IndexMap<String, Vec<&Json>>,
-) -> Result<ReportSpec, Vec<String>> {
-    let Some(json) = &spec.report else { return Ok(ReportSpec::default()) };
-    let report = ReportSpec::parse(json)?;
-    let faults = report.faults(map, values);
-    if faults.is_empty() { Ok(report) } else { Err(faults) }
 }
 
 /// Modules first, then shorter paths first, so that a module is there before its parameters are set

@@ -1,19 +1,25 @@
 //! Programs: every combination of a map's parameters, run unattended into a store.
 
+mod columns;
 mod expand;
-mod memory;
 mod plan_file;
 mod report_spec;
+mod rounds;
 mod store;
 mod tables;
+mod timing;
+mod usage;
 
+pub use columns::{ColumnRecord, Columns, are_alike};
 pub use plan_file::{PlanFile, RunNote};
-pub use report_spec::{Better, Measure, Question, ReportSpec, stands_for};
+pub use report_spec::{Measure, Question, ReportSpec, TIMES, stands_for};
+pub use rounds::TIMINGS;
 pub use store::{StepRecord, StepStatus, Store, StoreError};
 pub use tables::{brief, brief_value, exact};
+pub use timing::{Timing, median};
 
 use std::collections::{BTreeMap, HashSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,7 +27,6 @@ use std::time::{Duration, Instant};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
-use store::StepClaim;
 
 use crate::cache::Cache;
 use crate::cancel::CancelToken;
@@ -46,6 +51,8 @@ pub struct Program {
     pub warnings: Vec<Problem>,
     /// What it says of its report.
     pub report: ReportSpec,
+    /// The columns of its results, as modules declare them.
+    pub columns: Columns,
     /// Name of the map's file, for the records; empty where there is none.
     pub map_file: String,
     map: Map,
@@ -90,7 +97,8 @@ pub struct Shard {
 pub enum Sharing {
     /// A value that several steps need is made once.
     Shared,
-    /// Every step runs every node, one at a time, so that the seconds can be compared.
+    /// Every step runs every node, one at a time and several times, so that the seconds can be
+    /// compared.
     Timing,
 }
 
@@ -104,6 +112,8 @@ pub struct ProgramOptions<'a> {
     pub shard: Shard,
     /// Whether steps share what they have in common.
     pub sharing: Sharing,
+    /// How often each step is timed, where its program has no repeats.
+    pub timings: usize,
     /// Bytes of memory beyond which no further step is started while another runs.
     pub memory: usize,
     /// Values that outlive the process.
@@ -165,6 +175,8 @@ pub struct ProgramOutcome {
     pub found: usize,
     /// Steps in the store whose result is a failure.
     pub failed: usize,
+    /// Steps in the store that did not reach their target.
+    pub missed: usize,
     /// Steps that are not in the store: stopped, of another shard, or with another process.
     pub missing: usize,
     /// Steps of earlier plans that the store keeps and the table leaves out.
@@ -190,7 +202,8 @@ pub fn run_program(
             store.forget(id)?;
         }
     }
-    let found = ids.iter().filter(|id| store.record(id).is_some()).count();
+    let is_found = |id: &&&str| program.is_answered(store, id, options);
+    let found = ids.iter().filter(is_found).count();
     let workers = Workers::new(program, store, options);
     let mut note = (!workers.todo.is_empty()).then(|| RunNote::begin(options));
     program.write_plan(store, note.as_ref())?;
@@ -209,6 +222,7 @@ pub fn run_program(
         ran: workers.ran.load(Ordering::Relaxed),
         found,
         failed: records.iter().filter(|record| record.status != StepStatus::Done).count(),
+        missed: records.iter().filter(|record| record.missed().next().is_some()).count(),
         missing: ids.len() - records.len(),
         others: store.count_others(&ids),
         seconds: start.elapsed().as_secs_f64(),
@@ -250,7 +264,7 @@ impl<'a> Workers<'a> {
         let todo = (0..program.steps.len())
             .filter(|place| seen.insert(&program.steps[*place].id))
             .filter(|place| place % count.max(1) == index)
-            .filter(|place| store.record(&program.steps[*place].id).is_none());
+            .filter(|place| !program.is_answered(store, &program.steps[*place].id, options));
         let cache = (options.sharing == Sharing::Shared).then(|| {
             let disk = options.disk_cache.clone();
             Cache::new(options.memory / 2, disk).only(program.shared.clone())
@@ -270,10 +284,10 @@ impl<'a> Workers<'a> {
     }
 
     fn run_all(&self) -> Result<(), StoreError> {
-        let jobs = match self.options.sharing {
-            Sharing::Shared => self.options.jobs.clamp(1, self.todo.len().max(1)),
-            Sharing::Timing => 1,
-        };
+        if self.options.sharing == Sharing::Timing {
+            return self.time_all();
+        }
+        let jobs = self.options.jobs.clamp(1, self.todo.len().max(1));
         std::thread::scope(|scope| {
             for _ in 0..jobs {
                 scope.spawn(|| {
@@ -311,7 +325,7 @@ impl<'a> Workers<'a> {
 
     /// Waits until the process is within its budget or no step runs.
     fn wait_for_memory(&self) {
-        let is_full = || memory::resident_bytes().is_some_and(|bytes| bytes > self.options.memory);
+        let is_full = || usage::resident_bytes().is_some_and(|bytes| bytes > self.options.memory);
         while self.running.load(Ordering::Relaxed) > 0
             && is_full()
             && !self.options.cancel.is_cancelled()
@@ -325,7 +339,7 @@ impl<'a> Workers<'a> {
         let step = &self.program.steps[place];
         let Some(claim) = self.store.claim(&step.id)? else { return Ok(false) };
         (self.options.observer)(&ProgramEvent::StepStarted { place, step });
-        let Some(record) = self.run_step(place, &claim) else {
+        let Some(record) = self.run_step(place, &claim.outputs()) else {
             self.store.abandon(&claim);
             return Ok(false);
         };
@@ -335,7 +349,7 @@ impl<'a> Workers<'a> {
     }
 
     /// Runs one step; `None` if it was stopped by hand.
-    fn run_step(&self, place: usize, claim: &StepClaim) -> Option<StepRecord> {
+    fn run_step(&self, place: usize, outputs: &Path) -> Option<StepRecord> {
         let start = Instant::now();
         let step = &self.program.steps[place];
         let limit = self.options.time_limit.or(self.program.time_limit);
@@ -349,7 +363,7 @@ impl<'a> Workers<'a> {
             Ok(plan) => Ok(run(
                 &plan,
                 &RunOptions {
-                    output_folder: &claim.outputs(),
+                    output_folder: outputs,
                     threads: 1,
                     cache: self.cache.as_ref(),
                     cancel: &cancel,
@@ -379,6 +393,7 @@ impl<'a> Workers<'a> {
             status,
             seconds: start.elapsed().as_secs_f64(),
             is_timed: self.options.sharing == Sharing::Timing,
+            timings: Vec::new(),
             version: crate::VERSION.to_owned(),
             nodes,
         })

@@ -7,7 +7,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::{Program, ProgramOptions, Sharing, Step};
+use super::columns::Columns;
+use super::report_spec::About;
+use super::{Program, ProgramOptions, ReportSpec, Sharing, Step};
 use crate::fingerprint::Fingerprint;
 use crate::machine::Machine;
 use crate::map::{Map, MapError, ProgramSpec};
@@ -38,6 +40,9 @@ pub struct PlanFile {
     /// Names of the nodes, in running order.
     #[serde(default)]
     pub nodes: Vec<String>,
+    /// The columns of numbers that its steps give, as modules declare them; empty if not known.
+    #[serde(default)]
+    pub columns: Columns,
     /// The program as the map says it.
     #[serde(default)]
     pub spec: ProgramSpec,
@@ -109,10 +114,28 @@ impl PlanFile {
             modules: modules.collect(),
             varied: program.varied.clone(),
             nodes: program.nodes.clone(),
+            columns: program.columns.clone(),
             spec: program.spec.clone(),
             map: program.map.to_json(),
             steps: program.steps.clone(),
         }
+    }
+
+    /// What in a report does not fit these results.
+    pub fn faults(&self, report: &ReportSpec) -> Vec<String> {
+        let mut values: IndexMap<String, Vec<&Json>> = IndexMap::new();
+        for (path, value) in self.steps.iter().flat_map(|step| &step.params) {
+            let known = values.entry(path.clone()).or_default();
+            if !known.contains(&value) {
+                known.push(value);
+            }
+        }
+        report.faults(&About {
+            columns: &self.columns,
+            nodes: &self.nodes,
+            idle: Vec::new(),
+            values,
+        })
     }
 
     /// The map with this one program, as the text of a map file.

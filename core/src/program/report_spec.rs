@@ -6,22 +6,23 @@
 //!   "measures": [ { "column": "ssim.value", "better": "higher", "title": "SSIM" } ],
 //!   "against": [ "info.faces", "seconds.simplify" ],
 //!   "group": "model.module",
-//!   "series": "simplify.cost",
+//!   "series": ["simplify.cost", "simplify.placement"],
 //!   "questions": [ { "text": "Does A give less error than B?", "measure": "compare.rms",
 //!                    "compare": { "simplify.cost": ["A", "B"] }, "same": ["info.faces"] } ]
 //! }
 //! ```
 //!
 //! Everything may be left out. A column is named as in the table of results: `node.output`,
-//! `seconds`, `seconds.node`, or the path of a varied parameter. Whether a node has such an output
-//! is known only when it has run; the report says which columns it did not find.
+//! `seconds`, `seconds.node`, or the path of a varied parameter. Which values are better, and what
+//! a column is called, modules declare; a map says it only to overrule them.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::map::Map;
+use super::columns::Columns;
 use crate::problem::did_you_mean;
+use crate::quantity::Better;
 
 /// What a program says of its report.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,12 +31,12 @@ pub struct ReportSpec {
     pub measures: Vec<Measure>,
     /// The columns that measures are plotted against; chosen by the report where empty.
     pub against: Vec<String>,
-    /// A varied parameter: its axis gives the rows of tables and of pictures, the first one if
-    /// not said.
-    pub group: Option<String>,
-    /// A varied parameter: its axis gives the columns of tables and the series of plots, the last
-    /// one if not said.
-    pub series: Option<String>,
+    /// Varied parameters: their axes give the rows of tables and of pictures, and part plots;
+    /// chosen by the report where empty.
+    pub group: Vec<String>,
+    /// Varied parameters: their axes give the columns of tables and the series of plots; chosen by
+    /// the report where empty.
+    pub series: Vec<String>,
     /// Questions that the report answers.
     pub questions: Vec<Question>,
 }
@@ -46,23 +47,19 @@ pub struct ReportSpec {
 pub struct Measure {
     /// Its name in the table of results.
     pub column: String,
-    /// Which values are better.
+    /// Which values are better; as its module declares where not said.
     #[serde(default)]
-    pub better: Better,
-    /// Its name for a person; empty where the column's own will do.
+    pub better: Option<Better>,
+    /// Its name for a person; as its module declares where empty.
     #[serde(default)]
     pub title: String,
 }
 
-/// Which values of a measure are better.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Better {
-    /// Small ones, as of an error.
-    #[default]
-    Lower,
-    /// Large ones, as of a likeness.
-    Higher,
+impl Measure {
+    /// A column of which the module says the rest.
+    pub fn new(column: &str) -> Self {
+        Self { column: column.to_owned(), better: None, title: String::new() }
+    }
 }
 
 /// A question: how do two values of a parameter compare, all else being equal?
@@ -94,8 +91,8 @@ impl ReportSpec {
                 "measures" => spec.measures = list(key, value, &mut faults),
                 "against" => spec.against = list(key, value, &mut faults),
                 "questions" => spec.questions = list(key, value, &mut faults),
-                "group" => spec.group = one(&format!("\"report.{key}\""), value, &mut faults),
-                "series" => spec.series = one(&format!("\"report.{key}\""), value, &mut faults),
+                "group" => spec.group = one_or_more(key, value, &mut faults),
+                "series" => spec.series = one_or_more(key, value, &mut faults),
                 _ => {
                     let known = ["measures", "against", "group", "series", "questions"];
                     let hint = did_you_mean(key, known.into_iter());
@@ -112,16 +109,12 @@ impl ReportSpec {
         if faults.is_empty() { Ok(spec) } else { Err(faults) }
     }
 
-    /// What does not fit the map and what the program varies: `values` gives each varied parameter
-    /// with all its values.
-    pub(super) fn faults(&self, map: &Map, values: &IndexMap<String, Vec<&Json>>) -> Vec<String> {
+    /// What does not fit the results that it is about.
+    pub(super) fn faults(&self, about: &About) -> Vec<String> {
+        let values = &about.values;
         let column = |(place, name): (String, &String)| {
-            let node = name.strip_prefix("seconds.").unwrap_or(name).split('.').next();
-            let is_known = name == "seconds"
-                || values.contains_key(name)
-                || (name.contains('.') && node.is_some_and(|node| map.nodes.contains_key(node)));
-            let hint = did_you_mean(node.unwrap_or_default(), map.nodes.keys().map(String::as_str));
-            (!is_known).then(|| {
+            let hint = did_you_mean(name, about.names().iter().map(String::as_str));
+            (!about.has(name)).then(|| {
                 format!(
                     "\"report.{place}\": \"{name}\" is not a column; write \"node.output\", \
                      \"seconds.node\" or \"seconds\"{hint}"
@@ -166,13 +159,51 @@ impl ReportSpec {
     /// Every varied parameter that is named, with its place.
     fn paths(&self) -> Vec<(String, &String)> {
         let axes = [("group", &self.group), ("series", &self.series)];
-        let axes =
-            axes.into_iter().filter_map(|(place, path)| Some((place.to_owned(), path.as_ref()?)));
+        let axes = axes
+            .into_iter()
+            .flat_map(|(place, paths)| paths.iter().map(move |path| (place.to_owned(), path)));
         let questions = self.questions.iter().enumerate();
         let compared = questions.flat_map(|(i, question)| {
             question.compare.keys().map(move |path| (format!("questions[{i}].compare"), path))
         });
         axes.chain(compared).collect()
+    }
+}
+
+/// Columns of times that every table of results may have: the seconds of a step, and what
+/// `--timing` measures beside them.
+pub const TIMES: [&str; 5] =
+    ["seconds", "seconds_median", "seconds_min", "cpu_seconds", "peak_bytes"];
+
+/// The results that a report is about, before there are any.
+pub(super) struct About<'a> {
+    /// What modules give.
+    pub columns: &'a Columns,
+    /// Names of the nodes that run.
+    pub nodes: &'a [String],
+    /// Nodes of the map that do not run, whose columns are not known.
+    pub idle: Vec<String>,
+    /// Each varied parameter with all its values.
+    pub values: IndexMap<String, Vec<&'a Json>>,
+}
+
+impl About<'_> {
+    fn has(&self, name: &str) -> bool {
+        let node = name.split('.').next().unwrap_or_default();
+        let of_node = name.strip_prefix("seconds.").and_then(|place| place.split('.').next());
+        TIMES.contains(&name)
+            || self.values.contains_key(name)
+            || of_node.is_some_and(|node| self.nodes.iter().any(|known| known == node))
+            || self.idle.iter().any(|idle| idle == of_node.unwrap_or(node))
+            || !self.columns.find(name).is_empty()
+    }
+
+    /// All columns by name, but those of parts of the work of a node.
+    fn names(&self) -> Vec<String> {
+        let times = TIMES.iter().map(|name| (*name).to_owned());
+        let of_nodes = self.nodes.iter().map(|node| format!("seconds.{node}"));
+        let columns = self.columns.0.keys().chain(self.values.keys()).cloned();
+        columns.chain(times).chain(of_nodes).collect()
     }
 }
 
@@ -183,6 +214,14 @@ pub fn stands_for(side: &Json, value: &Json) -> bool {
         value.as_object().is_some_and(|fields| fields.len() == 1 && fields.contains_key(id))
     };
     side == value || side.as_str().is_some_and(is_id)
+}
+
+/// A text, or a list of texts.
+fn one_or_more(key: &str, value: &Json, faults: &mut Vec<String>) -> Vec<String> {
+    match value {
+        Json::Array(_) => list(key, value, faults),
+        _ => one(&format!("\"report.{key}\""), value, faults).into_iter().collect(),
+    }
 }
 
 fn list<T: for<'de> Deserialize<'de>>(key: &str, value: &Json, faults: &mut Vec<String>) -> Vec<T> {
@@ -215,8 +254,8 @@ mod tests {
             "questions": [{ "text": "?", "measure": "b.y", "compare": { "c.cost": ["A", "B"] } }]
         }));
         let spec = spec.unwrap();
-        assert_eq!(spec.measures[0].better, Better::Higher);
-        assert_eq!(spec.measures[1].better, Better::Lower);
+        assert_eq!(spec.measures[0].better, Some(Better::Higher));
+        assert_eq!(spec.measures[1].better, None);
         assert_eq!(spec.questions[0].compare["c.cost"], [json!("A"), json!("B")]);
     }
 
@@ -238,13 +277,18 @@ mod tests {
 
     #[test]
     fn columns_and_values_must_exist() {
-        let map = r#"{"mve": 1, "nodes": {"compare": {"module": "X"}, "cut": {"module": "Y"}}}"#;
-        let map = Map::parse(map).unwrap();
         let (a, b) = (json!("A"), json!({ "B": { "size": 2 } }));
-        let values = IndexMap::from([("cut.cost".to_owned(), vec![&a, &b])]);
-        let faults = |json: Json| ReportSpec::parse(&json).unwrap().faults(&map, &values);
+        let columns = json!({ "compare.rms": [{}], "compare.rms_#": [{}], "cut.faces": [{}] });
+        let about = About {
+            columns: &serde_json::from_value(columns).unwrap(),
+            nodes: &["cut".to_owned(), "compare".to_owned()],
+            idle: vec!["muted".to_owned()],
+            values: IndexMap::from([("cut.cost".to_owned(), vec![&a, &b])]),
+        };
+        let faults = |json: Json| ReportSpec::parse(&json).unwrap().faults(&about);
         let fine = json!({
-            "measures": [{ "column": "compare.rms" }, { "column": "seconds.cut" }],
+            "measures": [{ "column": "compare.rms" }, { "column": "seconds.cut" },
+                { "column": "compare.rms_12" }, { "column": "muted.any" }],
             "against": ["seconds"], "group": "cut.cost",
             "questions": [
                 { "text": "?", "measure": "compare.rms", "compare": { "cut.cost": ["A", "B"] } }
@@ -252,14 +296,18 @@ mod tests {
         });
         assert_eq!(faults(fine), [""; 0]);
         let wrong = json!({
-            "measures": [{ "column": "compere.rms" }], "series": "cut.costs",
+            "measures": [{ "column": "compare.rmss" }, { "column": "seconds.cute" }],
+            "series": ["cut.costs"],
             "questions": [
                 { "text": "?", "measure": "seconds", "compare": { "cut.cost": ["A", "C"] } }
             ]
         });
         let faults = faults(wrong);
-        assert!(faults[0].contains("is not a column") && faults[0].contains("mean \"compare\"?"));
-        assert!(faults[1].contains("not varied by the program; did you mean \"cut.cost\"?"));
-        assert!(faults[2].ends_with("\"C\" is not among the values of cut.cost"), "{faults:?}");
+        let is_column = "\"report.measures[0].column\": \"compare.rmss\" is not a column";
+        assert!(faults[0].starts_with(is_column), "{faults:?}");
+        assert!(faults[0].ends_with("; did you mean \"compare.rms\"?"), "{faults:?}");
+        assert!(faults[1].ends_with("; did you mean \"seconds.cut\"?"), "{faults:?}");
+        assert!(faults[2].contains("not varied by the program; did you mean \"cut.cost\"?"));
+        assert!(faults[3].ends_with("\"C\" is not among the values of cut.cost"), "{faults:?}");
     }
 }

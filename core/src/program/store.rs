@@ -25,6 +25,8 @@ use serde_json::Value as Json;
 use thiserror::Error;
 
 use super::plan_file::PlanFile;
+use super::timing::Timing;
+use crate::control::MissedTarget;
 use crate::files::{fresh_file, is_below, refuse_links};
 use crate::run::{NodeRecord, NodeStatus};
 
@@ -60,10 +62,36 @@ pub struct StepRecord {
     /// Whether it ran alone, with nothing shared, so that its seconds can be compared.
     #[serde(default)]
     pub is_timed: bool,
+    /// What each of its runs took, where it did.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub timings: Vec<Timing>,
     /// Version of mve.
     pub version: String,
     /// Its nodes by name.
     pub nodes: IndexMap<String, NodeRecord>,
+}
+
+impl StepRecord {
+    /// The targets that its nodes did not reach, with their nodes.
+    pub fn missed(&self) -> impl Iterator<Item = (&str, &MissedTarget)> {
+        let nodes = self.nodes.iter();
+        nodes.flat_map(|(name, node)| node.missed.iter().map(move |missed| (name.as_str(), missed)))
+    }
+
+    /// The same in a line: `simplify: 144 of 126 faces`; empty where all were reached.
+    pub fn missed_in_words(&self) -> String {
+        let missed = self.missed().map(|(node, missed)| format!("{node}: {missed}"));
+        missed.collect::<Vec<_>>().join("; ")
+    }
+
+    /// What its nodes warned of, with their names.
+    pub fn warnings(&self) -> impl Iterator<Item = (&str, &str)> {
+        let lines = self
+            .nodes
+            .iter()
+            .flat_map(|(name, node)| node.log.iter().map(move |line| (name.as_str(), line)));
+        lines.filter(|(_, line)| line.is_warning).map(|(name, line)| (name, line.text.as_str()))
+    }
 }
 
 /// How a step ended. A step that was stopped by hand has not ended.
@@ -321,6 +349,26 @@ impl Store {
         Ok(record)
     }
 
+    /// Puts a record of a finished step into the place of an older one of the same step.
+    pub(crate) fn amend(&self, record: StepRecord) -> Result<Arc<StepRecord>, StoreError> {
+        let path = Path::new("steps").join(&record.id).join(RECORD);
+        let text = serde_json::to_vec_pretty(&record)
+            .map_err(|error| StoreError::at(&self.folder.join(&path))(error.into()))?;
+        self.with_lock(|| self.write(&path, &text))?;
+        let record = Arc::new(record);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.insert(record.id.clone(), Arc::clone(&record));
+        Ok(record)
+    }
+
+    /// A new folder for a run whose outputs nobody keeps.
+    pub(crate) fn scratch(&self, id: &str) -> Result<PathBuf, StoreError> {
+        self.clear_work(id);
+        let path = self.folder.join("work").join(format!("{id}.{}", std::process::id()));
+        fs::create_dir(&path).map_err(StoreError::at(&path))?;
+        Ok(path)
+    }
+
     /// Gives up a claimed step, and all that was done for it.
     pub(crate) fn abandon(&self, claim: &StepClaim) {
         let _ = fs::remove_dir_all(&claim.work);
@@ -365,7 +413,7 @@ impl Store {
 
     /// Writes a file of the store so that readers see the old one or the new one. To be called
     /// within [`Store::with_lock`].
-    pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
+    pub(crate) fn write(&self, name: impl AsRef<Path>, content: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.join(name);
         let mut file =
             fresh_file(&self.folder.join("work"), ".tmp").map_err(StoreError::at(&path))?;

@@ -5,11 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use indexmap::IndexSet;
-use serde_json::{Map as JsonMap, Value as Json};
+use serde_json::{Map as JsonMap, Value as Json, json};
 
 use super::Program;
+use super::report_spec::TIMES;
 use super::store::{StepRecord, Store, StoreError};
+use super::timing::{Timing, median};
 use crate::data::Scalar;
+use crate::quantity::Role;
 
 /// How many outputs of one node a person reads first.
 const MOST_OF_A_NODE: usize = 4;
@@ -44,12 +47,14 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
     header.extend(program.varied.iter().cloned());
     header.extend(outputs.iter().map(|(node, name)| format!("{node}.{name}")));
     header.push("seconds".to_owned());
+    let is_timed = records.iter().any(|(_, record)| !record.timings.is_empty());
+    header.extend(TIMES.iter().skip(1).filter(|_| is_timed).map(|name| (*name).to_owned()));
     let times = times(program, &records);
     header.extend(times.iter().map(|(node, phase)| match phase {
         None => format!("seconds.{node}"),
         Some(phase) => format!("seconds.{node}.{phase}"),
     }));
-    header.extend(["status".to_owned(), "reason".to_owned()]);
+    header.extend(["missed", "warnings", "status", "reason"].map(str::to_owned));
     let row = |(place, record): &(usize, Arc<StepRecord>)| {
         let step = &program.steps[*place];
         let mut row = vec![step.id.clone()];
@@ -60,6 +65,9 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
             scalar.map_or(String::new(), cell)
         }));
         row.push(exact(record.seconds));
+        if is_timed {
+            row.extend(spread(&record.timings).map(|time| time.map_or(String::new(), exact)));
+        }
         row.extend(times.iter().map(|(node, phase)| {
             let seconds = record.nodes.get(node).and_then(|node| match phase {
                 None => node.seconds,
@@ -67,11 +75,23 @@ pub(super) fn table(program: &Program, store: &Store) -> (Vec<String>, Vec<Vec<S
             });
             seconds.map_or(String::new(), exact)
         }));
+        row.push(record.missed_in_words());
+        row.push(record.warnings().count().to_string());
         row.push(record.status.word().to_owned());
         row.push(record.status.reason().unwrap_or_default().to_owned());
         row
     };
     (header, records.iter().map(row).collect())
+}
+
+/// Of the times of a step those that stand behind the mean, as [`TIMES`] names them: median and
+/// least seconds, median of the processors' seconds, largest memory.
+fn spread(timings: &[Timing]) -> [Option<f64>; 4] {
+    let seconds: Vec<f64> = timings.iter().map(|timing| timing.seconds).collect();
+    let cpu: Vec<f64> = timings.iter().filter_map(|timing| timing.cpu_seconds).collect();
+    let bytes = timings.iter().filter_map(|timing| timing.peak_bytes).max();
+    let least = seconds.iter().copied().reduce(f64::min);
+    [median(&seconds), least, median(&cpu), bytes.map(|bytes| bytes as f64)]
 }
 
 /// Every node, and behind it the parts of its work that some step has seconds of.
@@ -111,17 +131,23 @@ pub(super) fn brief_table(
     rows: &[Vec<String>],
 ) -> (Vec<String>, Vec<Vec<String>>) {
     let column = |place: usize| rows.iter().map(move |row| &row[place]);
+    let is_timed = header.iter().any(|name| name == "seconds_median");
     let says_something = |place: usize| {
         let name = header[place].as_str();
         if program.varied.iter().any(|path| path == name)
-            || ["status", "seconds"].contains(&name)
+            || name == if is_timed { "seconds_median" } else { "seconds" }
+            || name == "status"
             || program.report.measures.iter().any(|measure| measure.column == name)
         {
             return true;
         }
+        if name == "missed" {
+            return column(place).any(|cell| !cell.is_empty());
+        }
         let differs = rows.len() < 2 || column(place).any(|cell| *cell != rows[0][place]);
         let is_new = (0..place).all(|other| column(other).ne(column(place)));
-        let is_hidden = name == "step" || name == "reason" || name.starts_with("seconds.");
+        let is_hidden = ["step", "reason", "warnings", "seconds"].contains(&name)
+            || name.starts_with("seconds.");
         differs && (is_new || rows.is_empty()) && !is_hidden
     };
     let mut shown: Vec<usize> = (0..header.len()).filter(|place| says_something(*place)).collect();
@@ -131,11 +157,16 @@ pub(super) fn brief_table(
     let is_output =
         |place: usize| !program.varied.contains(&header[place]) && node(place).is_some();
     let mut n_of_node = HashMap::new();
+    let has_chief = header.iter().any(|name| program.columns.role(name) == Role::Chief);
     shown.retain(|&place| {
         let n = n_of_node.entry(node(place)).or_insert(0);
         *n += usize::from(is_output(place));
         let is_measure = program.report.measures.iter().any(|m| m.column == header[place]);
-        !is_output(place) || is_measure || *n <= MOST_OF_A_NODE
+        let is_chief = match has_chief {
+            true => program.columns.role(&header[place]) != Role::Detail,
+            false => *n <= MOST_OF_A_NODE,
+        };
+        !is_output(place) || is_measure || is_chief
     });
     // The measures that the program names stand before the other outputs, in its order.
     let rank = |place: usize| {
@@ -147,7 +178,7 @@ pub(super) fn brief_table(
     let end = shown.iter().rposition(|place| is_output(*place)).map_or(first, |last| last + 1);
     shown[first..end].sort_by_key(|place| rank(*place));
     let short = |place: usize, cell: &String| match cell.parse::<f64>() {
-        Ok(number) if header[place] == "seconds" => format!("{number:.3}"),
+        Ok(number) if header[place].starts_with("seconds") => format!("{number:.3}"),
         Ok(number) => brief(number),
         Err(_) if cell.starts_with('{') => {
             serde_json::from_str(cell).map_or_else(|_| cell.clone(), |json| brief_value(&json))
@@ -159,9 +190,13 @@ pub(super) fn brief_table(
     (names, rows.iter().map(row).collect())
 }
 
-/// A JSON value without quotes where it is a text.
+/// A JSON value without quotes where it is a text; `off` where it is none.
 fn word(json: &Json) -> String {
-    json.as_str().map_or_else(|| json.to_string(), str::to_owned)
+    match json {
+        Json::Null => brief_value(json),
+        Json::String(text) => text.clone(),
+        other => other.to_string(),
+    }
 }
 
 fn cell(scalar: &Scalar) -> String {
@@ -209,13 +244,18 @@ fn json_lines(program: &Program, store: &Store) -> String {
                 seconds.insert(format!("{name}.{phase}"), Json::from(*part));
             }
         }
-        let row = serde_json::json!({
+        let row = json!({
             "step": step.id,
             "repeat": step.repeat,
             "params": step.params,
             "outputs": outputs,
             "seconds": record.seconds,
             "seconds_by_node": seconds,
+            "timings": record.timings,
+            "missed": record.missed().map(|(node, missed)| json!({ "node": node, "target": missed }))
+                .collect::<Vec<_>>(),
+            "warnings": record.warnings().map(|(node, text)| format!("{node}: {text}"))
+                .collect::<Vec<_>>(),
             "status": record.status.word(),
             "reason": record.status.reason(),
         });
@@ -238,6 +278,11 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
         failed.len(),
         crate::VERSION
     ));
+    let n_missed = records.iter().filter(|(_, record)| record.missed().next().is_some()).count();
+    if n_missed > 0 {
+        let n = records.len();
+        text.push_str(&format!("{n_missed} of {n} steps did not reach their target.\n\n"));
+    }
     let (header, rows) = brief_table(program, header, rows);
     let line = |cells: &[String]| {
         let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();

@@ -6,7 +6,7 @@ use std::time::Instant;
 use indexmap::IndexMap;
 
 use super::{EventKind, PROGRESS_PAUSE, Runner};
-use crate::control::Reporter;
+use crate::control::{MissedTarget, Reporter};
 use crate::node_outputs::LogLine;
 use crate::plan::PlanNode;
 
@@ -16,6 +16,7 @@ pub(super) struct Listener<'a> {
     pub(super) node: &'a PlanNode,
     pub(super) log: Mutex<Vec<LogLine>>,
     pub(super) phases: Mutex<IndexMap<String, f64>>,
+    pub(super) missed: Mutex<Vec<MissedTarget>>,
     pub(super) told: Mutex<Option<Instant>>,
 }
 
@@ -39,6 +40,11 @@ impl Reporter for Listener<'_> {
     fn warn(&self, line: &str) {
         self.keep(true, line);
         self.runner.tell(self.node, EventKind::Warning { text: line });
+    }
+
+    fn missed(&self, missed: MissedTarget, line: &str) {
+        self.missed.lock().unwrap_or_else(PoisonError::into_inner).push(missed);
+        self.warn(line);
     }
 
     fn phase(&self, name: &'static str, seconds: f64) {

@@ -36,13 +36,11 @@ static LOGGED: Entry<Work> = Entry {
         Ok("logged".to_owned())
     },
 };
-static INNER: Choices<Work> = Choices {
-    entries: &[
-        Listed { item: &LEARNED, source: 1 },
-        Listed { item: &LOGGED, source: 2 },
-        Listed { item: &PLAIN, source: 3 },
-    ],
-};
+static INNER: Choices<Work> = Choices::new(&[
+    Listed { item: &LEARNED, source: 1 },
+    Listed { item: &LOGGED, source: 2 },
+    Listed { item: &PLAIN, source: 3 },
+]);
 const BY: ChoiceParam<Work> = ChoiceParam::new("by", "How.", &INNER, "Plain");
 static WRAPPED: Entry<Work> = Entry {
     id: "Wrapped",
@@ -53,14 +51,12 @@ static WRAPPED: Entry<Work> = Entry {
         (chosen.entry.build)(&chosen.params)
     },
 };
-static OUTER: Choices<Work> = Choices {
-    entries: &[
-        Listed { item: &LEARNED, source: 1 },
-        Listed { item: &LOGGED, source: 2 },
-        Listed { item: &PLAIN, source: 3 },
-        Listed { item: &WRAPPED, source: 4 },
-    ],
-};
+static OUTER: Choices<Work> = Choices::new(&[
+    Listed { item: &LEARNED, source: 1 },
+    Listed { item: &LOGGED, source: 2 },
+    Listed { item: &PLAIN, source: 3 },
+    Listed { item: &WRAPPED, source: 4 },
+]);
 const COST: ChoiceParam<Work> = ChoiceParam::new("cost", "How.", &OUTER, "Plain");
 const TEXT: Out<String> = Out::new("text", "The text.");
 

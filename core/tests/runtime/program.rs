@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -179,6 +180,64 @@ fn timing_runs_everything_and_sharing_does_not() {
     };
     assert_eq!(seconds_of_base(Sharing::Timing), 8);
     assert_eq!(seconds_of_base(Sharing::Shared), 1);
+}
+
+#[test]
+fn timing_runs_each_step_as_often_as_is_asked_and_no_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+    let text = MAP.replace("[1, 2, 99, 4]", "[1, 2]");
+    let run = |timings: usize| {
+        let starts = Mutex::new(Vec::new());
+        let count = |event: &ProgramEvent| {
+            if let ProgramEvent::StepStarted { place, .. } = event {
+                starts.lock().unwrap().push(*place);
+            }
+        };
+        let sharing = Sharing::Timing;
+        let options = ProgramOptions { sharing, timings, observer: &count, ..options(&cancel) };
+        let outcome = run_program(&program(&text), &store, &options).unwrap();
+        (outcome.ran, starts.into_inner().unwrap())
+    };
+    let (ran, starts) = run(3);
+    assert_eq!((ran, starts.len()), (4, 12));
+    // Each round has every step once, and not all rounds have one order.
+    let rounds: Vec<Vec<usize>> = starts.chunks(4).map(<[usize]>::to_vec).collect();
+    let sorted = |round: &Vec<usize>| {
+        let mut round = round.clone();
+        round.sort_unstable();
+        round
+    };
+    assert!(rounds.iter().all(|round| sorted(round) == [0, 1, 2, 3]), "{rounds:?}");
+    assert!(rounds.iter().any(|round| *round != rounds[0]), "{rounds:?}");
+    assert_eq!(run(3), (0, Vec::new()));
+    assert_eq!(run(4).1.len(), 4);
+    let record = store.record(&program(&text).steps[0].id).unwrap();
+    assert_eq!(record.timings.len(), 4);
+    assert!(record.timings.iter().all(|timing| timing.parts.contains_key("base")));
+    let row = &table(folder.path())[0];
+    let least = record.timings.iter().map(|timing| timing.seconds).fold(f64::INFINITY, f64::min);
+    assert_eq!(row["peak_bytes"].is_empty(), record.timings[0].peak_bytes.is_none());
+    let mut reader = csv::Reader::from_path(folder.path().join("results.csv")).unwrap();
+    let row: BTreeMap<String, String> = reader.deserialize().next().unwrap().unwrap();
+    assert_eq!(row["seconds_min"].parse::<f64>().unwrap(), least);
+    assert!(folder.path().join("outputs/1-x.txt").is_file());
+}
+
+#[test]
+fn a_missed_target_is_a_column_and_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run_in(folder.path(), &MAP.replace("[1, 2, 99, 4]", "[1, 98, 4]"));
+    assert_eq!((outcome.failed, outcome.missed), (0, 2));
+    let rows = table(folder.path());
+    assert_eq!((rows[0]["missed"].as_str(), rows[0]["warnings"].as_str()), ("", "0"));
+    assert_eq!(rows[2]["missed"], "add: 98 of 100 parts");
+    assert_eq!((rows[2]["warnings"].as_str(), rows[2]["status"].as_str()), ("1", "done"));
+    let lines = std::fs::read_to_string(folder.path().join("results.jsonl")).unwrap();
+    let third: serde_json::Value = serde_json::from_str(lines.lines().nth(2).unwrap()).unwrap();
+    assert_eq!(third["missed"][0]["target"]["reached"], 98.0);
+    let summary = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+    assert!(summary.contains("2 of 6 steps did not reach their target."), "{summary}");
 }
 
 #[test]

@@ -19,7 +19,7 @@ use crate::data::TriMesh;
 use crate::geometry::simplify::collapse::Cost;
 
 /// All costs, for the parameters of modules.
-pub static COSTS: Choices<MakeCost> = Choices { entries: ENTRIES };
+pub static COSTS: Choices<MakeCost> = Choices::new(ENTRIES);
 
 /// Makes a cost for a mesh that is about to be simplified, from the cost's parameters.
 pub type MakeCost = fn(&TriMesh, &Settings) -> Result<Box<dyn Cost>, ModuleError>;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use mve_core::{Data, DataType, Scalar, brief};
+use mve_core::{Data, DataType, Quantity, Scalar, brief};
 use serde::{Deserialize, Serialize};
 
 use super::TriMesh;
@@ -21,15 +21,17 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// A measure that the program names itself.
-    pub const fn new(
-        name: &'static str,
-        value: f64,
-        unit: &'static str,
-        doc: &'static str,
-    ) -> Self {
-        let [name, unit, doc] = [Cow::Borrowed(name), Cow::Borrowed(unit), Cow::Borrowed(doc)];
-        Self { name, value, unit, doc }
+    /// The value of a declared quantity.
+    pub const fn of(quantity: &Quantity, value: f64) -> Self {
+        let [name, doc] = [Cow::Borrowed(quantity.name), Cow::Borrowed(quantity.doc)];
+        Self { name, value, unit: Cow::Borrowed(quantity.unit.name()), doc }
+    }
+
+    /// The value of one of several that are declared together, by its number.
+    pub fn nth(quantity: &Quantity, number: usize, value: f64) -> Self {
+        let named = |text: &str| Cow::Owned(text.replace('#', &number.to_string()));
+        let (name, doc) = (named(quantity.name), named(quantity.doc));
+        Self { name, doc, ..Self::of(quantity, value) }
     }
 }
 
@@ -62,5 +64,5 @@ impl Data for Measures {
 
 /// One number, whatever the mesh.
 pub(super) fn sample(_: &TriMesh) -> Measures {
-    Measures(vec![Measure::new("x", 1.0, "", "A number.")])
+    Measures(vec![Measure::of(&Quantity::new("x", "A number."), 1.0)])
 }

@@ -12,6 +12,8 @@ use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
 
+use mve_core::{MissedTarget, Quantities};
+
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Weighted", "Quadrics hold borders in place; other costs see them as Free does."),
@@ -76,7 +78,31 @@ const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The simplified mesh, with all layers: the topology is kept, vertices and faces stay in order.",
 );
-const STATISTICS_OUT: Out<Measures> = Out::new("statistics", "Counts of the run.");
+const FACES: Quantity = Quantity::new("faces", "Faces of the result.").titled("faces").size();
+const DEAREST_COLLAPSE: Quantity = Quantity::new(
+    "dearest_collapse",
+    "Cost of the dearest collapse made, in the unit of the cost.",
+)
+.titled("dearest collapse")
+.in_unit(Unit::Model("unit of the cost"));
+const COLLAPSES: Quantity = Quantity::new("collapses", "Collapses made.").titled("collapses");
+const REJECTED_BY_TOPOLOGY: Quantity =
+    Quantity::new("rejected_by_topology", "Tries that the link condition ended.")
+        .titled("rejected by topology");
+const REJECTED_BY_FLIP: Quantity =
+    Quantity::new("rejected_by_flip", "Tries that would have turned a face.")
+        .titled("rejected by flip");
+const REJECTED_BY_BOUNDARY: Quantity =
+    Quantity::new("rejected_by_boundary", "Edges held by a policy.").titled("rejected by boundary");
+const STATISTICS_OUT: Out<Measures> =
+    Out::new("statistics", "Counts of the run.").giving(Quantities::Row(&[
+        FACES,
+        DEAREST_COLLAPSE,
+        COLLAPSES,
+        REJECTED_BY_TOPOLOGY,
+        REJECTED_BY_FLIP,
+        REJECTED_BY_BOUNDARY,
+    ]));
 
 pub static MODULE: Module = Module {
     id: "Simplificator",
@@ -119,12 +145,20 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     io.phase("collapses", simplified.seconds.collapses);
     let found = simplified.statistics;
     if let (Outcome::Exhausted, Some(target)) = (found.outcome, found.target_faces) {
-        io.warn(format!(
-            "stopped at {} faces, {target} were asked for: every collapse that is left would \
+        let (asked, reached) = (target as f64, found.n_faces as f64);
+        let missed = MissedTarget { what: FACES.name.to_owned(), asked, reached };
+        io.missed(
+            missed,
+            format!(
+                "stopped at {} faces, {target} were asked for: every collapse that is left would \
              change the topology ({} tries), turn a face ({}) or break the rules for borders and \
              seams ({} edges)",
-            found.n_faces, found.n_rejected_link, found.n_rejected_flip, found.n_rejected_boundary
-        ));
+                found.n_faces,
+                found.n_rejected_link,
+                found.n_rejected_flip,
+                found.n_rejected_boundary
+            ),
+        );
     }
     warn_of_drift(io, &mesh, &simplified.mesh)?;
     io.put(MESH_OUT, simplified.mesh);
@@ -163,23 +197,14 @@ fn warn_of_drift(io: &Io, before: &TriMesh, after: &TriMesh) -> Result<(), Modul
 }
 
 fn measures(found: &Statistics) -> Measures {
-    let count = |name, n: usize, doc| Measure::new(name, n as f64, "", doc);
+    let count = |quantity: &Quantity, n: usize| Measure::of(quantity, n as f64);
     Measures(vec![
-        count("faces", found.n_faces, "Faces of the result."),
-        Measure::new(
-            "dearest_collapse",
-            found.largest_cost.unwrap_or(f64::NAN),
-            "",
-            "Cost of the dearest collapse made, in the unit of the cost.",
-        ),
-        count("collapses", found.n_collapses, "Collapses made."),
-        count(
-            "rejected_by_topology",
-            found.n_rejected_link,
-            "Tries that the link condition ended.",
-        ),
-        count("rejected_by_flip", found.n_rejected_flip, "Tries that would have turned a face."),
-        count("rejected_by_boundary", found.n_rejected_boundary, "Edges held by a policy."),
+        count(&FACES, found.n_faces),
+        Measure::of(&DEAREST_COLLAPSE, found.largest_cost.unwrap_or(f64::NAN)),
+        count(&COLLAPSES, found.n_collapses),
+        count(&REJECTED_BY_TOPOLOGY, found.n_rejected_link),
+        count(&REJECTED_BY_FLIP, found.n_rejected_flip),
+        count(&REJECTED_BY_BOUNDARY, found.n_rejected_boundary),
     ])
 }
 

@@ -7,9 +7,11 @@ const ORIGINAL_IN: In<TriMesh> = In::new("original", "The mesh to measure agains
 const SIMPLIFIED_IN: In<TriMesh> = In::new("simplified", "The mesh to measure.");
 const METRIC: ChoiceParam<MakeMetric> =
     ChoiceParam::new("metric", "What to measure.", &METRICS, "Hausdorff");
-const MEASURES_OUT: Out<Measures> = Out::new("measures", "All that the metric measured.");
+const MEASURES_OUT: Out<Measures> =
+    Out::new("measures", "All that the metric measured.").giving(METRIC.quantities());
 const VALUE_OUT: Out<f64> =
-    Out::new("value", "The first of the measures: the metric in one number.");
+    Out::new("value", "The first of the measures: the metric in one number.")
+        .giving(METRIC.first_quantity());
 const ORIGINAL_FIELD_OUT: Out<Field> = Out::new(
     "original_field",
     "The difference at each vertex of the original; empty if the metric has none.",
@@ -50,7 +52,7 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (original, simplified) = (io.get(ORIGINAL_IN)?, io.get(SIMPLIFIED_IN)?);
     let chosen = io.choice(METRIC)?;
-    let metric = (chosen.entry.build)(&chosen.params)?;
+    let metric = (chosen.entry.build.make)(&chosen.params)?;
     let found = metric.compare(&original, &simplified, io.control());
     let mut found = found.map_err(of_port)?;
     found.warnings.iter().for_each(|warning| io.warn(warning));

@@ -7,14 +7,18 @@ use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 
+const SQUARED: Unit = Unit::Model("model units²");
+const CUBED: Unit = Unit::Model("model units³");
+
 macro_rules! numbers {
-    ($($port:ident: $name:literal, $doc:literal;)+) => {
-        $(const $port: Out<f64> = Out::new($name, $doc);)+
+    ($($port:ident: $name:literal, $doc:literal $(, $more:ident($($unit:expr)?))?;)+) => {
+        $(const $port: Out<f64> =
+            Out::number(Quantity::new($name, $doc)$(.$more($($unit)?))?);)+
     };
 }
 
 numbers! {
-    FACES: "faces", "Faces, degenerate and doubled ones included.";
+    FACES: "faces", "Faces, degenerate and doubled ones included.", size();
     VERTICES: "vertices", "Vertices, with and without faces.";
     EDGES: "edges", "Pairs of different vertices that are a side of some face.";
     COMPONENTS: "components", "Parts of the surface, faces being together over shared edges.";
@@ -29,12 +33,12 @@ numbers! {
     FLAT_FACES: "flat_faces", "Faces without area.";
     EULER: "euler", "Euler characteristic: vertices with faces, less edges, plus faces.";
     GENUS: "genus", "Handles; not a number unless the mesh is manifold and oriented.";
-    AREA: "area", "In squared model units.";
-    VOLUME: "volume", "In cubed model units; not a number unless the surface bounds one.";
-    DIAGONAL: "diagonal", "Diagonal of the bounding box in model units.";
-    SIZE_X: "size_x", "Extent along x in model units.";
-    SIZE_Y: "size_y", "Extent along y in model units.";
-    SIZE_Z: "size_z", "Extent along z in model units.";
+    AREA: "area", "Sum over the faces.", in_unit(SQUARED);
+    VOLUME: "volume", "Not a number unless the surface bounds one.", in_unit(CUBED);
+    DIAGONAL: "diagonal", "Diagonal of the bounding box.", in_unit(Unit::LENGTH);
+    SIZE_X: "size_x", "Extent along x.", in_unit(Unit::LENGTH);
+    SIZE_Y: "size_y", "Extent along y.", in_unit(Unit::LENGTH);
+    SIZE_Z: "size_z", "Extent along z.", in_unit(Unit::LENGTH);
 }
 
 const CLOSED: Out<bool> = Out::new("closed", "Whether there are faces and no border edges.");

@@ -11,10 +11,96 @@ use crate::geometry::distance::hausdorff::{
 };
 use crate::prelude::*;
 
-/// Unit of lengths.
-const LENGTH: &str = "model units";
-/// Unit of lengths over the diagonal of the original's box, and of counts.
-const NONE: &str = "";
+const MAX: Quantity =
+    Quantity::new("max", "Hausdorff distance: the larger maximum of both directions.")
+        .titled("Hausdorff distance")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const RMS: Quantity =
+    Quantity::new("rms", "The larger root mean square distance of both directions.")
+        .titled("RMS distance")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const MAX_RELATIVE: Quantity =
+    Quantity::new("max_relative", "max over the diagonal of the original.")
+        .titled("Hausdorff distance / diagonal")
+        .lower()
+        .chief();
+const RMS_RELATIVE: Quantity =
+    Quantity::new("rms_relative", "rms over the diagonal of the original.")
+        .titled("RMS distance / diagonal")
+        .lower()
+        .chief();
+const MEAN: Quantity = Quantity::new("mean", "The larger mean distance of both directions.")
+    .titled("Mean distance")
+    .in_unit(Unit::LENGTH)
+    .lower();
+const MEAN_RELATIVE: Quantity =
+    Quantity::new("mean_relative", "mean over the diagonal of the original.")
+        .titled("Mean distance / diagonal")
+        .lower();
+const MAX_UPPER_BOUND: Quantity =
+    Quantity::new("max_upper_bound", "No point of either surface is farther than this.")
+        .titled("Upper bound of the Hausdorff distance")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const ORIGINAL_MAX: Quantity =
+    Quantity::new("original_max", "Largest distance of the original from the simplified.")
+        .titled("Maximum from the original")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const ORIGINAL_MEAN: Quantity =
+    Quantity::new("original_mean", "Mean of that distance over the area of the original.")
+        .titled("Mean from the original")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const ORIGINAL_RMS: Quantity =
+    Quantity::new("original_rms", "Root mean square over the area of the original.")
+        .titled("RMS from the original")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const ORIGINAL_SAMPLES: Quantity =
+    Quantity::new("original_samples", "Area samples on the original.");
+const SIMPLIFIED_MAX: Quantity =
+    Quantity::new("simplified_max", "Largest distance of the simplified from the original.")
+        .titled("Maximum from the simplified")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const SIMPLIFIED_MEAN: Quantity =
+    Quantity::new("simplified_mean", "Mean of that distance over the simplified's area.")
+        .titled("Mean from the simplified")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const SIMPLIFIED_RMS: Quantity =
+    Quantity::new("simplified_rms", "Root mean square over the simplified's area.")
+        .titled("RMS from the simplified")
+        .in_unit(Unit::LENGTH)
+        .lower();
+const SIMPLIFIED_SAMPLES: Quantity =
+    Quantity::new("simplified_samples", "Area samples on the simplified mesh.");
+const DIAGONAL: Quantity = Quantity::new("diagonal", "Diagonal of the box of the original.")
+    .titled("Diagonal of the original")
+    .in_unit(Unit::LENGTH);
+
+/// In the order in which they are to be read.
+const QUANTITIES: &[Quantity] = &[
+    MAX,
+    RMS,
+    MAX_RELATIVE,
+    RMS_RELATIVE,
+    MEAN,
+    MEAN_RELATIVE,
+    MAX_UPPER_BOUND,
+    ORIGINAL_MAX,
+    ORIGINAL_MEAN,
+    ORIGINAL_RMS,
+    ORIGINAL_SAMPLES,
+    SIMPLIFIED_MAX,
+    SIMPLIFIED_MEAN,
+    SIMPLIFIED_RMS,
+    SIMPLIFIED_SAMPLES,
+    DIAGONAL,
+];
 
 const DEFAULT: HausdorffOptions = HausdorffOptions::DEFAULT;
 
@@ -48,10 +134,10 @@ pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Hausdorff",
     summary: "Distances between the two surfaces in both directions: maximum, mean and RMS.",
     params: &[SAMPLES.spec(), SEED.spec(), TOLERANCE.spec(), EDGE_SAMPLES.spec()],
-    build,
+    build: MakeMetric { quantities: QUANTITIES, make },
 };
 
-fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
+fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
     let options = HausdorffOptions {
         n_samples: settings.get(&SAMPLES)?.map(|n| n as usize),
         seed: settings.get(&SEED)?.0,
@@ -104,29 +190,29 @@ fn scalars(found: &Hausdorff) -> Vec<Measure> {
         _ if found.diagonal > 0.0 => value / found.diagonal,
         _ => f64::NAN,
     };
-    let mut scalars = Vec::with_capacity(18);
-    let mut put = |name, value, unit, doc| scalars.push(Measure::new(name, value, unit, doc));
+    let mut scalars = Vec::with_capacity(QUANTITIES.len());
+    let mut put = |quantity: Quantity, value| scalars.push(Measure::of(&quantity, value));
     let both = found;
-    put("max", both.max(), LENGTH, "Hausdorff distance: the larger maximum of both directions.");
-    put("rms", both.rms(), LENGTH, "The larger root mean square distance of both directions.");
-    put("max_relative", relative(both.max()), NONE, "max over the diagonal of the original.");
-    put("rms_relative", relative(both.rms()), NONE, "rms over the diagonal of the original.");
-    put("mean", both.mean(), LENGTH, "The larger mean distance of both directions.");
-    put("mean_relative", relative(both.mean()), NONE, "mean over the diagonal of the original.");
+    put(MAX, both.max());
+    put(RMS, both.rms());
+    put(MAX_RELATIVE, relative(both.max()));
+    put(RMS_RELATIVE, relative(both.rms()));
+    put(MEAN, both.mean());
+    put(MEAN_RELATIVE, relative(both.mean()));
     if let Some(bound) = both.max_upper_bound() {
-        put("max_upper_bound", bound, LENGTH, "No point of either surface is farther than this.");
+        put(MAX_UPPER_BOUND, bound);
     }
     let Directed { max, mean, rms, n_samples, .. } = found.from_original;
-    put("original_max", max, LENGTH, "Largest distance of the original from the simplified.");
-    put("original_mean", mean, LENGTH, "Mean of that distance over the area of the original.");
-    put("original_rms", rms, LENGTH, "Root mean square over the area of the original.");
-    put("original_samples", n_samples as f64, NONE, "Area samples on the original.");
+    put(ORIGINAL_MAX, max);
+    put(ORIGINAL_MEAN, mean);
+    put(ORIGINAL_RMS, rms);
+    put(ORIGINAL_SAMPLES, n_samples as f64);
     let Directed { max, mean, rms, n_samples, .. } = found.from_simplified;
-    put("simplified_max", max, LENGTH, "Largest distance of the simplified from the original.");
-    put("simplified_mean", mean, LENGTH, "Mean of that distance over the simplified's area.");
-    put("simplified_rms", rms, LENGTH, "Root mean square over the simplified's area.");
-    put("simplified_samples", n_samples as f64, NONE, "Area samples on the simplified mesh.");
-    put("diagonal", found.diagonal, LENGTH, "Diagonal of the box of the original.");
+    put(SIMPLIFIED_MAX, max);
+    put(SIMPLIFIED_MEAN, mean);
+    put(SIMPLIFIED_RMS, rms);
+    put(SIMPLIFIED_SAMPLES, n_samples as f64);
+    put(DIAGONAL, found.diagonal);
     scalars
 }
 

@@ -17,14 +17,35 @@ use crate::data::{Image, Images, Measure};
 use crate::picture::view::View;
 use crate::prelude::*;
 
+const RMS: Quantity = Quantity::new("rms", "Root mean square over all pixels and cameras.")
+    .titled("RMS of pictures")
+    .in_unit(LUMINANCE)
+    .lower()
+    .chief();
+const PSNR: Quantity = Quantity::new(
+    "psnr",
+    "Peak signal to noise ratio, 20 log10(255 / rms); infinite for equal pictures.",
+)
+.titled("PSNR of pictures")
+.in_unit(Unit::Fixed("dB"))
+.higher();
+const RMS_OF_CAMERA: Quantity =
+    Quantity::new("rms_#", "Root mean square over the pixels of camera #.")
+        .titled("RMS of the picture from camera #")
+        .in_unit(LUMINANCE)
+        .lower();
+
 /// Unit of luminance.
-const LUMINANCE: &str = "of 255";
+const LUMINANCE: Unit = Unit::Fixed("of 255");
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageRms",
     summary: "Root mean square difference of luminance in pictures from all around, 0 to 255.",
     params: &VIEW.specs(),
-    build: |settings| Ok(Box::new(ImageRmsMetric { view: VIEW.read(settings)? })),
+    build: MakeMetric {
+        quantities: &[RMS, PSNR, RMS_OF_CAMERA],
+        make: |settings| Ok(Box::new(ImageRmsMetric { view: VIEW.read(settings)? })),
+    },
 };
 
 /// The metric with its view.
@@ -49,20 +70,10 @@ impl Metric for ImageRmsMetric {
         let n_pixels = (self.view.size * self.view.size) as f64;
         let errors: Vec<u64> = differences.iter().map(sum_of_squares).collect();
         let rms = (errors.iter().sum::<u64>() as f64 / (n_pixels * errors.len() as f64)).sqrt();
-        let mut scalars = vec![
-            Measure::new("rms", rms, LUMINANCE, "Root mean square over all pixels and cameras."),
-            Measure::new(
-                "psnr",
-                20.0 * (255.0 / rms).log10(),
-                "dB",
-                "Peak signal to noise ratio, 20 log10(255 / rms); infinite for equal pictures.",
-            ),
-        ];
-        scalars.extend(errors.iter().enumerate().map(|(camera, &error)| Measure {
-            name: format!("rms_{camera}").into(),
-            value: (error as f64 / n_pixels).sqrt(),
-            unit: LUMINANCE.into(),
-            doc: format!("Root mean square over the pixels of camera {camera}.").into(),
+        let mut scalars =
+            vec![Measure::of(&RMS, rms), Measure::of(&PSNR, 20.0 * (255.0 / rms).log10())];
+        scalars.extend(errors.iter().enumerate().map(|(camera, &error)| {
+            Measure::nth(&RMS_OF_CAMERA, camera, (error as f64 / n_pixels).sqrt())
         }));
         Ok(Comparison {
             scalars,

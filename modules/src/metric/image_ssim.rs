@@ -14,11 +14,34 @@ use crate::picture::ssim::{Ssim, ssim};
 use crate::picture::view::View;
 use crate::prelude::*;
 
+const SSIM: Quantity = Quantity::new(
+    "ssim",
+    "Mean over the cameras, each over the pixels whose window lies inside; 1 is equal.",
+)
+.titled("SSIM of pictures")
+.higher()
+.chief();
+const DISSIMILARITY: Quantity = Quantity::new("dissimilarity", "1 less ssim: 0 is equal.")
+    .titled("1 − SSIM of pictures")
+    .lower();
+const SSIM_WHOLE: Quantity = Quantity::new(
+    "ssim_whole",
+    "As ssim, over all pixels, the pictures mirrored at their borders.",
+)
+.titled("SSIM of whole pictures")
+.higher();
+const SSIM_OF_CAMERA: Quantity = Quantity::new("ssim_#", "The index of camera #.")
+    .titled("SSIM of the picture from camera #")
+    .higher();
+
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageSsim",
     summary: "Structural similarity of pictures from all around: 1 where they are equal.",
     params: &VIEW.specs(),
-    build: |settings| Ok(Box::new(ImageSsimMetric { view: VIEW.read(settings)? })),
+    build: MakeMetric {
+        quantities: &[SSIM, DISSIMILARITY, SSIM_WHOLE, SSIM_OF_CAMERA],
+        make: |settings| Ok(Box::new(ImageSsimMetric { view: VIEW.read(settings)? })),
+    },
 };
 
 /// The metric with its view.
@@ -79,26 +102,14 @@ fn scalars(found: &[Index]) -> Vec<Measure> {
     let mean = |value: fn(&Index) -> f64| found.iter().map(value).sum::<f64>() / found.len() as f64;
     let index = mean(|index| index.interior);
     let mut scalars = vec![
-        Measure::new(
-            "ssim",
-            index,
-            "",
-            "Mean over the cameras, each over the pixels whose window lies inside; 1 is equal.",
-        ),
-        Measure::new("dissimilarity", 1.0 - index, "", "1 less ssim: 0 is equal."),
-        Measure::new(
-            "ssim_whole",
-            mean(|index| index.whole),
-            "",
-            "As ssim, over all pixels, the pictures mirrored at their borders.",
-        ),
+        Measure::of(&SSIM, index),
+        Measure::of(&DISSIMILARITY, 1.0 - index),
+        Measure::of(&SSIM_WHOLE, mean(|index| index.whole)),
     ];
-    scalars.extend(found.iter().enumerate().map(|(camera, index)| Measure {
-        name: format!("ssim_{camera}").into(),
-        value: index.interior,
-        unit: "".into(),
-        doc: format!("The index of camera {camera}.").into(),
-    }));
+    let of_cameras = found.iter().enumerate();
+    scalars.extend(
+        of_cameras.map(|(camera, index)| Measure::nth(&SSIM_OF_CAMERA, camera, index.interior)),
+    );
     scalars
 }
 

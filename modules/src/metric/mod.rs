@@ -15,7 +15,7 @@ pub use image_ssim::ImageSsimMetric;
 pub use msdm::MsdmMetric;
 pub use msdm2::Msdm2Metric;
 
-use mve_core::{Cancelled, Choices, Control, Entry, ModuleError, Settings};
+use mve_core::{Cancelled, Choices, Control, Entry, ModuleError, Quantity, Settings};
 
 use crate::data::{Field, Images, Measure, TriMesh};
 pub use crate::geometry::distance::hausdorff::MeshRole;
@@ -26,10 +26,16 @@ mve_core::registered! {
 }
 
 /// All metrics, for the parameters of modules.
-pub static METRICS: Choices<MakeMetric> = Choices { entries: ENTRIES };
+pub static METRICS: Choices<MakeMetric> = Choices::new(ENTRIES).giving(|metric| metric.quantities);
 
-/// Makes a metric from its parameters.
-pub type MakeMetric = fn(&Settings) -> Result<Box<dyn Metric>, ModuleError>;
+/// What a metric gives, and how it is made.
+#[derive(Clone, Copy)]
+pub struct MakeMetric {
+    /// The numbers of its comparisons, the most important first.
+    pub quantities: &'static [Quantity],
+    /// Makes it from its parameters.
+    pub make: fn(&Settings) -> Result<Box<dyn Metric>, ModuleError>,
+}
 
 /// A measure of how a simplified mesh differs from its original.
 pub trait Metric: Send + Sync {
@@ -45,7 +51,7 @@ pub trait Metric: Send + Sync {
 /// What a metric found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
-    /// The numbers, the most important first; names are unique.
+    /// The numbers, of the quantities that the metric declares.
     pub scalars: Vec<Measure>,
     /// Fields over the elements of the original.
     pub original_fields: Vec<Field>,

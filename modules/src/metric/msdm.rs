@@ -27,16 +27,30 @@ const CURVATURE_RADIUS: Param<f64> = Param::number(
 .within((1e-6, 1.0))
 .usually((0.001, 0.02));
 
+const MSDM: Quantity = Quantity::new("msdm", "Mean of both directions, 0 for equal meshes.")
+    .titled("MSDM")
+    .lower()
+    .chief();
+const ORIGINAL_MSDM: Quantity = Quantity::new("original_msdm", "Windows on the original.")
+    .titled("MSDM, over the original")
+    .lower();
+const SIMPLIFIED_MSDM: Quantity =
+    Quantity::new("simplified_msdm", "Windows on the simplified mesh.")
+        .titled("MSDM, over the simplified mesh")
+        .lower();
+const BY_INDEX: Quantity =
+    Quantity::new("by_index", "1 where vertices corresponded by index, 0 where by nearest points.");
+
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Msdm",
     summary: "How different two meshes with the same faces look, 0 for equal to about 1, by their \
               curvature in small windows (Lavoué et al. 2006); other meshes correspond by nearest \
               points.",
     params: &[WINDOW_RADIUS.spec(), CURVATURE_RADIUS.spec()],
-    build,
+    build: MakeMetric { quantities: &[MSDM, ORIGINAL_MSDM, SIMPLIFIED_MSDM, BY_INDEX], make },
 };
 
-fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
+fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
     let options = MsdmOptions {
         window_radius: settings.get(&WINDOW_RADIUS)?,
         curvature_radius: settings.get(&CURVATURE_RADIUS)?,
@@ -59,17 +73,12 @@ impl Metric for MsdmMetric {
         control: Control,
     ) -> Result<Comparison, MetricError> {
         let found = msdm(original, simplified, &self.options, control)?;
-        let value = |name, value, doc| Measure::new(name, value, "", doc);
         let both = found.both;
         let scalars = vec![
-            value("msdm", both.symmetric(), "Mean of both directions, 0 for equal meshes."),
-            value("original_msdm", both.from_original.value, "Windows on the original."),
-            value("simplified_msdm", both.from_simplified.value, "Windows on the simplified mesh."),
-            value(
-                "by_index",
-                f64::from(u8::from(found.is_by_index)),
-                "1 where vertices corresponded by index, 0 where by nearest points.",
-            ),
+            Measure::of(&MSDM, both.symmetric()),
+            Measure::of(&ORIGINAL_MSDM, both.from_original.value),
+            Measure::of(&SIMPLIFIED_MSDM, both.from_simplified.value),
+            Measure::of(&BY_INDEX, f64::from(u8::from(found.is_by_index))),
         ];
         Ok(Comparison {
             scalars,

@@ -31,18 +31,47 @@ const SPREAD: Param<bool> = Param::flag(
     "spread",
     "Also say by how much the choice among equally near faces can move the value; takes three \
      times as long.",
-    true,
+    false,
 );
+
+const MSDM2: Quantity = Quantity::new("msdm2", "Mean of both directions, 0 for equal meshes.")
+    .titled("MSDM2")
+    .lower()
+    .chief();
+const ORIGINAL_MSDM2: Quantity = Quantity::new(
+    "original_msdm2",
+    "Over the vertices of the original: sees detail that is lost, and creases of the simplified \
+     mesh that they lie near; its own larger faces there count as creases, so that a flat side in \
+     fewer faces is not at 0.",
+)
+.titled("MSDM2, over the original")
+.lower();
+const SIMPLIFIED_MSDM2: Quantity = Quantity::new(
+    "simplified_msdm2",
+    "Over the vertices of the simplified mesh, as published: sees what is new or bent there, and \
+     nothing of detail that has no vertex left; few well placed vertices give about 0.",
+)
+.titled("MSDM2, over the simplified mesh")
+.lower();
+
+const MSDM2_SPREAD: Quantity = Quantity::new(
+    "msdm2_spread",
+    "By how much the choice among equally near faces can move msdm2.",
+)
+.titled("Spread of MSDM2");
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Msdm2",
     summary: "How different the meshes look, 0 for equal to about 1, by the statistics of their \
               curvature in small windows (Lavoué 2011).",
     params: &[LEVELS.spec(), VARIANT.spec(), SPREAD.spec()],
-    build,
+    build: MakeMetric {
+        quantities: &[MSDM2, ORIGINAL_MSDM2, SIMPLIFIED_MSDM2, MSDM2_SPREAD],
+        make,
+    },
 };
 
-fn build(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
+fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
     let n_levels = settings.get(&LEVELS)? as usize;
     let (variant, has_spread) = (settings.get(&VARIANT)?, settings.get(&SPREAD)?);
     let options = Msdm2Options { n_levels, variant, has_spread };
@@ -64,28 +93,14 @@ impl Metric for Msdm2Metric {
         control: Control,
     ) -> Result<Comparison, MetricError> {
         let found = msdm2(original, simplified, &self.options, control)?;
-        let value = |name, value, doc| Measure::new(name, value, "", doc);
         let (of_original, of_simplified) = (&found.from_original, &found.from_simplified);
         let mut scalars = vec![
-            value("msdm2", found.symmetric(), "Mean of both directions, 0 for equal meshes."),
-            value(
-                "original_msdm2",
-                of_original.value,
-                "Over the vertices of the original: sees detail that is lost, and creases of the \
-                 simplified mesh that they lie near; its own larger faces there count as creases, \
-                 so that a flat side in fewer faces is not at 0.",
-            ),
-            value(
-                "simplified_msdm2",
-                of_simplified.value,
-                "Over the vertices of the simplified mesh, as published: sees what is new or bent \
-                 there, and nothing of detail that has no vertex left; few well placed vertices \
-                 give about 0.",
-            ),
+            Measure::of(&MSDM2, found.symmetric()),
+            Measure::of(&ORIGINAL_MSDM2, of_original.value),
+            Measure::of(&SIMPLIFIED_MSDM2, of_simplified.value),
         ];
         if let Some(spread) = found.spread {
-            let doc = "By how much the choice among equally near faces can move msdm2.";
-            scalars.push(value("msdm2_spread", spread, doc));
+            scalars.push(Measure::of(&MSDM2_SPREAD, spread));
         }
         let warnings = warnings(&found, original, simplified);
         Ok(Comparison {

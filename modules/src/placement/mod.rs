@@ -15,7 +15,7 @@ use crate::data::TriMesh;
 use crate::geometry::simplify::collapse::Placement;
 
 /// All placements, for the parameters of modules.
-pub static PLACEMENTS: Choices<MakePlacement> = Choices { entries: ENTRIES };
+pub static PLACEMENTS: Choices<MakePlacement> = Choices::new(ENTRIES);
 
 /// Makes a placement for a mesh that is about to be simplified, from the placement's parameters.
 pub type MakePlacement = fn(&TriMesh, &Settings) -> Result<Box<dyn Placement>, ModuleError>;

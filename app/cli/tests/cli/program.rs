@@ -84,6 +84,20 @@ fn timing_shares_nothing() {
     let place = lines.next().unwrap().split(',').position(|name| name == "seconds.level").unwrap();
     assert!(lines.all(|line| !line.split(',').nth(place).unwrap().is_empty()), "{table}");
     folder.mve(&[&timing[..], &["--jobs", "2"]].concat()).fails(2, "cannot be used with");
+    // Three runs of each of six steps; what is asked for again is there.
+    let lines = folder.read("mve-out/map-sweep/results.jsonl");
+    let n_of = |line: &str| {
+        let row: serde_json::Value = serde_json::from_str(line).unwrap();
+        row["timings"].as_array().unwrap().len()
+    };
+    assert_eq!(lines.lines().map(n_of).collect::<Vec<_>>(), [3; 6]);
+    assert!(table.starts_with("step,") && table.contains(",seconds,seconds_median,seconds_min,"));
+    let dry = |timing: &str| folder.mve(&["program", "map.json", "sweep", "--dry-run", timing]);
+    dry("--timing").succeeds().says("6 done, 0 failed, 0 to do");
+    dry("--timing=4").succeeds().says("0 done, 0 failed, 6 to do");
+    folder.mve(&["program", "map.json", "sweep", "--timing=4"]).succeeds().says("6 run now");
+    let lines = folder.read("mve-out/map-sweep/results.jsonl");
+    assert_eq!(lines.lines().map(n_of).collect::<Vec<_>>(), [4; 6]);
 }
 
 #[test]

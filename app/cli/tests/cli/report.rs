@@ -55,8 +55,39 @@ fn tables_go_to_standard_output() {
         |format: &str| folder.mve(&["report", "mve-out/box-costs", "--format", format]).succeeds();
     with("csv").says("simplify.target_faces,simplify.cost,info.area,");
     with("markdown").says("## Area (higher is better)\n");
-    with("latex").says("simplify.target\\_faces & EdgeLength & Quadric \\\\\n");
-    folder.mve(&["report", "x", "--format", "pdf"]).fails(2, "invalid value 'pdf'");
+    with("latex").says("target faces & EdgeLength & Quadric \\\\\n");
+    folder.mve(&["report", "x", "--format", "doc"]).fails(2, "invalid value 'doc'");
+}
+
+#[test]
+fn plots_are_files_of_their_own() {
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let report = ["report", "mve-out/box-costs", "--format", "svg"];
+    let answer = folder.mve(&report).succeeds();
+    answer.says("plot     mve-out/box-costs/plots/info.area-by-simplify.faces.svg\n");
+    let plot = folder.read("mve-out/box-costs/plots/info.area-by-simplify.faces.svg");
+    assert!(plot.starts_with("<svg"), "{plot:.200}");
+    folder.mve(&["report", "mve-out/box-costs", "--format", "pdf", "--out", "pages"]).succeeds();
+    assert!(folder.has("pages/info.area-by-simplify.faces.pdf"));
+}
+
+#[test]
+fn the_present_report_of_a_map_can_be_taken() {
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let report = ["report", "mve-out/box-costs", "--format", "markdown", "--map", "box.json"];
+    folder
+        .write("box.json", &MAP.replace("\"info.area\", \"better\"", "\"info.euler\", \"better\""));
+    folder.mve(&report).succeeds().says("## Area (higher is better)\n").says("| 300 | 2 | 2 |");
+    folder
+        .write("box.json", &MAP.replace("\"info.area\", \"better\"", "\"info.arae\", \"better\""));
+    let answer = folder.mve(&report);
+    answer.fails(3, "\"info.arae\" is not a column").fails(3, "did you mean \"info.area\"?");
+    let answer = folder.mve(&["check", "box.json"]);
+    answer.fails(3, "box.json: 1 problem").says("did you mean \"info.area\"?");
+    folder.write("box.json", &MAP.replace("\"costs\"", "\"cost\""));
+    folder.mve(&report).fails(3, "there is no program \"costs\", of which this is a store");
 }
 
 #[test]

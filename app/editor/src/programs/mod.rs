@@ -349,10 +349,12 @@ impl ProgramPanel {
             return;
         };
         let how = How { retry, ..self.how };
+        let runs = program.runs_by_step(mve_core::TIMINGS);
         for step in &program.steps {
             let runs_again = self.records.get(&step.id).is_some_and(|record| {
                 (retry == Retry::Failed && record.status != StepStatus::Done)
-                    || (how.sharing == Sharing::Timing && !record.is_timed)
+                    || (how.sharing == Sharing::Timing
+                        && !record.has_timings(runs.get(step.id.as_str()).copied().unwrap_or(1)))
             });
             if runs_again {
                 self.records.remove(&step.id);

@@ -106,6 +106,7 @@ impl MeasuresTable {
 
 #[cfg(test)]
 mod tests {
+    use mve_core::Quantity;
     use mve_modules::data::Measure;
 
     use super::*;
@@ -113,7 +114,7 @@ mod tests {
     #[test]
     fn measures_of_one_name_share_a_row() {
         let input = |title: &str, list: &[(&'static str, f64)]| {
-            let measure = |&(name, value)| Measure::new(name, value, "mm", "What it is.");
+            let measure = |&(name, value)| Measure::of(&Quantity::new(name, "What it is."), value);
             let measures = Measures(list.iter().map(measure).collect());
             MeasuresInput { title: title.to_owned(), measures: Arc::new(measures) }
         };

@@ -281,7 +281,8 @@ fn values_of_other_types_are_shown() {
         Image::filled("camera 0", [40, 30], PixelKind::Gray, 200),
         Image::filled("camera 1", [20_000, 3], PixelKind::Rgb, 90),
     ]);
-    let measures = Measures(vec![Measure::new("max", 0.25, "mm", "The largest distance.")]);
+    let largest = mve_core::Quantity::new("max", "The largest distance.");
+    let measures = Measures(vec![Measure::of(&largest, 0.25)]);
     let field = Field {
         name: "distance".to_owned(),
         unit: String::new(),

@@ -11,9 +11,10 @@ use std::fmt::Write;
 
 use crate::answers::Answer;
 use crate::columns::MeasureColumn;
+use crate::labels;
 use crate::pictures::Pictures;
 use crate::pivot::Pivot;
-use crate::plots::MeasureCharts;
+use crate::plots::Figure;
 use crate::results::Results;
 
 const STYLE: &str = include_str!("style.css");
@@ -31,8 +32,8 @@ pub struct Page<'a> {
     pub answers: &'a [Answer],
     /// Tables of the measures.
     pub tables: &'a [Pivot],
-    /// Charts, and how many were left out.
-    pub charts: &'a (Vec<MeasureCharts>, usize),
+    /// Plots, and how many panels were left out.
+    pub figures: &'a (Vec<Figure>, usize),
     /// Pictures.
     pub pictures: &'a Pictures,
     /// The store as seen from the page's folder, with a `/` at its end, or empty.
@@ -42,8 +43,8 @@ pub struct Page<'a> {
 /// The page.
 pub fn page(page: &Page) -> String {
     let sections = [
+        ("plots", "Plots", sections::plots(page)),
         ("tables", "Results", tables::pivots(page)),
-        ("plots", "Plots", sections::charts(page)),
         ("pictures", "Pictures", sections::pictures(page)),
         ("correlation", "Correlation of the measures", sections::correlation(page)),
         ("steps", "All steps", tables::steps(page)),
@@ -91,8 +92,7 @@ pub fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             // What would steer a reader, or is no character of HTML.
-            c if c.is_control() && !"\n\t".contains(c) => out.push('\u{fffd}'),
-            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => out.push('\u{fffd}'),
+            c if labels::is_odd(c) && !"\n\t".contains(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }

@@ -47,3 +47,30 @@ if (dialog && pictures.length > 0) {
     if (event.key === "ArrowLeft") show(shown - 1);
   });
 }
+// First columns stay where a table scrolls, as long as they leave half of the room, and a line says
+// that it does.
+for (const box of document.querySelectorAll(".scroll")) {
+  const settle = () => {
+    const scrolls = box.scrollWidth > box.clientWidth + 1;
+    const hint = box.previousElementSibling;
+    if (hint?.className === "hint") hint.hidden = !scrolls;
+    else if (scrolls) {
+      const line = document.createElement("p");
+      line.className = "hint";
+      line.textContent = "This table scrolls sideways →";
+      box.before(line);
+    }
+    let left = 0;
+    for (let place = 0; ; place++) {
+      const head = box.querySelector(`thead .h${place}`);
+      if (!head || left + head.offsetWidth > box.clientWidth / 2) break;
+      for (const cell of box.querySelectorAll(`.h${place}`)) {
+        cell.classList.toggle("stays", scrolls);
+        cell.style.left = `${left}px`;
+      }
+      left += head.offsetWidth;
+    }
+  };
+  settle();
+  addEventListener("resize", settle);
+}

@@ -7,14 +7,20 @@ use mve_core::{StepStatus, brief};
 
 use super::{Page, address, count, cut, escape};
 use crate::answers::{Answer, change};
+use crate::case::Case;
+use crate::columns::MeasureColumn;
 use crate::labels;
 use crate::pictures::Picture;
-use crate::plots::{self, N_COLORS};
+use crate::plots::{self, Figure};
 use crate::stats::{pearson, spearman};
 
 /// Failed steps and pairs that are listed.
 const MOST_FAILED: usize = 200;
 const MOST_PAIRS: usize = 500;
+
+/// What becomes of steps that missed their target.
+const WHERE_MISSED: &str = "They are marked † in tables and ringed in plots, and are not compared \
+                            with others; the table of all steps says by how much.";
 
 /// What ran, in a sentence.
 pub(super) fn summary(page: &Page) -> String {
@@ -24,8 +30,8 @@ pub(super) fn summary(page: &Page) -> String {
         .axes
         .iter()
         .filter_map(|axis| {
-            let path = axis.paths.first()?;
-            Some(format!("{} of {}", count(axis.values.len(), "value"), escape(path)))
+            let title = Some(&axis.title).filter(|title| !title.is_empty())?;
+            Some(format!("{} of {}", count(axis.values.len(), "value"), escape(title)))
         })
         .collect();
     let product = if axes.is_empty() { String::new() } else { format!(": {}", axes.join(" × ")) };
@@ -38,8 +44,12 @@ pub(super) fn summary(page: &Page) -> String {
     if n > done + failed {
         parts.push(format!("{} to do", n - done - failed));
     }
+    let missed = match results.missed_in_words() {
+        words if words.is_empty() => words,
+        words => format!("<p class=\"missed\">{} {}</p>\n", escape(&words), WHERE_MISSED),
+    };
     format!(
-        "<p class=\"lead\">Program <i>{}</i>{product}. {}; {} of computing, summed over \
+        "{missed}<p class=\"lead\">Program <i>{}</i>{product}. {}; {} of computing, summed over \
          steps.</p>\n",
         escape(&results.plan.program),
         parts.join(", "),
@@ -79,7 +89,7 @@ fn pairs(page: &Page, answer: &Answer) -> String {
         escape(&answer.names[0]),
         escape(&answer.names[1])
     );
-    for column in &answer.same {
+    for column in &answer.same_titles {
         let _ = write!(text, "<th>{}</th>", escape(column));
     }
     text.push_str("</tr></thead>\n<tbody>\n");
@@ -125,51 +135,56 @@ fn by_group(page: &Page, answer: &Answer) -> String {
     format!("<p class=\"note\">Averages: {}.</p>\n", parts.join("; "))
 }
 
-fn legend(page: &Page) -> String {
-    let labels = page.results.series_labels();
+fn legend(figure: &Figure) -> String {
     let mut text = "<p class=\"legend\">".to_owned();
-    if page.results.has_series {
-        for (place, label) in labels.iter().enumerate() {
+    if figure.styles.len() > 1 {
+        for style in &figure.styles {
             let _ = write!(
                 text,
                 "<span><b style=\"color:var(--s{})\">{}</b>{}</span>",
-                place % N_COLORS,
-                plots::marker(place),
-                escape(label)
+                style.color,
+                style.character(),
+                escape(&style.label)
             );
         }
     }
-    text.push_str("<span><i class=\"front\"></i>Pareto front</span></p>\n");
+    if figure.panels.iter().any(|panel| panel.front.len() > 1) {
+        text.push_str("<span><i class=\"front\"></i>Pareto front</span>");
+    }
+    if figure.panels.iter().flat_map(|panel| &panel.points).any(|point| point.is_missed) {
+        text.push_str("<span><b>◎</b>ring: target not reached</span>");
+    }
+    text.push_str("</p>\n");
     text
 }
 
-/// The charts of all measures.
-pub(super) fn charts(page: &Page) -> String {
-    let (measures, n_hidden) = page.charts;
-    if measures.is_empty() {
+/// The plots of all measures.
+pub(super) fn plots(page: &Page) -> String {
+    let (figures, n_hidden) = page.figures;
+    if figures.is_empty() {
         return String::new();
     }
-    let mut text = "<p class=\"note\">Toward the lower left is better, or the upper left where \
-                    higher is better: the Pareto front joins what nothing else beats in both \
-                    directions; without it one point beats all others. Rest on a point to read it. \
-                    An axis over more than two decades is logarithmic.</p>\n"
+    let mut text = "<p class=\"note\">The Pareto front joins what nothing else beats in both \
+                    directions; sizes within 1 % count as equal. Scales over more than a decade \
+                    are logarithmic. Rest on a point to read it.</p>\n"
         .to_owned();
-    for measure in measures {
-        let _ = write!(text, "<h3>{}</h3>\n{}", escape(&measure.title), legend(page));
-        for group in &measure.groups {
-            let _ = write!(
-                text,
-                "<details open><summary>against {}</summary>\n<div class=\"charts\">\n",
-                escape(&crate::columns::title(page.measures, &group.against))
-            );
-            for chart in &group.charts {
-                let _ = writeln!(text, "<div>{chart}</div>");
-            }
-            text.push_str("</div></details>\n");
+    let mut number = 0;
+    for figure in figures {
+        let [x, y] = &figure.titles;
+        let _ = write!(
+            text,
+            "<h3>{} <span class=\"note\">against {}</span></h3>\n{}<div class=\"charts\">\n",
+            escape(y),
+            escape(x),
+            legend(figure)
+        );
+        for panel in plots::panels(figure, &mut number) {
+            let _ = writeln!(text, "<div>{panel}</div>");
         }
+        text.push_str("</div>\n");
     }
     if *n_hidden > 0 {
-        let n = count(*n_hidden, "more chart");
+        let n = count(*n_hidden, "more plot");
         let _ = writeln!(text, "<p class=\"note\">{n} would make the page slow to open.</p>");
     }
     text
@@ -203,7 +218,7 @@ pub(super) fn pictures(page: &Page) -> String {
             let measures = page.measures.iter().filter(|measure| measure.is_there).take(4);
             let values = measures.filter_map(|measure| {
                 let case = cases?.get(*series).copied().flatten()?;
-                let value = case.estimate(&measure.column)?.mean;
+                let value = measure.estimate(page.results, case)?.mean;
                 Some(format!("{} {}", escape(&measure.title), labels::rounded(value, 3)))
             });
             let values = values.collect::<Vec<_>>().join("<br>");
@@ -246,18 +261,10 @@ pub(super) fn correlation(page: &Page) -> String {
     if measures.len() < 2 {
         return String::new();
     }
-    let columns: Vec<Vec<Option<f64>>> = measures
-        .iter()
-        .map(|measure| {
-            let mean = |case: &crate::results::Case| Some(case.estimate(&measure.column)?.mean);
-            page.results.cases.iter().map(mean).collect()
-        })
-        .collect();
-    let is_constant = |column: &[Option<f64>]| {
-        let mut numbers = column.iter().flatten();
-        let first = numbers.next();
-        numbers.all(|number| Some(number) == first)
-    };
+    // What is measured in the unit of a model cannot be compared between models.
+    let across = measures.iter().all(|measure| !measure.is_of_model);
+    let columns: Vec<Vec<Option<f64>>> =
+        measures.iter().map(|measure| numbers(page, measure)).collect();
     let (kept, constant): (Vec<usize>, Vec<usize>) =
         (0..columns.len()).partition(|place| !is_constant(&columns[*place]));
     let names: Vec<&str> = measures.iter().map(|measure| measure.title.as_str()).collect();
@@ -275,17 +282,18 @@ pub(super) fn correlation(page: &Page) -> String {
     }
     let groups: Vec<usize> =
         page.results.cases.iter().map(|case| page.results.group_of(case)).collect();
+    let n_groups = groups.iter().max().map_or(0, |most| most + 1);
     text.push_str("<div class=\"tables\">\n");
     type Measure = fn(&[f64], &[f64]) -> Option<f64>;
-    for (title, of) in [("Pearson", pearson as Measure), ("Spearman", spearman as Measure)] {
+    let over_all = [("Pearson", pearson as Measure), ("Spearman", spearman as Measure)];
+    for (title, of) in over_all.into_iter().filter(|_| across || n_groups < 2) {
         let entry = |a: usize, b: usize| {
             let (x, y) = both(&columns[a], &columns[b], |_| true);
             (of(&x, &y), x.len())
         };
         text.push_str(&matrix(title, "over all steps", &kept, &names, &entry));
     }
-    let n_groups = groups.iter().max().map_or(0, |most| most + 1);
-    if n_groups > 1 && page.results.has_series {
+    if n_groups > 1 && page.results.has_series() {
         let entry = |a: usize, b: usize| {
             let within = (0..n_groups).filter_map(|group| {
                 let (x, y) = both(&columns[a], &columns[b], |place| groups[place] == group);
@@ -298,9 +306,26 @@ pub(super) fn correlation(page: &Page) -> String {
         let about = "within each row group, averaged";
         text.push_str(&matrix("Spearman", about, &kept, &names, &entry));
     }
-    text.push_str("</div>\n<p class=\"note\">Small: how many steps, or groups, have both. ");
-    text.push_str("Ties share their mean rank.</p>\n");
+    text.push_str(
+        "</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many \
+         steps, or groups, have both. Ties share their mean rank.</p>\n",
+    );
     text
+}
+
+/// The numbers of a measure in all cases that reached their target.
+fn numbers(page: &Page, measure: &MeasureColumn) -> Vec<Option<f64>> {
+    let mean = |case: &Case| {
+        let compared = Some(case).filter(|case| case.missed().is_none())?;
+        Some(measure.estimate(page.results, compared)?.mean)
+    };
+    page.results.cases.iter().map(mean).collect()
+}
+
+fn is_constant(column: &[Option<f64>]) -> bool {
+    let mut numbers = column.iter().flatten();
+    let first = numbers.next();
+    numbers.all(|number| Some(number) == first)
 }
 
 /// The numbers of two columns where both have one and the place is wanted.

@@ -1,23 +1,29 @@
 //! The Pareto front: points that no other point beats in one coordinate without losing in the
 //! other.
 
+/// First coordinates that differ by less than this share are the same: two results of 1,000 and of
+/// 1,001 faces were made for one target.
+const SAME: f64 = 0.01;
+
 /// Places of the points on the front, small values being better in both coordinates, by the first
-/// coordinate. Of equal points all are on it.
+/// coordinate. First coordinates within 1 % count as equal. Of equal points all are on it.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    let by_place = |a: &usize, b: &usize| {
-        let ((ax, ay), (bx, by)) = (points[*a], points[*b]);
-        ax.total_cmp(&bx).then(ay.total_cmp(&by))
+    let is_beaten = |&(x, y): &(f64, f64)| {
+        points.iter().any(|&(other_x, other_y)| {
+            let is_no_larger = other_x - x <= SAME * x.abs().max(other_x.abs());
+            is_no_larger && other_y < y
+        })
     };
-    order.sort_by(by_place);
-    let mut front: Vec<usize> = Vec::new();
-    for place in order {
-        let is_equal = front.last().is_some_and(|last| points[*last] == points[place]);
-        let is_better = front.last().is_none_or(|last| points[place].1 < points[*last].1);
-        if is_equal || is_better {
-            front.push(place);
-        }
-    }
+    // Of points with the same second coordinate, the ones that are clearly larger lose as well.
+    let is_wider = |&(x, y): &(f64, f64)| {
+        points.iter().any(|&(other_x, other_y)| {
+            other_y == y && x - other_x > SAME * x.abs().max(other_x.abs())
+        })
+    };
+    let mut front: Vec<usize> = (0..points.len())
+        .filter(|place| !is_beaten(&points[*place]) && !is_wider(&points[*place]))
+        .collect();
+    front.sort_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
     front
 }
 
@@ -31,5 +37,11 @@ mod tests {
         assert_eq!(pareto_front(&points), [5, 1, 4]);
         assert_eq!(pareto_front(&[(1.0, 1.0), (1.0, 1.0), (2.0, 2.0)]), [0, 1]);
         assert_eq!(pareto_front(&[]), [0; 0]);
+    }
+
+    #[test]
+    fn a_face_more_is_no_reason_to_stay() {
+        let points = [(62003.0, 1e-3), (62004.0, 4e-4), (31000.0, 2e-3)];
+        assert_eq!(pareto_front(&points), [2, 1]);
     }
 }

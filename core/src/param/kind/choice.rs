@@ -10,6 +10,7 @@ use crate::listed::Listed;
 use crate::param::object_of;
 use crate::port::InputSpec;
 use crate::problem::did_you_mean;
+use crate::quantity::{Quantities, Quantity};
 
 /// One entry of a list: `"Id"`, or `{"Id": {parameters}}`.
 #[derive(Clone, Copy)]
@@ -42,6 +43,8 @@ pub struct EntrySpec {
     pub summary: &'static str,
     /// Its own parameters.
     pub params: &'static [ParamSpec],
+    /// The numbers that a module gives with it.
+    pub quantities: &'static [Quantity],
     /// Hash of its source: see [`crate::source_hash`].
     pub source: u64,
 }
@@ -50,6 +53,19 @@ pub struct EntrySpec {
 pub struct Choices<B: 'static> {
     /// The entries, sorted by id.
     pub entries: &'static [Listed<Entry<B>>],
+    quantities: fn(&B) -> &'static [Quantity],
+}
+
+impl<B> Choices<B> {
+    /// A list of entries that decide nothing about the numbers that a module gives.
+    pub const fn new(entries: &'static [Listed<Entry<B>>]) -> Self {
+        Self { entries, quantities: |_| &[] }
+    }
+
+    /// Says which numbers a module gives with an entry.
+    pub const fn giving(self, quantities: fn(&B) -> &'static [Quantity]) -> Self {
+        Self { quantities, ..self }
+    }
 }
 
 /// [`Choices`] of any kind.
@@ -78,7 +94,13 @@ impl<B: Sync + 'static> ChoiceList for Choices<B> {
 
     fn spec(&self, place: usize) -> EntrySpec {
         let Listed { item, source } = self.entries[place];
-        EntrySpec { id: item.id, summary: item.summary, params: item.params, source }
+        EntrySpec {
+            id: item.id,
+            summary: item.summary,
+            params: item.params,
+            quantities: (self.quantities)(&item.build),
+            source,
+        }
     }
 }
 
@@ -103,6 +125,16 @@ impl<B: Sync + 'static> ChoiceParam<B> {
     /// The declaration, for [`crate::Module::params`].
     pub const fn spec(&self) -> ParamSpec {
         self.spec
+    }
+
+    /// The numbers that a module gives with the entry that is chosen, for [`crate::Out::giving`].
+    pub const fn quantities(&self) -> Quantities {
+        Quantities::OfChoice(self.spec.name)
+    }
+
+    /// The first of these numbers.
+    pub const fn first_quantity(&self) -> Quantities {
+        Quantities::FirstOfChoice(self.spec.name)
     }
 }
 

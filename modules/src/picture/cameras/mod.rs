@@ -10,7 +10,7 @@ use mve_core::{Choices, Entry, ModuleError, Settings};
 use crate::picture::render::CameraSet;
 
 /// All sets of cameras, for the parameters of modules, costs and metrics.
-pub static CAMERA_SETS: Choices<MakeCameras> = Choices { entries: ENTRIES };
+pub static CAMERA_SETS: Choices<MakeCameras> = Choices::new(ENTRIES);
 
 /// Makes a set of cameras from its parameters.
 pub type MakeCameras = fn(&Settings) -> Result<CameraSet, ModuleError>;

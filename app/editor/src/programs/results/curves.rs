@@ -61,7 +61,7 @@ pub struct Spot {
 /// else none.
 pub fn default_series(sheet: &Sheet) -> Option<usize> {
     let program = sheet.program.as_ref()?;
-    let said = program.report.series.as_ref().and_then(|name| sheet.column(name));
+    let said = program.report.series.last().and_then(|name| sheet.column(name));
     let is_name = |place: &usize| {
         let column = &sheet.columns[*place];
         matches!(column.source, ColumnSource::Param(_))
@@ -193,7 +193,7 @@ mod tests {
         let rows: Vec<SheetRow> = (0..rows.len())
             .map(|place| {
                 let cells = rows[place].iter().map(cell).collect();
-                SheetRow { place, state: StepState::Done, cells }
+                SheetRow { place, state: StepState::Done, is_comparable: true, cells }
             })
             .collect();
         let column = |(place, (name, source)): (usize, &(&str, ColumnSource))| SheetColumn {

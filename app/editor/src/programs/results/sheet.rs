@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use indexmap::IndexSet;
-use mve_core::{Better, Program, Scalar, Step, StepRecord, StepStatus, brief, brief_value};
+use mve_core::{Better, Program, Role, Scalar, Step, StepRecord, StepStatus, brief, brief_value};
 use serde_json::Value as Json;
 
 /// How many outputs of one node a person reads first.
@@ -39,7 +39,7 @@ pub struct SheetColumn {
     pub is_chief: bool,
     /// Whether its cells are numbers.
     pub is_number: bool,
-    /// Which values are better, where the program says so.
+    /// Which values are better, of a column that the program's report names.
     pub better: Option<Better>,
     /// The best of its numbers.
     pub best: Option<f64>,
@@ -74,6 +74,8 @@ pub struct SheetRow {
     pub place: usize,
     /// What became of it.
     pub state: StepState,
+    /// Whether it is done and reached its target, so that it can be the best.
+    pub is_comparable: bool,
     /// A cell for each column.
     pub cells: Vec<SheetCell>,
 }
@@ -116,8 +118,10 @@ impl Sheet {
                 let cell = |column: &SheetColumn| {
                     cell(&column.source, step, record.map(Arc::as_ref), &state)
                 };
+                let reached = record.is_some_and(|record| record.missed().next().is_none());
                 SheetRow {
                     place: *place,
+                    is_comparable: reached && state == StepState::Done,
                     cells: columns.iter().map(cell).collect(),
                     state: state.clone(),
                 }
@@ -185,8 +189,7 @@ fn state(status: Option<&StepStatus>, is_running: bool) -> StepState {
 fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     let mut all = Vec::new();
     let mut add = |name: String, source: ColumnSource| {
-        let better = program.report.measures.iter().find(|measure| measure.column == name);
-        let better = better.map(|measure| measure.better);
+        let better = program.better(&name);
         let (is_chief, is_number, best) = (false, false, None);
         all.push(SheetColumn { name, source, is_chief, is_number, better, best });
     };
@@ -295,10 +298,21 @@ fn scalar_cell(scalar: &Scalar) -> SheetCell {
     }
 }
 
+/// Whether the results are of one size, so that the best of them says something.
+fn are_alike(program: &Program, columns: &[SheetColumn], rows: &[SheetRow]) -> bool {
+    let is_size = |column: &SheetColumn| program.columns.role(&column.name) == Role::Size;
+    let sizes = columns.iter().enumerate().filter(|(_, column)| is_size(column));
+    sizes.map(|(place, _)| place).all(|place| {
+        let compared = rows.iter().filter(|row| row.is_comparable);
+        mve_core::are_alike(compared.filter_map(|row| row.cells[place].number))
+    })
+}
+
 /// Finds which columns hold numbers, which are worth the room, and the best of each.
 fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let cells = |place: usize| rows.iter().map(move |row| &row.cells[place]);
+    let are_alike = are_alike(program, columns, rows);
     for (place, column) in columns.iter_mut().enumerate() {
         let full = || cells(place).filter(|cell| !cell.text.is_empty());
         let is_number = full().next().is_some() && full().all(|cell| cell.number.is_some());
@@ -306,11 +320,12 @@ fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
         let is_new = || (0..place).all(|other| cells(other).ne(cells(place)));
         let is_against = program.report.against.contains(&column.name);
         column.is_number = is_number;
-        let numbers = full().filter_map(|cell| cell.number);
+        let compared = rows.iter().filter(|row| are_alike && row.is_comparable);
+        let numbers = compared.filter_map(|row| row.cells[place].number);
         column.best = match column.better {
             Some(Better::Lower) => numbers.min_by(f64::total_cmp),
             Some(Better::Higher) => numbers.max_by(f64::total_cmp),
-            None => None,
+            Some(Better::Neither) | None => None,
         };
         column.is_chief = match &column.source {
             ColumnSource::Output(node, _) if column.better.is_none() && !is_against => {
@@ -336,6 +351,7 @@ mod tests {
         let rows = texts.iter().enumerate().map(|(place, text)| SheetRow {
             place,
             state: StepState::Done,
+            is_comparable: true,
             cells: vec![cell(text)],
         });
         let sheet = Sheet { rows: rows.collect(), ..Sheet::default() };

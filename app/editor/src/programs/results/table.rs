@@ -303,7 +303,7 @@ fn about(column: &SheetColumn) -> String {
     let better = match column.better {
         Some(Better::Lower) => "\nLower is better; the best is bold.",
         Some(Better::Higher) => "\nHigher is better; the best is bold.",
-        None => "",
+        Some(Better::Neither) | None => "",
     };
     format!("{}\nClick to sort.{better}", column.name)
 }

@@ -170,6 +170,7 @@ fn run_into(
         threads: threads(),
         shard: Shard { index: 0, count: 1 },
         sharing: how.sharing,
+        timings: mve_core::TIMINGS,
         memory: memory / 2,
         disk_cache: None,
         time_limit: None,

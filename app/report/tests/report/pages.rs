@@ -1,148 +1,12 @@
-//! Reports of stores that are made by hand: what they say, and that nothing in a store breaks them.
+//! Pages, tables and plots, and that nothing in a store breaks them.
 
 use std::fs;
 use std::path::Path;
 
-use mve_report::{Format, Report, ReportError};
+use mve_report::{Asked, Format, Report, ReportError};
 use serde_json::{Value as Json, json};
-use tempfile::TempDir;
 
-/// A picture of one red pixel.
-fn png() -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    let image = image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]));
-    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
-    bytes.into_inner()
-}
-
-/// A store under construction.
-struct Maker {
-    folder: TempDir,
-    plan: Json,
-}
-
-impl Maker {
-    fn new(spec: Json) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let varied: Vec<String> = spec["axes"]
-            .as_array()
-            .into_iter()
-            .flatten()
-            .flat_map(|axis| axis.as_object().unwrap().keys().cloned().collect::<Vec<_>>())
-            .collect();
-        let plan = json!({
-            "program": "p", "mve": "0.1.0", "inputs": {}, "modules": {}, "steps": [],
-            "varied": varied, "nodes": ["model", "cut", "compare", "save"], "spec": spec,
-            "map": { "mve": 1, "title": "A title", "nodes": {} }
-        });
-        Self { folder, plan }
-    }
-
-    /// Adds a step that gave these values; without values it has not ended.
-    fn step(&mut self, params: Json, repeat: u32, outputs: Option<Json>) -> String {
-        let steps = self.plan["steps"].as_array_mut().unwrap();
-        let id = format!("{:016x}", steps.len() + 1);
-        let seconds = 0.5 + steps.len() as f64;
-        steps.push(json!({ "id": id, "repeat": repeat, "params": params }));
-        let Some(outputs) = outputs else { return id };
-        let node = |outputs: Json| {
-            json!({ "module": "M", "status": "done", "key": "0".repeat(64),
-            "seconds": seconds, "phases": { "heap": seconds / 4.0 }, "scalars": outputs })
-        };
-        let mut record = json!({
-            "id": id, "repeat": repeat, "params": params, "status": "done", "seconds": 1.5,
-            "is_timed": true, "version": "0.1.0",
-            "nodes": { "cut": node(json!({ "faces": outputs["faces"] })), "compare": node(outputs) }
-        });
-        if let Some(reason) = record["nodes"]["compare"]["scalars"]["fail"].as_str() {
-            let reason = reason.to_owned();
-            record["status"] = json!("failed");
-            record["reason"] = json!(reason);
-        }
-        self.put(&id, &record);
-        id
-    }
-
-    fn put(&self, id: &str, record: &Json) {
-        let folder = self.folder.path().join("steps").join(id);
-        fs::create_dir_all(folder.join("outputs")).unwrap();
-        fs::write(folder.join("record.json"), record.to_string()).unwrap();
-    }
-
-    fn finish(self) -> TempDir {
-        fs::write(self.folder.path().join("plan.json"), self.plan.to_string()).unwrap();
-        self.folder
-    }
-}
-
-fn text(folder: &Path, format: Format) -> String {
-    Report::read(folder).unwrap().text(format, Some(folder))
-}
-
-/// Two models by two costs, one of them at two resolutions.
-fn experiment() -> Maker {
-    let costs = json!(["Quadric", { "Mse": { "size": 1 } }, { "Mse": { "size": 2 } },
-        { "Ssim": { "size": 1 } }, { "Ssim": { "size": 2 } }]);
-    let mut maker = Maker::new(json!({
-        "axes": [{ "model.module": ["Box", "Vase"] }, { "cut.cost": costs }],
-        "report": {
-            "measures": [{ "column": "compare.err", "title": "Error" },
-                { "column": "compare.like", "better": "higher" }, { "column": "compare.none" }],
-            "questions": [{ "text": "Is Ssim lower than Mse?", "measure": "compare.err",
-                "compare": { "cut.cost": ["Ssim", "Mse"] } }]
-        }
-    }));
-    let values = [[4.0, 2.0, 2.0, 1.0, 1.0], [8.0, 4.0, 4.0, 2.0, 4.0]];
-    for (model, values) in ["Box", "Vase"].into_iter().zip(values) {
-        for (cost, value) in costs.as_array().unwrap().iter().zip(values) {
-            let faces = if model == "Vase" && value == 2.0 { 101 } else { 100 };
-            let outputs = json!({ "err": value, "like": 1.0 / value, "faces": faces });
-            maker.step(json!({ "model.module": model, "cut.cost": cost }), 0, Some(outputs));
-        }
-    }
-    maker
-}
-
-#[test]
-fn a_question_is_answered_from_pairs_of_equal_parameters() {
-    let folder = experiment().finish();
-    let report = Report::read(folder.path()).unwrap();
-    let answers = report.answers_in_words();
-    assert_eq!(answers[0].0, "Is Ssim lower than Mse?");
-    let words = answers[0].1.join(" ").replace('\u{a0}', " ");
-    // Ratios 1/2, 1/2, 1/2, 1: the geometric mean is 2^(-3/4) = 0.5946. Of the three that differ
-    // all are lower, and 2 of 8 signs are as far from the middle: p = 0.25.
-    let lead = "Too few pairs to tell: on average “Error” is 41 % lower with Ssim than with Mse";
-    assert!(words.starts_with(lead), "{words}");
-    assert!(words.contains("geometric mean of 4 pairs"), "{words}");
-    let counts = "it is lower in 3 of 4, equal in 1; p = 0.25 by the signed-rank test";
-    assert!(words.contains(counts), "{words}");
-    assert!(words.contains("In 1 of 4 pairs cut.faces is not the same, by up to 0.99 %."));
-    // By model first: 1/2 and 1/sqrt 2, whose geometric mean is the same.
-    assert!(
-        words.contains("averaged first, since they are not independent: 41 % lower"),
-        "{words}"
-    );
-}
-
-#[test]
-fn tables_mark_the_best_of_each_row() {
-    let folder = experiment().finish();
-    let latex = text(folder.path(), Format::Latex);
-    let row = "Box & 4 & 2 & 2 & \\textbf{1} & \\textbf{1} \\\\";
-    assert!(latex.contains(row), "{latex}");
-    assert!(latex.contains("model.module & Quadric & Mse 1 & Mse 2 & Ssim 1 & Ssim 2 \\\\"));
-    let markdown = text(folder.path(), Format::Markdown);
-    assert!(markdown.contains("| Vase | 8 | 4 | 4 | **2** | 4 |"), "{markdown}");
-    assert!(markdown.contains("| Vase | 0.125 | 0.25 | 0.25 | **0.5** | 0.25 |"), "{markdown}");
-    let csv = text(folder.path(), Format::Csv);
-    assert!(csv.starts_with("model.module,cut.cost,compare.err,compare.like,"), "{csv}");
-    assert!(csv.contains("Box,\"{\"\"Mse\"\":{\"\"size\"\":1}}\",2,0.5,"), "{csv}");
-    let page = text(folder.path(), Format::Html);
-    assert!(page.contains("<td class=\"best\">1</td>"));
-    assert!(page.contains("No step gave a number for compare.none."));
-    assert!(page.contains("<svg") && page.contains("<h2>Correlation of the measures</h2>"));
-}
+use super::{Maker, experiment, png, small, text};
 
 #[test]
 fn pictures_that_are_the_same_are_shown_once() {
@@ -188,39 +52,6 @@ fn repeats_give_a_mean_and_its_interval() {
     assert!(page.contains("10 of 10 steps done") && page.contains("Means over the repeats"));
 }
 
-/// A store of a Box and a Vase by two costs, with these errors.
-fn small(report: Json, errors: [f64; 4]) -> Maker {
-    let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] }]);
-    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
-    for (place, error) in errors.into_iter().enumerate() {
-        let (model, cost) = (["Box", "Vase"][place / 2], ["A", "B"][place % 2]);
-        let outputs = json!({ "err": error, "faces": 100 });
-        maker.step(json!({ "model.module": model, "cut.cost": cost }), 0, Some(outputs));
-    }
-    maker
-}
-
-#[test]
-fn rounding_counts_as_zero_and_is_not_ranked() {
-    let report = json!({
-        "measures": [{ "column": "compare.err" }],
-        "questions": [{ "text": "A or B?", "measure": "compare.err",
-            "compare": { "cut.cost": ["A", "B"] } }]
-    });
-    let note = "Values of a measure below 10⁻¹² of its largest are rounding and count as 0.";
-    let folder = small(report.clone(), [1e-17, 1e-16, 1.0, 0.5]).finish();
-    let page = text(folder.path(), Format::Html);
-    assert!(page.contains(note) && page.contains("equal in 1"), "{page}");
-    let markdown = text(folder.path(), Format::Markdown);
-    assert!(markdown.contains("| Box | 0 | 0 |"), "{markdown}");
-    assert!(markdown.contains("| Vase | 1 | **0.5** |"), "{markdown}");
-    // To compute with, the numbers are what they were.
-    let csv = text(folder.path(), Format::Csv);
-    assert!(csv.contains("Box,A,1e-17,") && csv.contains("Box,B,1e-16,"), "{csv}");
-    let page = text(small(report, [1e-11, 1e-10, 1.0, 0.5]).finish().path(), Format::Html);
-    assert!(!page.contains(note) && page.contains("<td class=\"best\">1e-11</td>"), "{page}");
-}
-
 #[test]
 fn seconds_of_a_part_of_a_node_are_a_column() {
     let report = json!({ "measures": [{ "column": "seconds.cut.heap", "title": "Queue" }] });
@@ -248,20 +79,6 @@ fn models_of_different_sizes_are_in_different_charts() {
     assert!(!constant.contains("<svg"), "one count of faces a model: nothing to see");
     let differing = page([300, 600, 2000, 4000]);
     assert_eq!(differing.matches("<svg").count(), 3, "the means, the Box and the Vase");
-}
-
-#[test]
-fn an_axis_of_one_value_gives_no_series() {
-    let mut maker = Maker::new(json!({
-        "axes": [{ "cut.cost": ["A", "B"] }, { "model.module": ["Vase"] }]
-    }));
-    for (place, cost) in ["A", "B"].into_iter().enumerate() {
-        let outputs = json!({ "err": 1.0 + place as f64, "faces": 100 });
-        maker.step(json!({ "cut.cost": cost, "model.module": "Vase" }), 0, Some(outputs));
-    }
-    let markdown = text(maker.finish().path(), Format::Markdown);
-    assert!(markdown.contains("| model.module | A | B |"), "{markdown}");
-    assert!(markdown.contains("| Vase | **1** | 2 |"), "{markdown}");
 }
 
 #[test]
@@ -356,6 +173,87 @@ fn odd_stores_have_reports() {
     let mut one = Maker::new(json!({}));
     one.step(json!({}), 0, Some(json!({ "err": 1.0, "faces": 3 })));
     assert!(text(one.finish().path(), Format::Html).contains("1 of 1 step done"));
+}
+
+#[test]
+fn another_report_can_be_asked_of_a_store() {
+    let folder = experiment().finish();
+    let faults = |asked: Asked| Report::read_for(folder.path(), &asked).err().unwrap().to_string();
+    let report = Some(json!({ "measures": [{ "column": "compare.er" }] }));
+    let message = faults(Asked { report, ..Asked::default() });
+    let expected = "\"report.measures[0].column\": \"compare.er\" is not a column";
+    assert!(message.starts_with(expected), "{message}");
+    assert!(message.ends_with("did you mean \"compare.err\"?"), "{message}");
+    let rows = faults(Asked { rows: vec!["cut.costs".to_owned()], ..Asked::default() });
+    assert!(rows.ends_with("not varied by the program; did you mean \"cut.cost\"?"), "{rows}");
+    let asked = Asked {
+        measures: vec!["compare.like".to_owned()],
+        columns: vec!["model.module".to_owned()],
+        ..Asked::default()
+    };
+    let markdown = Report::read_for(folder.path(), &asked).unwrap().text(Format::Markdown, None);
+    assert!(markdown.contains("\n| cost | Box | Vase |\n"), "{markdown}");
+    assert_eq!(markdown.matches("\n## ").count(), 1, "{markdown}");
+}
+
+#[test]
+fn times_of_several_runs_are_tables_with_their_spread() {
+    let mut maker =
+        Maker::new(json!({ "axes": [{ "cut.cost": ["A", "B"] }, { "cut.n": [1, 2] }] }));
+    for (cost, slow) in [("A", 1.0), ("B", 3.0)] {
+        for n in [1, 2] {
+            let params = json!({ "cut.cost": cost, "cut.n": n });
+            let id = maker.step(params, 0, Some(json!({ "err": 1.0, "faces": 100 })));
+            let path = maker.folder.path().join("steps").join(&id).join("record.json");
+            let mut record: Json =
+                serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+            record["timings"] = [0.3, 0.1, 0.2]
+                .map(|seconds| {
+                    json!({ "seconds": seconds * slow, "cpu_seconds": slow,
+                    "peak_bytes": 1024, "parts": { "cut": seconds } })
+                })
+                .to_vec()
+                .into();
+            maker.put(&id, &record);
+        }
+    }
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    let table = |title: &str| {
+        let start = markdown.find(title).unwrap_or_else(|| panic!("{title}: {markdown}"));
+        markdown[start..].split("\n## ").next().unwrap().to_owned()
+    };
+    assert!(table("## time of a step, median").contains("| 1 | **0.2** | 0.6 |"), "{markdown}");
+    assert!(table("## time of a step, minimum").contains("| 1 | **0.1** | 0.3 |"), "{markdown}");
+    assert!(table("## time of the processors").contains("| 1 | **1** | 3 |"), "{markdown}");
+    assert!(table("## peak memory").contains("| 1 | 1024 | 1024 |"), "{markdown}");
+}
+
+#[test]
+fn plots_stand_alone() {
+    let axes = json!([{ "cut.cost": ["A", "B"] }, { "cut.n": [1, 2, 3] }]);
+    let mut maker = Maker::new(json!({ "axes": axes }));
+    for (series, cost) in ["A", "B"].into_iter().enumerate() {
+        for n in [1, 2, 3] {
+            let outputs = json!({ "err": f64::from(n) + series as f64, "faces": 1000 / n });
+            maker.step(json!({ "cut.cost": cost, "cut.n": n }), 0, Some(outputs));
+        }
+    }
+    let folder = maker.finish();
+    let plots = Report::read(folder.path()).unwrap().plots();
+    assert_eq!(plots[0].name(), "compare.err-by-cut.faces");
+    let svg = String::from_utf8(plots[0].svg().unwrap()).unwrap();
+    assert!(svg.starts_with("<svg") && !svg.contains("var(--"), "{svg:.2000}");
+    assert!(svg.contains(">Error<") && svg.contains(">faces<") && svg.contains(">B<"));
+    assert!(plots[0].pdf().unwrap().starts_with(b"%PDF-"));
+    assert_eq!(plots[1].name(), "compare.err-by-seconds.cut");
+    // Times are no measure where steps shared the machine.
+    for step in fs::read_dir(folder.path().join("steps")).unwrap() {
+        let path = step.unwrap().path().join("record.json");
+        let record = fs::read_to_string(&path).unwrap();
+        fs::write(&path, record.replace("\"is_timed\":true", "\"is_timed\":false")).unwrap();
+    }
+    assert_eq!(Report::read(folder.path()).unwrap().plots().len(), 1);
 }
 
 #[test]

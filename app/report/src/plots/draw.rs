@@ -1,0 +1,247 @@
+//! Drawing of plots with the crate kuva: for the page, in its colors of light and dark, and on
+//! paper, standing alone.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use kuva::backend::pdf::PdfBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::{LegendEntry, LegendShape};
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::{AxisLabelOverlap, Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+use kuva::render::theme::Theme;
+use mve_core::brief;
+
+use super::figure::{Figure, Panel, Point, Scale, scale};
+use super::style::{N_COLORS, SeriesStyle};
+use crate::labels;
+
+/// Width and height of a panel in points.
+const SIZE: (f64, f64) = (400.0, 285.0);
+
+/// Characters of a title that fit into the width, and into the height, of a panel.
+const TITLE: usize = 46;
+const SIDE_TITLE: usize = 34;
+
+/// Panels beside each other on paper.
+const ABREAST: usize = 3;
+
+/// What a plot stands on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Canvas {
+    /// The page, whose style sheet has the colors.
+    Page,
+    /// White paper.
+    Paper,
+}
+
+impl Canvas {
+    fn color(self, series: usize) -> String {
+        const PAPER: [&str; N_COLORS] = [
+            "#2563a8", "#c2571a", "#1f8a5b", "#a63a7d", "#8a6d00", "#3aa0c4", "#7a52c7", "#6b7280",
+        ];
+        match self {
+            Self::Page => format!("var(--s{})", series % N_COLORS),
+            Self::Paper => PAPER[series % N_COLORS].to_owned(),
+        }
+    }
+
+    fn ink(self, page: &str, paper: &str) -> String {
+        match self {
+            Self::Page => format!("var(--{page})"),
+            Self::Paper => paper.to_owned(),
+        }
+    }
+
+    fn theme(self) -> Theme {
+        let font = match self {
+            Self::Page => "inherit",
+            Self::Paper => "DejaVu Sans, Arial, Helvetica, sans-serif",
+        };
+        Theme {
+            background: if self == Self::Page { "none" } else { "#ffffff" }.to_owned(),
+            axis_color: self.ink("ink-2", "#444444"),
+            grid_color: self.ink("line", "#e2e2e2"),
+            tick_color: self.ink("ink-2", "#444444"),
+            text_color: self.ink("ink", "#000000"),
+            legend_bg: "none".to_owned(),
+            legend_border: "none".to_owned(),
+            font_family: Some(font.to_owned()),
+            show_grid: true,
+            ..Theme::light()
+        }
+    }
+}
+
+/// The panels of a figure as SVG, each for its place on the page. `number` counts them, so that
+/// their names are their own there.
+pub fn panels(figure: &Figure, number: &mut usize) -> Vec<String> {
+    let one = |panel: &Panel| {
+        *number += 1;
+        // The drawing is plain code over finite numbers; should it fail, the others stand.
+        let drawn = catch_unwind(AssertUnwindSafe(|| {
+            let (plots, layout) = panel_parts(figure, panel, Canvas::Page);
+            SvgBackend::new().render_scene(&render_multiple(plots, layout))
+        }));
+        drawn.ok().map(|svg| fitted(&svg, *number))
+    };
+    figure.panels.iter().filter_map(one).collect()
+}
+
+/// A panel that scales with its place on the page, and whose names are its own there.
+fn fitted(svg: &str, number: usize) -> String {
+    let size = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
+    let scaled = format!("viewBox=\"0 0 {} {}\"", SIZE.0, SIZE.1);
+    svg.replacen(&size, &scaled, 1).replace("kuva-clip-", &format!("clip-{number}-"))
+}
+
+/// A whole figure for a paper, as SVG or as PDF.
+///
+/// # Errors
+/// If the crate that draws fails, with what it says.
+pub fn draw(figure: &Figure, is_pdf: bool) -> Result<Vec<u8>, String> {
+    let drawn = catch_unwind(AssertUnwindSafe(|| {
+        let scene = grid(figure);
+        match is_pdf {
+            true => PdfBackend::new().render_scene(&scene),
+            false => Ok(SvgBackend::new().render_scene(&scene).into_bytes()),
+        }
+    }));
+    drawn.unwrap_or_else(|_| Err("the plot could not be drawn".to_owned()))
+}
+
+fn grid(figure: &Figure) -> Scene {
+    let parts = figure.panels.iter().map(|panel| panel_parts(figure, panel, Canvas::Paper));
+    let (plots, layouts): (Vec<_>, Vec<_>) = parts.unzip();
+    let columns = plots.len().clamp(1, ABREAST);
+    let grid = Grid::new(plots.len().div_ceil(columns).max(1), columns)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(SIZE.0, SIZE.1);
+    if figure.styles.len() < 2 {
+        return grid.render();
+    }
+    let entry = |style: &SeriesStyle| LegendEntry {
+        label: labels::shortened(&style.label),
+        color: Canvas::Paper.color(style.color),
+        shape: LegendShape::Marker(style.marker()),
+        dasharray: None,
+    };
+    let entries = figure.styles.iter().map(entry).collect();
+    grid.with_shared_legend().with_shared_legend_entries(entries).render()
+}
+
+fn panel_parts(figure: &Figure, panel: &Panel, canvas: Canvas) -> (Vec<Plot>, Layout) {
+    let own = |value: fn(&Point) -> &crate::stats::Estimate| scale(panel.points.iter().map(value));
+    let scales = [
+        figure.scales[0].or_else(|| own(|point| &point.x)),
+        figure.scales[1].or_else(|| own(|point| &point.y)),
+    ];
+    let mut plots: Vec<Plot> = Vec::new();
+    plots.extend(front(panel, canvas));
+    for (series, style) in figure.styles.iter().enumerate() {
+        let own = panel.points.iter().filter(|point| point.series == series);
+        let mut own: Vec<&Point> = own.collect();
+        own.sort_by(|a, b| a.x.mean.total_cmp(&b.x.mean));
+        let is_log = scales[1].is_some_and(|scale| scale.is_log);
+        plots.extend(series_plots(style, &own, Look { is_line: panel.is_line, is_log, canvas }));
+    }
+    let format = TickFormat::Custom(Arc::new(|value| labels::rounded(value, 4)));
+    let mut layout = Layout::auto_from_plots(&plots)
+        .with_title(labels::shortened_to(&panel.title, TITLE))
+        .with_x_label(labels::shortened_to(&figure.titles[0], TITLE))
+        .with_y_label(labels::shortened_to(&figure.titles[1], SIDE_TITLE))
+        .with_theme(canvas.theme())
+        .with_width(SIZE.0)
+        .with_height(SIZE.1)
+        .with_title_size(13)
+        .with_label_size(12)
+        .with_tick_size(11)
+        .with_ticks(5)
+        .with_x_label_overlap(AxisLabelOverlap::Thin)
+        .with_tick_format(format);
+    if let Some(Scale { low, high, is_log }) = scales[0] {
+        layout = layout.with_x_axis_min(low).with_x_axis_max(high);
+        layout = if is_log { layout.with_log_x() } else { layout };
+    }
+    if let Some(Scale { low, high, is_log }) = scales[1] {
+        layout = layout.with_y_axis_min(low).with_y_axis_max(high);
+        layout = if is_log { layout.with_log_y() } else { layout };
+    }
+    (plots, layout)
+}
+
+/// The line that joins the points of the front, behind the series.
+fn front(panel: &Panel, canvas: Canvas) -> Option<Plot> {
+    let place = |place: &usize| {
+        let point = &panel.points[*place];
+        (point.x.mean, point.y.mean)
+    };
+    let line: Vec<(f64, f64)> = panel.front.iter().map(place).collect();
+    let is_line = line.len() > 1;
+    let plot = LinePlot::new().with_data(line).with_color(canvas.ink("front", "#d5dae0"));
+    is_line.then(|| plot.with_stroke_width(6.0).into())
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Whether a line joins its points.
+    is_line: bool,
+    /// Whether the upright scale is logarithmic.
+    is_log: bool,
+    canvas: Canvas,
+}
+
+/// The line and the marks of a series, with a ring where a target was missed and error bars where
+/// there are repeats.
+fn series_plots(style: &SeriesStyle, points: &[&Point], look: Look) -> Vec<Plot> {
+    let color = look.canvas.color(style.color);
+    let (missed, reached): (Vec<&Point>, Vec<&Point>) =
+        points.iter().copied().partition(|point| point.is_missed);
+    let mut plots: Vec<Plot> = Vec::new();
+    if look.is_line && reached.len() > 1 {
+        let data = reached.iter().map(|point| (point.x.mean, point.y.mean));
+        let line = LinePlot::new().with_data(data.collect::<Vec<_>>()).with_color(&color);
+        plots.push(line.with_stroke_width(1.2).with_line_style(style.line()).into());
+    }
+    if !missed.is_empty() {
+        let rings = missed.iter().map(|point| (point.x.mean, point.y.mean));
+        let rings = ScatterPlot::new().with_data(rings.collect::<Vec<_>>()).with_color(&color);
+        plots.push(
+            rings.with_size(8.0).with_marker_opacity(0.0).with_marker_stroke_width(1.2).into(),
+        );
+    }
+    if !points.is_empty() {
+        plots.push(marks(style, points, look).into());
+    }
+    plots
+}
+
+fn marks(style: &SeriesStyle, points: &[&Point], look: Look) -> ScatterPlot {
+    let tip = |point: &&Point| {
+        let mark = if point.is_missed { ", target not reached" } else { "" };
+        format!("{}: {}, {}{mark}", point.name, brief(point.x.mean), brief(point.y.mean))
+    };
+    let data: Vec<(f64, f64)> = points.iter().map(|point| (point.x.mean, point.y.mean)).collect();
+    let mut marks = ScatterPlot::new()
+        .with_data(data)
+        .with_color(look.canvas.color(style.color))
+        .with_size(4.5)
+        .with_marker(style.marker())
+        .with_tooltip_labels(points.iter().map(tip));
+    if points.iter().any(|point| point.y.half_width.is_some_and(|half| half > 0.0)) {
+        // A logarithmic scale has no place for an interval that reaches 0.
+        let below = |point: &&Point, half: f64| {
+            if look.is_log { half.min(0.99 * point.y.mean) } else { half }
+        };
+        marks = marks.with_y_err_asymmetric(points.iter().map(|point| {
+            let half = point.y.half_width.unwrap_or(0.0);
+            (below(point, half), half)
+        }));
+    }
+    marks
+}

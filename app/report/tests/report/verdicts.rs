@@ -1,0 +1,191 @@
+//! What is called better than something else, and what is not.
+
+use std::fs;
+
+use mve_report::{Asked, Format, Report};
+use serde_json::{Value as Json, json};
+
+use super::{Maker, experiment, small, text};
+
+#[test]
+fn a_question_is_answered_from_pairs_of_equal_parameters() {
+    let folder = experiment().finish();
+    let report = Report::read(folder.path()).unwrap();
+    let answers = report.answers_in_words();
+    assert_eq!(answers[0].0, "Is Ssim lower than Mse?");
+    let words = answers[0].1.join(" ").replace('\u{a0}', " ");
+    // Ratios 1/2, 1/2, 1/2, 1: the geometric mean is 2^(-3/4) = 0.5946. Of the three that differ
+    // all are lower, and 2 of 8 signs are as far from the middle: p = 0.25.
+    let lead = "Too few pairs to tell: on average “Error” is 41 % lower with Ssim than with Mse";
+    assert!(words.starts_with(lead), "{words}");
+    assert!(words.contains("geometric mean of 4 pairs"), "{words}");
+    let counts = "it is lower in 3 of 4, equal in 1; p = 0.25 by the signed-rank test";
+    assert!(words.contains(counts), "{words}");
+    assert!(words.contains("In 1 of 4 pairs faces is not the same, by up to 0.99 %."));
+    // By model first: 1/2 and 1/sqrt 2, whose geometric mean is the same.
+    assert!(
+        words.contains("averaged first, since they are not independent: 41 % lower"),
+        "{words}"
+    );
+}
+
+#[test]
+fn tables_mark_the_best_of_each_row() {
+    let folder = experiment().finish();
+    let latex = text(folder.path(), Format::Latex);
+    let row = "Vase & 0.125 & 0.250 & 0.250 & \\textbf{0.500} & 0.250 \\\\";
+    assert!(latex.contains(row), "{latex}");
+    assert!(latex.contains("model & Quadric & Mse 1 & Mse 2 & Ssim 1 & Ssim 2 \\\\"));
+    let caption =
+        "\\caption{Error (lower is better). Columns: cost. The best of each row is bold.}";
+    assert!(latex.contains(caption) && latex.contains("\\label{tab:compare-err}"), "{latex}");
+    assert!(latex.contains("\\paragraph{Is Ssim lower than Mse?}\nToo few pairs"), "{latex}");
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Vase | 8 | 4 | 4 | **2** | 4 |"), "{markdown}");
+    assert!(markdown.contains("| Vase | 0.125 | 0.25 | 0.25 | **0.5** | 0.25 |"), "{markdown}");
+    let csv = text(folder.path(), Format::Csv);
+    assert!(csv.starts_with("model.module,cut.cost,compare.err,compare.like,"), "{csv}");
+    assert!(csv.contains("Box,\"{\"\"Mse\"\":{\"\"size\"\":1}}\",2,0.5,"), "{csv}");
+    let page = text(folder.path(), Format::Html);
+    assert!(page.contains("<td class=\"best\">1</td>"));
+    assert!(page.contains("No step gave a number for compare.none."));
+    assert!(page.contains("<svg") && page.contains("<h2>Correlation of the measures</h2>"));
+}
+
+#[test]
+fn rounding_counts_as_zero_and_is_not_ranked() {
+    let report = json!({
+        "measures": [{ "column": "compare.err" }],
+        "questions": [{ "text": "A or B?", "measure": "compare.err",
+            "compare": { "cut.cost": ["A", "B"] } }]
+    });
+    let note = "Values of a measure below 10⁻¹² of its largest are rounding and count as 0.";
+    let folder = small(report.clone(), [1e-17, 1e-16, 1.0, 0.5]).finish();
+    let page = text(folder.path(), Format::Html);
+    assert!(page.contains(note) && page.contains("equal in 1"), "{page}");
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | 0 | 0 |"), "{markdown}");
+    assert!(markdown.contains("| Vase | 1 | **0.5** |"), "{markdown}");
+    // To compute with, the numbers are what they were.
+    let csv = text(folder.path(), Format::Csv);
+    assert!(csv.contains("Box,A,1e-17,") && csv.contains("Box,B,1e-16,"), "{csv}");
+    let page = text(small(report, [1e-11, 1e-10, 1.0, 0.5]).finish().path(), Format::Html);
+    assert!(!page.contains(note) && page.contains("<td class=\"best\">1e-11</td>"), "{page}");
+}
+
+#[test]
+fn an_axis_of_one_value_gives_no_series() {
+    let mut maker = Maker::new(json!({
+        "axes": [{ "cut.cost": ["A", "B"] }, { "model.module": ["Vase"] }]
+    }));
+    for (place, cost) in ["A", "B"].into_iter().enumerate() {
+        let outputs = json!({ "err": 1.0 + place as f64, "faces": 100 });
+        maker.step(json!({ "cut.cost": cost, "model.module": "Vase" }), 0, Some(outputs));
+    }
+    let markdown = text(maker.finish().path(), Format::Markdown);
+    assert!(markdown.contains("| model | A | B |"), "{markdown}");
+    assert!(markdown.contains("| Vase | **1** | 2 |"), "{markdown}");
+}
+
+/// A step of a model and an angle whose target was missed or not.
+fn turned(maker: &mut Maker, model: &str, angle: Json, faces: u32, error: f64) {
+    let params = json!({ "model.module": model, "cut.angle": angle });
+    let id = maker.step(params, 0, Some(json!({ "err": error, "faces": faces })));
+    if faces != 600 {
+        let path = maker.folder.path().join("steps").join(&id).join("record.json");
+        let mut record: Json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+        let missed = json!([{ "what": "faces", "asked": 600.0, "reached": faces }]);
+        record["nodes"]["cut"]["missed"] = missed;
+        record["nodes"]["cut"]["log"] =
+            json!([{ "is_warning": true, "text": format!("stopped at {faces} faces") }]);
+        maker.put(&id, &record);
+    }
+}
+
+#[test]
+fn a_step_that_missed_its_target_is_marked_and_never_the_best() {
+    let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.angle": [10, 45, null] }]);
+    let mut maker = Maker::new(json!({ "axes": axes }));
+    for model in ["Box", "Vase"] {
+        turned(&mut maker, model, json!(10), 2734, 0.1);
+        turned(&mut maker, model, json!(45), 600, 0.4);
+        turned(&mut maker, model, json!(null), 600, 0.8);
+    }
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("\n2 of 6 steps did not reach their target.\n"), "{markdown}");
+    assert!(markdown.contains("| model | 10 | 45 | off |"), "{markdown}");
+    assert!(markdown.contains("| Box | 0.1† | **0.4** | 0.8 |"), "{markdown}");
+    assert!(!markdown.contains("as in the map") && !markdown.contains("Geometric mean"));
+    let page = text(folder.path(), Format::Html);
+    assert!(page.contains("2 of 6 steps did not reach their target."));
+    assert!(page.contains("<td title=\"cut: 2734 of 600 faces\">0.1†</td>"), "{page}");
+    assert!(page.contains("† cut: 2734 of 600 faces"));
+    let latex = text(folder.path(), Format::Latex);
+    let row = "Box & 0.100\\rlap{$^\\dagger$} & \\textbf{0.400} & 0.800 \\\\";
+    assert!(latex.contains(row), "{latex}");
+    let csv = text(folder.path(), Format::Csv);
+    let row = csv.lines().find(|line| line.starts_with("Box,10,")).unwrap();
+    assert!(row.ends_with(",cut: 2734 of 600 faces,1,done"), "{csv}");
+    assert!(csv.contains("\nBox,off,0.8,"), "{csv}");
+    // 0.8 is twice 0.4 in both models; the pairs with 10 degrees are left out.
+    let answers = Report::read(folder.path()).unwrap().answers_in_words();
+    let words = answers.iter().map(|(question, answer)| (question.as_str(), answer.join(" ")));
+    let words: Vec<_> = words.collect();
+    assert_eq!(words[0].0, "Is “Error” lower with angle 45 than with angle 10?");
+    assert!(words[0].1.ends_with("2 pairs are left out, as a step did not reach its target."));
+}
+
+#[test]
+fn results_of_different_sizes_are_not_ranked() {
+    let mut maker = small(json!({}), [1.0, 2.0, 1.0, 2.0]);
+    let params = json!({ "model.module": "Tube", "cut.cost": "A" });
+    maker.step(params, 0, Some(json!({ "err": 1.0, "faces": 102 })));
+    let params = json!({ "model.module": "Tube", "cut.cost": "B" });
+    maker.step(params, 0, Some(json!({ "err": 2.0, "faces": 100 })));
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | **1** | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Tube‡ | 1 | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Geometric mean of 2 comparable rows | **1** | 2 |"));
+    assert!(markdown.contains("1 pair is left out, as the results differ in size by more than 1"));
+}
+
+#[test]
+fn what_has_no_declared_direction_has_no_best() {
+    let mut maker =
+        small(json!({ "measures": [{ "column": "compare.err" }] }), [1.0, 2.0, 3.0, 1.0]);
+    maker.plan["columns"]["compare.err"] = json!([{ "title": "Tries" }]);
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("## Tries\n") && markdown.contains("| Box | 1 | 2 |"), "{markdown}");
+    assert!(!markdown.contains("**") && !markdown.contains("better"), "{markdown}");
+    let page = text(folder.path(), Format::Html);
+    assert!(!page.contains("class=\"best\"") && !page.contains("Pareto front</span>"));
+    let higher = json!({ "measures": [{ "column": "compare.err", "better": "higher" }] });
+    let asked = Asked { report: Some(higher), ..Asked::default() };
+    let markdown = Report::read_for(folder.path(), &asked).unwrap().text(Format::Markdown, None);
+    assert!(markdown.contains("| Box | 1 | **2** |"), "{markdown}");
+}
+
+#[test]
+fn a_column_of_two_metrics_is_two_measures() {
+    let axes = json!([{ "model.module": ["Box", "Vase"] }, { "compare.metric": ["Far", "Near"] }]);
+    let mut maker = Maker::new(json!({ "axes": axes }));
+    maker.plan["columns"]["compare.err"] = json!([
+        { "title": "Distance", "better": "lower", "role": "chief",
+            "only_with": ["compare.metric", "Far"] },
+        { "title": "Likeness", "better": "higher", "role": "chief",
+            "only_with": ["compare.metric", "Near"] }
+    ]);
+    for (place, model) in ["Box", "Vase"].into_iter().enumerate() {
+        for (metric, error) in [("Far", 1e-4), ("Near", 2.86)] {
+            let params = json!({ "model.module": model, "compare.metric": metric });
+            maker.step(params, 0, Some(json!({ "err": error + place as f64, "faces": 100 })));
+        }
+    }
+    let markdown = text(maker.finish().path(), Format::Markdown);
+    assert!(markdown.contains("## Distance (lower is better)\n\n| model | Far |"), "{markdown}");
+    assert!(markdown.contains("## Likeness (higher is better)\n\n| model | Near |"), "{markdown}");
+    assert!(!markdown.contains("**1e-4**") && !markdown.contains("**2.86**"), "{markdown}");
+}

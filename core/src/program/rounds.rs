@@ -1,0 +1,169 @@
+//! Steps run for their times: one at a time, in rounds.
+//!
+//! Each round runs every step once, in an order of its own, so that whatever slows the machine for
+//! a while slows all steps alike. Orders are hashes of the round and the steps: the same in every
+//! call. One run before the first round is not counted; it brings files and code into memory.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::store::{StepRecord, StepStatus, Store, StoreError};
+use super::timing::Timing;
+use super::{Program, ProgramEvent, ProgramOptions, Sharing, Workers, usage};
+use crate::fingerprint::FingerprintBuilder;
+
+/// How often a step is timed where nobody says.
+pub const TIMINGS: usize = 3;
+
+impl Program {
+    /// How often each step is run for its times. Repeats that are the same step give as many runs;
+    /// repeats with seeds of their own are steps that run once; else it is `timings`.
+    pub fn runs_by_step(&self, timings: usize) -> HashMap<&str, usize> {
+        let has_repeats = self.steps.iter().any(|step| step.repeat > 0);
+        let mut runs: HashMap<&str, usize> = HashMap::new();
+        self.steps.iter().for_each(|step| *runs.entry(&step.id).or_default() += 1);
+        if !has_repeats {
+            runs.values_mut().for_each(|n| *n = timings.max(1));
+        }
+        runs
+    }
+
+    /// Whether the store has what is asked of a step.
+    pub fn is_answered(&self, store: &Store, id: &str, options: &ProgramOptions) -> bool {
+        store.record(id).is_some_and(|record| match options.sharing {
+            Sharing::Shared => true,
+            Sharing::Timing => {
+                let runs = self.runs_by_step(options.timings);
+                record.has_timings(runs.get(id).copied().unwrap_or(1))
+            }
+        })
+    }
+}
+
+impl StepRecord {
+    /// Whether it has as many times as are wanted. What failed is not run for its times again.
+    pub fn has_timings(&self, runs: usize) -> bool {
+        self.is_timed && (self.timings.len() >= runs || self.status != StepStatus::Done)
+    }
+
+    fn add(&mut self, timing: Timing) {
+        self.timings.push(timing);
+        let timings = &self.timings;
+        let mean = |value: &dyn Fn(&Timing) -> Option<f64>| {
+            let known: Vec<f64> = timings.iter().filter_map(value).collect();
+            (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+        };
+        self.seconds = mean(&|timing| Some(timing.seconds)).unwrap_or(self.seconds);
+        for (name, node) in &mut self.nodes {
+            node.seconds = mean(&|timing| timing.parts.get(name).copied());
+            for (part, seconds) in &mut node.phases {
+                let place = format!("{name}.{part}");
+                *seconds = mean(&|timing| timing.parts.get(&place).copied()).unwrap_or(*seconds);
+            }
+        }
+    }
+}
+
+impl Workers<'_> {
+    /// Runs all steps that have too few times.
+    pub(super) fn time_all(&self) -> Result<(), StoreError> {
+        let runs = self.program.runs_by_step(self.options.timings);
+        let n_rounds = runs.values().copied().max().unwrap_or(0);
+        let is_stopped = || self.options.cancel.is_cancelled();
+        let mut is_warm = false;
+        for round in 0..n_rounds {
+            for place in self.order(round) {
+                let step = &self.program.steps[place];
+                let wanted = runs.get(step.id.as_str()).copied().unwrap_or(1);
+                let known = self.store.record(&step.id);
+                let n_known = known.as_ref().map_or(0, |record| record.timings.len());
+                let is_enough = known.as_ref().is_some_and(|record| record.has_timings(wanted));
+                if n_known > round || is_enough || is_stopped() {
+                    continue;
+                }
+                if !std::mem::replace(&mut is_warm, true) {
+                    self.apart(place, &mut |folder| drop(self.run_step(place, folder)))?;
+                }
+                self.time(place, wanted)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The steps of a round.
+    fn order(&self, round: usize) -> Vec<usize> {
+        let hash = |place: &usize| {
+            let mut hash = FingerprintBuilder::new("round");
+            hash.part(&round.to_le_bytes());
+            hash.text(&self.program.steps[*place].id);
+            hash.finish().to_string()
+        };
+        let mut order = self.todo.clone();
+        order.sort_by_cached_key(hash);
+        order
+    }
+
+    /// Runs a step once more for its times, and keeps its outputs if it is the first time.
+    fn time(&self, place: usize, wanted: usize) -> Result<(), StoreError> {
+        let step = &self.program.steps[place];
+        (self.options.observer)(&ProgramEvent::StepStarted { place, step });
+        let Some(known) = self.store.record(&step.id) else {
+            let Some(claim) = self.store.claim(&step.id)? else { return Ok(()) };
+            let Some((mut record, timing)) = self.timed(place, &claim.outputs()) else {
+                self.store.abandon(&claim);
+                return Ok(());
+            };
+            record.add(timing);
+            let record = self.store.commit(claim, record)?;
+            return self.tell(place, &record, wanted);
+        };
+        let mut found = None;
+        self.apart(place, &mut |folder| found = self.timed(place, folder))?;
+        let Some((again, timing)) = found.filter(|(again, _)| again.status == StepStatus::Done)
+        else {
+            return Ok(());
+        };
+        let mut record = StepRecord { nodes: again.nodes, ..(*known).clone() };
+        for (name, node) in &mut record.nodes {
+            // What it wrote lies where the first run left it.
+            node.files = known.nodes.get(name).map_or(Vec::new(), |first| first.files.clone());
+        }
+        record.add(timing);
+        let record = self.store.amend(record)?;
+        self.tell(place, &record, wanted)
+    }
+
+    fn tell(&self, place: usize, record: &StepRecord, wanted: usize) -> Result<(), StoreError> {
+        if record.has_timings(wanted) {
+            self.ran.fetch_add(1, Ordering::Relaxed);
+            (self.options.observer)(&ProgramEvent::StepEnded { place, record });
+        }
+        self.refresh_tables()
+    }
+
+    /// Runs a step and measures what it takes; `None` if it was stopped by hand.
+    fn timed(&self, place: usize, outputs: &Path) -> Option<(StepRecord, Timing)> {
+        usage::forget_peak();
+        let (start, cpu) = (Instant::now(), usage::cpu_seconds());
+        let record = self.run_step(place, outputs)?;
+        let mut timing = Timing {
+            seconds: start.elapsed().as_secs_f64(),
+            cpu_seconds: usage::cpu_seconds().zip(cpu).map(|(end, start)| end - start),
+            peak_bytes: usage::peak_bytes(),
+            ..Timing::default()
+        };
+        timing.enter(&record.nodes);
+        Some((record, timing))
+    }
+
+    /// Runs a step whose outputs nobody keeps, in a folder of its own.
+    fn apart(&self, place: usize, run: &mut dyn FnMut(&Path)) -> Result<(), StoreError> {
+        let folder = self.store.scratch(&self.program.steps[place].id)?;
+        run(&folder);
+        // What cannot be removed is in nobody's way: it is never read.
+        let _ = std::fs::remove_dir_all(&folder);
+        Ok(())
+    }
+}
