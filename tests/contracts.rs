@@ -2,12 +2,15 @@
 
 use std::cell::Cell;
 use std::collections::HashSet;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
-use mve_core::{Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Value};
+use mve_core::{
+    Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Stored, StoredWriter, Value,
+};
 use mve_modules::data::{
     DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
     TextureImage, TextureRole, TriMesh, VertexId,
@@ -97,8 +100,18 @@ fn value_of(type_id: &str, mesh: &TriMesh) -> Option<Value> {
         "Number" => Value::new(mesh.positions.first().map_or(0.0, |position| position.x)),
         "Flag" => Value::new(true),
         "Text" => Value::new("text".to_owned()),
+        "File" => Value::new(file_of(mesh)),
         _ => return None,
     })
+}
+
+/// A file with the positions of a mesh.
+fn file_of(mesh: &TriMesh) -> Stored {
+    let mut writer = StoredWriter::new().expect("a temporary file");
+    for number in mesh.positions.iter().flat_map(|position| position.to_array()) {
+        writer.write_all(&number.to_le_bytes()).expect("it can be written");
+    }
+    writer.finish().expect("it can be written")
 }
 
 /// A call of the module on a mesh, with what it needs, in a folder of its own.
@@ -117,7 +130,7 @@ fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
 
 /// Values of the parameters without a default: files, made in a folder. Those that a choice's entry
 /// needs come with the choice.
-fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json> {
+pub fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json> {
     let value = |spec: &ParamSpec| {
         if let Some(file) = spec.output_file() {
             let extension = file.extensions.first().copied().unwrap_or("out");
@@ -135,13 +148,14 @@ fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, Json
 }
 
 /// A file that a loader of these extensions can read: `tests/data/example.*`, with what it names.
+/// One that reads anything gets a mesh.
 fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
     let examples = mve_tests::root().join("tests/data");
     for file in std::fs::read_dir(&examples).expect("the folder is there") {
         let file = file.expect("a file");
         std::fs::copy(file.path(), folder.join(file.file_name())).expect("it can be copied");
     }
-    let extension = extensions.first().copied().unwrap_or_default();
+    let extension = extensions.first().copied().unwrap_or("obj");
     let path = folder.join("example").with_extension(extension);
     assert!(path.is_file(), "put a small example.{extension} into {}", examples.display());
     path
@@ -399,7 +413,7 @@ fn shuffle(mesh: &TriMesh) -> TriMesh {
 
 #[test]
 fn data_types_have_ids_of_their_own() {
-    let of_core = [f64::TYPE, bool::TYPE, String::TYPE];
+    let of_core = [f64::TYPE, bool::TYPE, String::TYPE, Stored::TYPE];
     let types: Vec<_> = DATA_TYPES.iter().map(|entry| entry.data_type).chain(of_core).collect();
     let ids: HashSet<_> = types.iter().map(|data_type| data_type.id).collect();
     assert_eq!(ids.len(), types.len());

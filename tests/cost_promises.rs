@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
-use mve_core::{Cancelled, Control, Settings};
+use mve_core::testing::settings_of;
+use mve_core::{Cancelled, Control};
 use mve_modules::cost::COSTS;
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::geometry::simplify::collapse::{
@@ -17,6 +18,8 @@ use mve_modules::mesh::adjacency::EdgeId;
 use mve_modules::mesh::fixtures::torus;
 use mve_modules::picture::render::{Lens, Rect};
 use mve_modules::placement::PLACEMENTS;
+
+use crate::contracts::needed;
 
 /// Pixels around the faces of an edge that its price may depend on: half a window of SSIM around
 /// pixels that change, and half a window around those.
@@ -244,14 +247,16 @@ fn watch(
     Arc::into_inner(findings).expect("one owner").into_inner().expect("no panic")
 }
 
-/// Calls with every registered cost and placement.
+/// Calls with every registered cost and placement; those that need files get them.
 fn each_pair(mesh: &TriMesh, mut check: impl FnMut(&str, MakeParts)) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let settings = |id: &str, params| settings_of(params, &needed(id, params, folder.path()));
     for cost in COSTS.entries {
-        let settings = Settings::defaults(cost.item.params).expect("defaults");
+        let of_cost = settings(cost.item.id, cost.item.params);
         for placement in PLACEMENTS.entries {
-            let own = Settings::defaults(placement.item.params).expect("defaults");
+            let own = settings(placement.item.id, placement.item.params);
             let make = || {
-                let cost = (cost.item.build)(mesh, &settings).expect("a cost");
+                let cost = (cost.item.build)(mesh, &of_cost).expect("a cost");
                 let placement = || (placement.item.build)(mesh, &own).expect("a placement");
                 (cost, [placement(), placement()])
             };

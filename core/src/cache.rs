@@ -1,6 +1,7 @@
 //! Values that were made before, by the key of the node that made them.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -88,6 +89,11 @@ impl Cache {
         self
     }
 
+    /// The folder of values on disk, if there is one.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.disk.as_ref().map(DiskCache::folder)
+    }
+
     /// Bytes of values in memory.
     pub fn bytes(&self) -> usize {
         self.lock().bytes
@@ -102,6 +108,7 @@ impl Cache {
     ) -> Claim<'_> {
         let mut state = self.lock();
         loop {
+            state.drop_damaged(key);
             if let Some(results) = state.touch(key) {
                 return Claim::Hit(results, CacheUse::Memory);
             }
@@ -161,6 +168,16 @@ impl Drop for Ticket<'_> {
 }
 
 impl State {
+    /// Drops what some reader has found damaged, so that it is made again.
+    fn drop_damaged(&mut self, key: Fingerprint) {
+        let Some(Slot::Full { results, bytes, used }) = self.slots.get(&key) else { return };
+        if !results.is_sound() {
+            self.by_age.remove(used);
+            self.bytes -= bytes;
+            self.slots.remove(&key);
+        }
+    }
+
     fn touch(&mut self, key: Fingerprint) -> Option<Arc<NodeOutputs>> {
         let Some(Slot::Full { results, used, .. }) = self.slots.get_mut(&key) else { return None };
         self.clock += 1;

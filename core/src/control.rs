@@ -87,7 +87,7 @@ impl<'a> Control<'a> {
         if goes_on { Ok(()) } else { Err(Cancelled) }
     }
 
-    /// To be called with every item of a loop over `n`: reports each few thousandth of them.
+    /// To be called with every item of a loop over `n`: reports every 8192nd of them.
     #[inline]
     pub fn item(&self, place: usize, n: usize) -> Result<(), Cancelled> {
         const PAUSE: usize = 1 << 13;

@@ -275,7 +275,7 @@ impl Data for String {
 
 impl Data for Stored {
     const TYPE: DataType =
-        DataType { id: "Stored", doc: "Bytes that stay in a file.", color: [140, 140, 120] };
+        DataType { id: "File", doc: "The bytes of a file, of any size.", color: [140, 140, 120] };
 
     fn byte_size(&self) -> usize {
         self.handle_size()

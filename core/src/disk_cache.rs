@@ -5,7 +5,7 @@
 //! Files that a value is a handle to ([`Stored`]) are kept beside it, by their hash.
 
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -17,13 +17,10 @@ use crate::files::fresh_file;
 use crate::fingerprint::Fingerprint;
 use crate::module::Module;
 use crate::node_outputs::{LogLine, NodeOutputs};
-use crate::stored::{self, Stored};
+use crate::stored::{SUFFIX, Stored, TEMPORARY};
 
 /// Outputs made in less time than this are made again sooner than they are read.
 const WORTH_SECONDS: f64 = 0.02;
-
-/// How names of files begin that are not complete.
-const TEMPORARY: &str = ".mve-values-";
 
 /// Length of the hash before the content.
 const HASH: usize = 32;
@@ -45,9 +42,14 @@ struct FileContent {
 
 impl DiskCache {
     /// A cache in this folder, which is made if it is not there.
-    pub fn open(folder: &Path, budget: u64) -> std::io::Result<Self> {
+    pub fn open(folder: &Path, budget: u64) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         Ok(Self { folder: folder.to_owned(), budget })
+    }
+
+    /// The folder, in which modules write files that it may keep.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     fn path(&self, key: Fingerprint) -> PathBuf {
@@ -65,8 +67,8 @@ impl DiskCache {
         if blake3::hash(content).as_bytes() != hash {
             return None;
         }
-        let stored: FileContent = postcard::from_bytes(content).ok()?;
-        let outputs = stored.outputs.iter().zip(module.outputs).map(|((type_id, bytes), spec)| {
+        let kept: FileContent = postcard::from_bytes(content).ok()?;
+        let outputs = kept.outputs.iter().zip(module.outputs).map(|((type_id, bytes), spec)| {
             (type_id == spec.data_type.id).then(|| (spec.decode)(bytes).ok()).flatten()
         });
         let outputs: Vec<Value> = outputs.collect::<Option<_>>()?;
@@ -77,12 +79,8 @@ impl DiskCache {
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
         let phases = IndexMap::new();
-        is_whole.then_some(NodeOutputs {
-            outputs,
-            log: stored.log,
-            seconds: stored.seconds,
-            phases,
-        })
+        let FileContent { log, seconds, .. } = kept;
+        is_whole.then_some(NodeOutputs { outputs, log, seconds, phases })
     }
 
     pub(crate) fn store(&self, key: Fingerprint, results: &NodeOutputs) {
@@ -93,63 +91,75 @@ impl DiskCache {
             Ok::<_, postcard::Error>((value.data_type().id.to_owned(), value.encode()?))
         });
         let Ok(outputs) = outputs.collect::<Result<_, _>>() else { return };
-        let stored = FileContent { outputs, log: results.log.clone(), seconds: results.seconds };
+        let kept = FileContent { outputs, log: results.log.clone(), seconds: results.seconds };
         // A full disk costs the next process time, and nothing else.
-        if let Ok(content) = postcard::to_stdvec(&stored) {
+        if let Ok(content) = postcard::to_stdvec(&kept) {
             let files: Vec<_> = results.outputs.iter().flat_map(Value::stored).collect();
             let _ = self.write(key, &content, &files);
         }
     }
 
-    fn write(&self, key: Fingerprint, content: &[u8], files: &[Stored]) -> std::io::Result<()> {
+    fn write(&self, key: Fingerprint, content: &[u8], files: &[Stored]) -> io::Result<()> {
         let of_files: u64 = files.iter().map(Stored::n_bytes).sum();
-        if of_files > self.budget {
+        if (HASH + content.len()) as u64 + of_files > self.budget {
             return Ok(());
         }
-        self.make_room(content.len() as u64 + of_files)?;
-        files.iter().try_for_each(|file| file.keep_in(&self.folder, TEMPORARY))?;
+        let kept = files.iter().map(|file| file.keep_in(&self.folder));
+        let mut new: Vec<PathBuf> = kept.collect::<Result<_, _>>()?;
         let mut file = fresh_file(&self.folder, TEMPORARY)?;
         file.write_all(blake3::hash(content).as_bytes())?;
         file.write_all(content)?;
         file.persist(self.path(key))?;
+        new.push(self.path(key));
+        self.evict(self.own_files()?, &new);
         Ok(())
     }
 
-    /// Removes the files used longest ago until `more` bytes fit.
-    fn make_room(&self, more: u64) -> std::io::Result<()> {
+    /// The files of this cache: time of the last use, size, path.
+    fn own_files(&self) -> io::Result<Vec<(SystemTime, u64, PathBuf)>> {
         let mut files = Vec::new();
         for file in fs::read_dir(&self.folder)? {
             let file = file?;
-            let about = file.metadata()?;
+            // Another process may have removed it by now.
+            let Ok(about) = file.metadata() else { continue };
             // A folder that somebody uses for other things too keeps those.
-            if !about.is_file() || !is_own(&file.file_name().to_string_lossy()) {
-                continue;
+            if about.is_file() && is_own(&file.file_name().to_string_lossy()) {
+                files.push((about.modified()?, about.len(), file.path()));
             }
-            files.push((about.modified()?, about.len(), file.path()));
         }
+        Ok(files)
+    }
+
+    /// Removes the files used longest ago, none of the new ones, until the budget holds.
+    fn evict(&self, mut files: Vec<(SystemTime, u64, PathBuf)>, new: &[PathBuf]) {
         files.sort();
         let mut total: u64 = files.iter().map(|(_, size, _)| size).sum();
         for (_, size, path) in files {
-            if total + more <= self.budget {
+            if total <= self.budget {
                 break;
             }
-            fs::remove_file(path)?;
-            total -= size;
+            // One that another process has removed makes room too; one that stays makes none.
+            if !new.contains(&path) && (fs::remove_file(&path).is_ok() || !path.exists()) {
+                total -= size;
+            }
         }
-        Ok(())
     }
 }
 
 /// Whether a file of this name is one of ours: `<key>.values`, `<id>.stored`, or what a killed
 /// process left.
 fn is_own(name: &str) -> bool {
-    let hash = name.strip_suffix(".values").or_else(|| name.strip_suffix(stored::SUFFIX));
+    let hash = name.strip_suffix(".values").or_else(|| name.strip_suffix(SUFFIX));
     hash.is_some_and(|hash| hash.parse::<Fingerprint>().is_ok()) || name.starts_with(TEMPORARY)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+    use crate::port::Out;
+    use crate::stored::StoredWriter;
     use crate::testing::ECHO;
 
     fn outputs(text: &str) -> NodeOutputs {
@@ -200,5 +210,52 @@ mod tests {
         let own = own.filter(|file| is_own(&file.file_name().to_string_lossy()));
         let sizes: Vec<u64> = own.map(|file| file.metadata().unwrap().len()).collect();
         assert!(!sizes.is_empty() && sizes.iter().sum::<u64>() <= 3000, "{sizes:?}");
+    }
+
+    #[test]
+    fn what_another_process_has_removed_makes_room_and_what_is_new_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = DiskCache::open(folder.path(), 25).unwrap();
+        let file = |n: u8, is_there: bool| {
+            let path = cache.path(Fingerprint::of(&[n]));
+            if is_there {
+                fs::write(&path, [0; 10]).unwrap();
+            }
+            (SystemTime::UNIX_EPOCH + Duration::from_secs(n.into()), 10, path)
+        };
+        // In the order of their last use: new, gone, old, and one that fits with the new one.
+        let files = vec![file(0, true), file(1, false), file(2, true), file(3, true)];
+        let paths: Vec<_> = files.iter().map(|(.., path)| path.clone()).collect();
+        cache.evict(files, &paths[..1]);
+        let is_there: Vec<_> = paths.iter().map(|path| path.exists()).collect();
+        assert_eq!(is_there, [true, false, false, true]);
+    }
+
+    #[test]
+    fn a_file_that_is_kept_already_stays_for_the_next_value() {
+        const FILE_OUT: Out<Stored> = Out::new("file", "A file.");
+        static FILE: Module = Module {
+            id: "File",
+            summary: "Gives a file.",
+            inputs: &[],
+            outputs: &[FILE_OUT.spec()],
+            params: &[],
+            run: |_| Ok(()),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = StoredWriter::in_folder(folder.path()).unwrap();
+        writer.write_all(&[7; 1000]).unwrap();
+        let file = writer.finish().unwrap();
+        let kept = file.keep_in(folder.path()).unwrap();
+        let handle = fs::File::options().write(true).open(kept).unwrap();
+        handle.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        // The oldest file goes first, but for the one that the value needs.
+        let cache = DiskCache::open(folder.path(), 1500).unwrap();
+        let [text, key] = [Fingerprint::of(b"a"), Fingerprint::of(b"b")];
+        fs::write(cache.path(text), [0; 600]).unwrap();
+        cache.store(key, &NodeOutputs { outputs: vec![Value::new(file.clone())], ..outputs("") });
+        assert!(!cache.path(text).exists());
+        let found = cache.load(key, &FILE).unwrap();
+        assert_eq!(found.outputs[0].get::<Stored>().as_deref(), Some(&file));
     }
 }

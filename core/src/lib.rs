@@ -33,6 +33,7 @@ mod program;
 mod registry;
 mod run;
 mod schema;
+mod search;
 mod stored;
 mod template;
 pub mod testing;
@@ -48,14 +49,14 @@ pub use files::{FileHashes, is_below};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
-pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, ProgramSpec};
+pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
-pub use problem::{Place, Problem, Severity, did_you_mean};
+pub use problem::{Place, Problem, Severity, did_you_mean, nearest};
 pub use program::{
     Better, Measure, PlanFile, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Question,
     ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError,
@@ -66,6 +67,7 @@ pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
+pub use search::{Synonym, search};
 pub use stored::{BLOCK, Stored, StoredWriter};
 
 /// The version of mve, as packages name it.

@@ -10,6 +10,7 @@ use crate::data::{Data, Value};
 use crate::error::ModuleError;
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType, Settings};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
+use crate::stored::StoredWriter;
 
 /// A unit of work: what it is called, what goes in and out, and what it does.
 ///
@@ -62,6 +63,8 @@ pub struct Io<'a> {
     pub(crate) outputs: Vec<Option<Value>>,
     pub(crate) cancel: &'a CancelToken,
     pub(crate) reporter: &'a dyn Reporter,
+    /// Where it writes values that stay in files; `None` for the system's temporary folder.
+    pub(crate) folder: Option<&'a Path>,
 }
 
 impl<'a> Io<'a> {
@@ -71,9 +74,10 @@ impl<'a> Io<'a> {
         inputs: Vec<Option<Value>>,
         cancel: &'a CancelToken,
         reporter: &'a dyn Reporter,
+        folder: Option<&'a Path>,
     ) -> Self {
         let outputs = vec![None; module.outputs.len()];
-        Self { module, settings, inputs, outputs, cancel, reporter }
+        Self { module, settings, inputs, outputs, cancel, reporter, folder }
     }
 
     /// The value of a required input, shared.
@@ -112,6 +116,14 @@ impl<'a> Io<'a> {
         if let Some(slot) = place.and_then(|place| self.outputs.get_mut(place)) {
             *slot = Some(Value::from_shared(value));
         }
+    }
+
+    /// Begins a value that stays in a file, beside the cache where there is one on disk.
+    pub fn stored_writer(&self) -> Result<StoredWriter, ModuleError> {
+        let temporary = std::env::temp_dir();
+        let folder = self.folder.unwrap_or(&temporary);
+        StoredWriter::in_folder(folder)
+            .map_err(|error| ModuleError::io(folder, format!("cannot make a file here: {error}")))
     }
 
     /// The value of a parameter.

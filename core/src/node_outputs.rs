@@ -15,6 +15,13 @@ pub(crate) struct NodeOutputs {
     pub phases: IndexMap<String, f64>,
 }
 
+impl NodeOutputs {
+    /// Whether no file of these values was found damaged so far.
+    pub fn is_sound(&self) -> bool {
+        self.outputs.iter().flat_map(Value::stored).all(|file| file.is_sound())
+    }
+}
+
 /// A line that a module wrote.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogLine {

@@ -107,13 +107,23 @@ fn plain(text: &str, longest: usize) -> String {
 
 /// `; did you mean "…"?` where one of the candidates is close to `name`, else nothing.
 pub fn did_you_mean<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> String {
+    nearest(name, candidates).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"))
+}
+
+/// The candidate that is closest to `name`, if one is close: its beginning is like that of the
+/// name, or one slip of the pen leads from one to the other.
+pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let lower = name.to_lowercase();
+    let likeness = |known: &str| {
+        let known = known.to_lowercase();
+        let is_slip = lower.len() > 1 && strsim::osa_distance(&lower, &known) == 1;
+        strsim::jaro_winkler(&lower, &known).max(if is_slip { 0.81 } else { 0.0 })
+    };
     candidates
-        .map(|known| (strsim::jaro_winkler(&lower, &known.to_lowercase()), known))
+        .map(|known| (likeness(known), known))
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, known)| format!("; did you mean \"{known}\"?"))
-        .unwrap_or_default()
+        .map(|(_, known)| known)
 }
 
 #[cfg(test)]
@@ -126,6 +136,8 @@ mod tests {
         let hint = did_you_mean("target_face", known.into_iter());
         assert_eq!(hint, "; did you mean \"target_faces\"?");
         assert_eq!(did_you_mean("path", ["cost"].into_iter()), "");
+        assert_eq!(nearest("rn", ["program", "run", "man"].into_iter()), Some("run"));
+        assert_eq!(nearest("x", ["y"].into_iter()), None);
     }
 
     #[test]

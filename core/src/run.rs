@@ -416,7 +416,8 @@ impl Runner<'_> {
             told: Mutex::default(),
         };
         let start = Instant::now();
-        let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener);
+        let folder = self.options.cache.and_then(Cache::folder);
+        let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener, folder);
         let outputs = contained(|| (module.run)(&mut io)).and_then(|()| io.finish());
         let seconds = start.elapsed().as_secs_f64();
         let log = listener.log.into_inner().unwrap_or_else(PoisonError::into_inner);

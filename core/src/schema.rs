@@ -2,28 +2,18 @@
 
 use serde_json::{Value as Json, json};
 
+use crate::module::Module;
 use crate::param::object_of;
-use crate::registry::Registry;
+use crate::registry::{ModuleInfo, Registry};
 
 /// The schema, draft 2020-12.
 pub fn schema(registry: &Registry) -> Json {
-    let modules: Vec<Json> = registry
-        .modules()
-        .iter()
-        .map(|info| {
-            json!({
-                "properties": {
-                    "module": { "const": info.module.id, "description": info.module.summary },
-                    "params": object_of(info.module.params),
-                }
-            })
-        })
-        .collect();
-    let ids: Vec<&str> = registry.modules().iter().map(|info| info.module.id).collect();
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A map of mve",
         "type": "object",
+        "patternProperties": remarks(),
+        "additionalProperties": false,
         "required": ["mve", "nodes"],
         "properties": {
             "mve": { "const": 1, "description": "Version of the format." },
@@ -32,15 +22,7 @@ pub fn schema(registry: &Registry) -> Json {
                 "description": "Uses of modules, by name.",
                 "type": "object",
                 "propertyNames": { "pattern": "^[^\\s./\\\\{}>]+$" },
-                "additionalProperties": {
-                    "type": "object",
-                    "required": ["module"],
-                    "properties": {
-                        "module": { "type": "string", "examples": ids },
-                        "mode": mode()
-                    },
-                    "anyOf": modules
-                }
+                "additionalProperties": node(registry)
             },
             "links": {
                 "description": "\"node.output -> node.input\"",
@@ -64,6 +46,35 @@ pub fn schema(registry: &Registry) -> Json {
             "programs": programs()
         }
     })
+}
+
+/// The schema of a node: the rule of its module says which parameters it has, so that a fault is
+/// told of the parameter and not of every module that the node might have named.
+fn node(registry: &Registry) -> Json {
+    let rule = |info: &ModuleInfo| {
+        let Module { id, summary, params, .. } = info.module;
+        json!({
+            "if": { "properties": { "module": { "const": id } }, "required": ["module"] },
+            "then": { "description": summary, "properties": { "params": object_of(params) } }
+        })
+    };
+    let modules = registry.modules();
+    let ids: Vec<&str> = modules.iter().map(|info| info.module.id).collect();
+    json!({
+        "type": "object",
+        "required": ["module"],
+        "properties": {
+            "module": { "enum": ids }, "mode": mode(), "params": { "type": "object" }
+        },
+        "patternProperties": remarks(),
+        "additionalProperties": false,
+        "allOf": modules.iter().map(rule).collect::<Vec<_>>()
+    })
+}
+
+/// Keys that mean nothing to mve and that no one warns of.
+fn remarks() -> Json {
+    json!({ "^[_$]": true })
 }
 
 /// The schema of whether a node runs.
@@ -90,6 +101,8 @@ fn programs() -> Json {
         "type": "object",
         "additionalProperties": {
             "type": "object",
+            "patternProperties": remarks(),
+            "additionalProperties": false,
             "properties": {
                 "axes": {
                     "description": "Axes multiply; the lists of one axis advance together.",
@@ -170,15 +183,16 @@ mod tests {
     #[test]
     fn says_ranges_defaults_and_nested_choices() {
         let schema = schema(&registry());
-        let modules = &schema["properties"]["nodes"]["additionalProperties"]["anyOf"];
+        let modules = &schema["properties"]["nodes"]["additionalProperties"]["allOf"];
         let module = |id: &str| {
-            let all = modules.as_array().unwrap().iter();
-            all.clone().find(|m| m["properties"]["module"]["const"] == id).unwrap().clone()
+            let mut all = modules.as_array().unwrap().iter();
+            let is_it = |m: &&Json| m["if"]["properties"]["module"]["const"] == id;
+            all.find(is_it).unwrap()["then"].clone()
         };
         let add = &module("Add")["properties"]["params"]["properties"]["amount"];
         assert_eq!((&add["minimum"], &add["default"]), (&json!(-100.0), &json!(1.0)));
-        let pick = &module("Pick")["properties"]["params"]["properties"]["how"]["anyOf"];
-        assert_eq!(pick[0]["const"], "Scaled");
-        assert_eq!(pick[1]["properties"]["Scaled"]["properties"]["by"]["default"], 2.0);
+        let pick = &module("Pick")["properties"]["params"]["properties"]["how"];
+        assert_eq!(pick["then"]["oneOf"][0]["const"], "Scaled");
+        assert_eq!(pick["else"]["properties"]["Scaled"]["properties"]["by"]["default"], 2.0);
     }
 }

@@ -3,13 +3,14 @@
 //! A [`Stored`] is a handle. Its content is cut into blocks of [`BLOCK`] bytes, each with a hash of
 //! its own, so that any range is read and verified without reading the rest. A data type that holds
 //! such handles names them in [`Data::stored`](crate::data::Data::stored); the cache on disk then
-//! keeps the files themselves, by a second name where the file system allows that, and never copies
-//! them through memory.
+//! keeps the files themselves and never copies them through memory. Modules write in its folder, so
+//! that to keep a file is to give it another name.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
 use tempfile::{NamedTempFile, TempPath};
@@ -19,6 +20,12 @@ use crate::fingerprint::{Fingerprint, FingerprintBuilder};
 
 /// Bytes of a block; the last one of a value may be shorter.
 pub const BLOCK: usize = 1 << 20;
+
+/// How names of the files end that a cache keeps of stored values.
+pub(crate) const SUFFIX: &str = ".stored";
+
+/// How names of files begin that no cache has kept yet.
+pub(crate) const TEMPORARY: &str = ".mve-values-";
 
 /// A handle to bytes in a file that never change. Clones share the file, which is deleted with the
 /// last of them unless a cache keeps it.
@@ -30,18 +37,36 @@ struct Content {
     n_bytes: u64,
     /// The hash of each block.
     blocks: Vec<Fingerprint>,
-    /// Where the bytes are; of a handle that was read from a cache, once they are found.
+    /// Where the bytes are; of a handle that was read from a cache, once they are found. `None`
+    /// again once a block was damaged.
     #[serde(skip)]
-    place: OnceLock<Place>,
+    place: Mutex<Option<Place>>,
 }
 
 #[derive(Debug)]
 struct Place {
-    path: PathBuf,
     /// Open as long as there is a handle, so that a cache may drop its name of the file.
-    file: Mutex<File>,
-    /// Deletes the file that a [`StoredWriter`] made.
-    _own: Option<TempPath>,
+    file: File,
+    name: FileName,
+}
+
+#[derive(Debug)]
+enum FileName {
+    /// Of the writer. The file is deleted with the name.
+    Temporary(TempPath),
+    /// In the folder of a cache.
+    Kept(PathBuf),
+}
+
+impl Deref for FileName {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        match self {
+            Self::Temporary(path) => path,
+            Self::Kept(path) => path,
+        }
+    }
 }
 
 impl Stored {
@@ -62,13 +87,12 @@ impl Stored {
     /// and no others; memory for one block.
     ///
     /// # Errors
-    /// [`io::ErrorKind::UnexpectedEof`] beyond the end, [`io::ErrorKind::InvalidData`] for a block
-    /// that has changed on disk, and whatever the system reports. A file with such a block is
-    /// deleted, so that a cache makes the value again in the next run.
+    /// [`ErrorKind::UnexpectedEof`] beyond the end, and [`ErrorKind::InvalidData`] for a block that
+    /// has changed on disk or cannot be read. A file with such a block is deleted and no handle
+    /// reads it any more, so that a cache makes the value again in the next run.
     pub fn read(&self, start: u64, bytes: &mut [u8]) -> io::Result<()> {
         let end = start.checked_add(bytes.len() as u64).filter(|end| *end <= self.0.n_bytes);
-        let end = end.ok_or_else(|| io::Error::from(io::ErrorKind::UnexpectedEof))?;
-        let place = self.0.place.get().ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+        let end = end.ok_or_else(|| io::Error::from(ErrorKind::UnexpectedEof))?;
         let mut block = Vec::new();
         let mut at = start;
         while at < end {
@@ -76,19 +100,7 @@ impl Stored {
             let first = number * BLOCK as u64;
             let n = (self.0.n_bytes - first).min(BLOCK as u64);
             block.resize(n as usize, 0);
-            {
-                let mut file = place.file.lock().unwrap_or_else(PoisonError::into_inner);
-                file.seek(SeekFrom::Start(first))?;
-                file.read_exact(&mut block)?;
-            }
-            if self.0.blocks.get(number as usize) != Some(&Fingerprint::of(&block)) {
-                let _ = std::fs::remove_file(&place.path);
-                let message = format!(
-                    "{}: block {number} has changed since it was written; run again",
-                    place.path.display()
-                );
-                return Err(io::Error::new(io::ErrorKind::InvalidData, message));
-            }
+            self.read_block(number, &mut block)?;
             let upto = end.min(first + n);
             let (from, into) = ((at - first) as usize, (at - start) as usize);
             let len = (upto - at) as usize;
@@ -98,22 +110,54 @@ impl Stored {
         Ok(())
     }
 
-    /// Gives the file a second name in a folder, or copies it where that cannot be.
-    pub(crate) fn keep_in(&self, folder: &Path, prefix: &str) -> io::Result<()> {
-        let place = self.0.place.get().ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+    /// Fills `block` with the block of this number, or gives the file up.
+    fn read_block(&self, number: u64, block: &mut [u8]) -> io::Result<()> {
+        let gone = || io::Error::new(ErrorKind::InvalidData, "its file was damaged; run again");
+        let read = {
+            let mut place = self.place();
+            let file = &mut place.as_mut().ok_or_else(gone)?.file;
+            let sought = file.seek(SeekFrom::Start(number * BLOCK as u64));
+            sought.and_then(|_| file.read_exact(block))
+        };
+        let is_same = || self.0.blocks.get(number as usize) == Some(&Fingerprint::of(block));
+        let fault = match read {
+            Ok(()) if is_same() => return Ok(()),
+            Err(error) if error.kind() != ErrorKind::UnexpectedEof => {
+                format!("cannot be read: {error}")
+            }
+            _ => "has changed since it was written".to_owned(),
+        };
+        // Another reader may have found a damaged block first.
+        let Place { name, .. } = self.place().take().ok_or_else(gone)?;
+        let _ = std::fs::remove_file(&*name);
+        let message = format!("{}: block {number} {fault}; run again", name.display());
+        Err(io::Error::new(ErrorKind::InvalidData, message))
+    }
+
+    /// Whether no block was found damaged so far.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.place().is_some()
+    }
+
+    /// Keeps the file in a cache's folder: under another name where the file system allows that,
+    /// else as a copy. Gives its path there.
+    pub(crate) fn keep_in(&self, folder: &Path) -> io::Result<PathBuf> {
         let kept = folder.join(self.file_name());
+        let mut place = self.place();
+        let place = place.as_mut().ok_or_else(|| io::Error::from(ErrorKind::NotFound))?;
+        let is_temporary = matches!(place.name, FileName::Temporary(_));
+        if is_temporary && std::fs::rename(&*place.name, &kept).is_ok() {
+            place.name = FileName::Kept(kept.clone());
+            return Ok(kept);
+        }
         if std::fs::metadata(&kept).is_ok_and(|about| about.len() == self.0.n_bytes) {
-            return Ok(());
+            return Ok(kept);
         }
-        // What a full disk or a hand has cut short is no copy.
-        let _ = std::fs::remove_file(&kept);
-        if std::fs::hard_link(&place.path, &kept).is_ok() {
-            return Ok(());
-        }
-        let mut copy = fresh_file(folder, prefix)?;
-        io::copy(&mut File::open(&place.path)?, &mut copy)?;
-        copy.persist(kept)?;
-        Ok(())
+        let mut copy = fresh_file(folder, TEMPORARY)?;
+        place.file.rewind()?;
+        io::copy(&mut place.file, &mut copy)?;
+        copy.persist(&kept)?;
+        Ok(kept)
     }
 
     /// Finds the bytes of a handle that was read from a cache in the cache's folder; whether a file
@@ -127,18 +171,19 @@ impl Stored {
         if is_whole {
             // The time of the file is the time of its last use.
             let _ = file.set_modified(std::time::SystemTime::now());
-            self.0.place.get_or_init(|| Place { path, file: Mutex::new(file), _own: None });
+            self.place().get_or_insert(Place { file, name: FileName::Kept(path) });
         }
         is_whole
+    }
+
+    fn place(&self) -> MutexGuard<'_, Option<Place>> {
+        self.0.place.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn file_name(&self) -> String {
         format!("{}{SUFFIX}", self.id())
     }
 }
-
-/// How names of the files end that a cache keeps of stored values.
-pub(crate) const SUFFIX: &str = ".stored";
 
 impl PartialEq for Stored {
     fn eq(&self, other: &Self) -> bool {
@@ -163,8 +208,8 @@ impl Stored {
     }
 }
 
-/// Writes a [`Stored`] piece by piece, into a file in the system's folder for temporary files
-/// (`TMPDIR`).
+/// Writes a [`Stored`] piece by piece. A module gets one that writes where the cache can keep the
+/// file without a copy: see [`Io::stored_writer`](crate::Io::stored_writer).
 #[derive(Debug)]
 pub struct StoredWriter {
     file: NamedTempFile,
@@ -175,12 +220,17 @@ pub struct StoredWriter {
 }
 
 impl StoredWriter {
-    /// Begins a value of no bytes.
+    /// Begins a value of no bytes, in the system's folder for temporary files (`TMPDIR`).
     ///
     /// # Errors
     /// If the system has no room for temporary files.
     pub fn new() -> io::Result<Self> {
-        let file = fresh_file(&std::env::temp_dir(), "mve-stored-")?;
+        Self::in_folder(&std::env::temp_dir())
+    }
+
+    /// Begins a value of no bytes in this folder.
+    pub(crate) fn in_folder(folder: &Path) -> io::Result<Self> {
+        let file = fresh_file(folder, TEMPORARY)?;
         Ok(Self { file, n_bytes: 0, blocks: Vec::new(), block: Vec::with_capacity(BLOCK) })
     }
 
@@ -191,9 +241,9 @@ impl StoredWriter {
     pub fn finish(mut self) -> io::Result<Stored> {
         self.end_block()?;
         let (file, path) = self.file.into_parts();
-        let place = Place { path: path.to_path_buf(), file: Mutex::new(file), _own: Some(path) };
+        let place = Mutex::new(Some(Place { file, name: FileName::Temporary(path) }));
         let Self { n_bytes, blocks, .. } = self;
-        Ok(Stored(Arc::new(Content { n_bytes, blocks, place: place.into() })))
+        Ok(Stored(Arc::new(Content { n_bytes, blocks, place })))
     }
 
     fn end_block(&mut self) -> io::Result<()> {
@@ -237,6 +287,10 @@ mod tests {
         writer.finish().unwrap()
     }
 
+    fn path_of(value: &Stored) -> PathBuf {
+        value.place().as_ref().unwrap().name.to_path_buf()
+    }
+
     #[test]
     fn any_range_comes_back_and_nothing_beyond_the_end() {
         let bytes = content(2 * BLOCK + 77);
@@ -257,7 +311,7 @@ mod tests {
     fn equal_bytes_have_one_name_and_the_file_goes_with_the_last_handle() {
         let (one, same, other) = (stored(b"abc"), stored(b"abc"), stored(b"abd"));
         assert!(one == same && one.id() == same.id() && one.id() != other.id());
-        let path = one.0.place.get().unwrap().path.clone();
+        let path = path_of(&one);
         let clone = one.clone();
         drop(one);
         assert!(path.is_file());
@@ -267,17 +321,44 @@ mod tests {
     }
 
     #[test]
-    fn a_block_that_has_changed_is_named_and_the_others_are_read() {
-        let value = stored(&content(3 * BLOCK));
-        let path = value.0.place.get().unwrap().path.clone();
-        let mut file = File::options().write(true).open(&path).unwrap();
-        file.seek(SeekFrom::Start(BLOCK as u64 + 5)).unwrap();
-        file.write_all(b"x!").unwrap();
-        let mut byte = [0];
-        value.read(0, &mut byte).unwrap();
-        value.read(2 * BLOCK as u64, &mut byte).unwrap();
-        let error = value.read(BLOCK as u64 + 900, &mut byte).unwrap_err();
-        assert!(error.to_string().contains("block 1 has changed"), "{error}");
-        assert!(!path.exists());
+    fn a_damaged_file_is_named_and_given_up() {
+        let damages: [fn(&Path); 2] = [
+            |path| {
+                let mut bytes = std::fs::read(path).unwrap();
+                bytes[BLOCK + 5] ^= 1;
+                std::fs::write(path, bytes).unwrap();
+            },
+            |path| {
+                let file = File::options().write(true).open(path).unwrap();
+                file.set_len(BLOCK as u64 + 5).unwrap();
+            },
+        ];
+        for damage in damages {
+            let value = stored(&content(3 * BLOCK));
+            let (path, clone) = (path_of(&value), value.clone());
+            damage(&path);
+            let mut byte = [0];
+            value.read(0, &mut byte).unwrap();
+            let error = value.read(BLOCK as u64 + 900, &mut byte).unwrap_err();
+            assert!(error.to_string().contains("block 1 has changed"), "{error}");
+            assert!(!path.exists() && !clone.is_sound());
+            let error = clone.read(0, &mut byte).unwrap_err();
+            assert_eq!(error.to_string(), "its file was damaged; run again");
+        }
+    }
+
+    #[test]
+    fn a_kept_file_is_moved_and_made_again_from_the_open_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = StoredWriter::in_folder(folder.path()).unwrap();
+        writer.write_all(b"abc").unwrap();
+        let value = writer.finish().unwrap();
+        let kept = value.keep_in(folder.path()).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!((path_of(&value), std::fs::read(&kept).unwrap()), (kept.clone(), b"abc".into()));
+        std::fs::remove_file(&kept).unwrap();
+        assert_eq!(value.keep_in(folder.path()).unwrap(), kept);
+        drop(value);
+        assert_eq!(std::fs::read(&kept).unwrap(), b"abc");
     }
 }

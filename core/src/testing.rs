@@ -15,7 +15,7 @@ use crate::files::FileHashes;
 use crate::listed::Listed;
 use crate::module::{Io, Module};
 use crate::panics::contained;
-use crate::param::{ChoiceParam, Choices, Entry, Param, Setting, Settings};
+use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
 use crate::program::{ProgramOptions, Retry, Shard, Sharing};
@@ -135,20 +135,29 @@ impl Trial {
         cancel: &CancelToken,
         listener: &Listener,
     ) -> Result<Outputs, ModuleError> {
-        let mut faults = Vec::new();
-        let mut settings = Settings::parse(self.module.params, &self.params, &[], &mut faults);
-        let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
-        let complaints: Vec<_> = complaints.collect();
-        assert!(complaints.is_empty(), "{complaints:?}");
-        settings.each_mut(self.module.params, &mut |_, _, setting| {
-            if let Setting::File { written, resolved } = setting {
-                *resolved = written.as_str().into();
-            }
-        });
-        let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener);
+        let settings = settings_of(self.module.params, &self.params);
+        let mut io = Io::new(self.module, &settings, self.inputs, cancel, listener, None);
         let outputs = contained(|| (self.module.run)(&mut io)).and_then(|()| io.finish())?;
         Ok(self.module.outputs.iter().map(|output| output.name).zip(outputs).collect())
     }
+}
+
+/// Values of parameters, as a map file would say them. Paths of files are taken as they are.
+///
+/// # Panics
+/// If one does not fit its declaration, or has no default and is not there.
+pub fn settings_of(specs: &[ParamSpec], params: &JsonMap<String, Json>) -> Settings {
+    let mut faults = Vec::new();
+    let mut settings = Settings::parse(specs, params, &[], &mut faults);
+    let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
+    let complaints: Vec<_> = complaints.collect();
+    assert!(complaints.is_empty(), "{complaints:?}");
+    settings.each_mut(specs, &mut |_, _, setting| {
+        if let Setting::File { written, resolved } = setting {
+            *resolved = written.as_str().into();
+        }
+    });
+    settings
 }
 
 /// Keeps what a module says.

@@ -22,7 +22,7 @@ mod prelude;
 #[doc(hidden)]
 pub mod testing;
 
-use mve_core::{ModuleList, Registry};
+use mve_core::{ModuleList, Registry, Synonym};
 
 /// The modules of this crate, by folder.
 static LISTS: [&ModuleList; 5] =
@@ -32,3 +32,25 @@ static LISTS: [&ModuleList; 5] =
 pub fn registry() -> Registry {
     Registry::new().with(&LISTS, env!("MVE_SHARED_SOURCES"))
 }
+
+/// Words of other programs for what modules do here, and words that declarations have for it.
+pub static SYNONYMS: &[Synonym] = &[
+    ("decimate", "simplif"),
+    ("decimation", "simplif"),
+    ("distance", "differs"),
+    ("error", "differs"),
+    ("export", "save"),
+    ("image", "picture"),
+    ("import", "load"),
+    ("lod", "simplif"),
+    ("open", "load"),
+    ("read", "load"),
+    ("reduce", "simplif"),
+    ("refine", "cuts every face"),
+    ("remesh", "simplif"),
+    ("screenshot", "picture"),
+    ("show", "picture"),
+    ("statistics", "counts"),
+    ("view", "picture"),
+    ("write", "save"),
+];

@@ -5,7 +5,7 @@
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::collapse::{Batch, Contraction, WorkingMesh};
+use crate::geometry::simplify::collapse::{Batch, WorkingMesh};
 
 pub static COST: Entry<MakeCost> = Entry {
     id: "Template",
@@ -21,8 +21,7 @@ struct Template;
 impl Cost for Template {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let Contraction { kept, gone, .. } = proposal.contraction;
-            *price = mesh.position(kept).distance_squared(mesh.position(gone));
+            *price = proposal.contraction.length_squared(|v| mesh.position(v));
         }
     }
 }
@@ -30,28 +29,14 @@ impl Cost for Template {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::TriMesh;
-    use crate::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
+    use crate::geometry::simplify::collapse::trial::first_prices;
     use crate::mesh::fixtures::mesh_of;
     use crate::placement::Endpoint;
-    use mve_core::Control;
-
-    /// A square of four triangles whose inner vertex is off its center.
-    fn square() -> TriMesh {
-        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
-        let positions: Vec<_> = corners.into_iter().chain([[1.0, 2.0, 0.0]]).collect();
-        mesh_of(&positions, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
-    }
 
     #[test]
-    fn the_shortest_edge_collapses_first() {
-        let options = SimplifyOptions {
-            stop: Stop { faces: Some(2), ..Stop::default() },
-            ..SimplifyOptions::default()
-        };
-        let result = simplify(&square(), &mut Template, &mut Endpoint, options, Control::none());
-        let mesh = result.unwrap().mesh;
-        assert_eq!(mesh.faces.len(), 2);
-        assert_eq!(mesh.area(), 16.0);
+    fn edges_cost_their_length_squared() {
+        let mesh = mesh_of(&[[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]], &[[0, 1, 2]]);
+        let prices = first_prices(&mesh, &mut Template, &mut Endpoint);
+        assert_eq!(prices, [(0, 1, 9.0), (0, 2, 16.0), (1, 2, 25.0)]);
     }
 }

@@ -5,7 +5,7 @@
 
 use mve_core::{Control, Entry};
 
-use super::{Comparison, MakeMetric, Metric, MetricError};
+use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
 use crate::data::{Measure, TriMesh};
 
 pub static METRIC: Entry<MakeMetric> = Entry {
@@ -31,7 +31,7 @@ impl Metric for Template {
         if !(before > 0.0 && before.is_finite()) {
             let message =
                 format!("the original mesh has an area of {before}; a positive one is expected");
-            return Err(MetricError::Input(message));
+            return Err(MetricError::Input { mesh: MeshRole::Original, message });
         }
         let part = (after - before).abs() / before;
         let doc = "Difference of the areas over the area of the original; 0 is equal.";

@@ -1,7 +1,8 @@
-//! A quarter of the edge from either end.
+//! Half way between the middle and each vertex: on an edge, a quarter of it from either end.
 //!
 //! Say where the vertex goes and what for, and name the source: authors, title, venue, year.
 
+use glam::DVec3;
 use mve_core::Entry;
 
 use super::{MakePlacement, Placement};
@@ -9,7 +10,7 @@ use crate::geometry::simplify::collapse::{Candidates, Contraction, WorkingMesh};
 
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Template",
-    summary: "A quarter of the edge from its cheaper end.",
+    summary: "Half way between the middle and the cheapest vertex.",
     params: &[],
     build: |_, _| Ok(Box::new(Template)),
 };
@@ -20,10 +21,12 @@ struct Template;
 
 impl Placement for Template {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, .. }) in batch.iter().enumerate() {
-            let [kept, gone] = [kept, gone].map(|end| mesh.position(*end));
-            out.push(at, kept.lerp(gone, 0.25));
-            out.push(at, kept.lerp(gone, 0.75));
+        for (at, contraction) in batch.iter().enumerate() {
+            let sum: DVec3 = contraction.vertices().map(|v| mesh.position(v)).sum();
+            let middle = sum / contraction.vertices().count() as f64;
+            for vertex in contraction.vertices() {
+                out.push(at, middle.midpoint(mesh.position(vertex)));
+            }
         }
     }
 }

@@ -6,6 +6,9 @@ use mve_tests::root;
 
 use super::sources::{FOR_TESTS, Token, sources, tokens, without_tests};
 
+/// Files that a crate begins with.
+pub const ROOTS: [&str; 2] = ["lib.rs", "main.rs"];
+
 /// The files of a crate and what they name of each other.
 pub struct Graph {
     /// Paths below the folder of sources, such as `cost/quadric.rs`.
@@ -59,8 +62,10 @@ impl Graph {
     }
 
     fn all_edges(&self) -> Vec<Edge> {
+        // Where a crate has both roots, other files name the library's: `lib.rs`, the earlier one.
+        let files = self.files.iter().rev();
         let modules: BTreeMap<String, &str> =
-            self.files.iter().map(|file| (module_of(file), file.as_str())).collect();
+            files.map(|file| (module_of(file), file.as_str())).collect();
         let exports: BTreeMap<&str, BTreeMap<&str, String>> =
             self.files.iter().map(|file| (file.as_str(), self.exports(file, &modules))).collect();
         let mut edges = BTreeSet::new();
@@ -107,11 +112,11 @@ impl Graph {
     }
 }
 
-/// `cost::quadric` for `cost/quadric.rs`, `cost` for `cost/mod.rs`, nothing for `lib.rs`.
+/// `cost::quadric` for `cost/quadric.rs`, `cost` for `cost/mod.rs`, nothing for a root.
 pub fn module_of(file: &str) -> String {
     let stem = file.trim_end_matches(".rs");
     let stem = stem.strip_suffix("/mod").unwrap_or(stem);
-    if stem == "lib" { String::new() } else { stem.replace('/', "::") }
+    if ROOTS.contains(&file) { String::new() } else { stem.replace('/', "::") }
 }
 
 /// A written path as one from the root of the crate.

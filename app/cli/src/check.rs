@@ -1,27 +1,36 @@
 //! `mve check`: all problems of a map and of its programs.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use mve_core::{OutputScope, Problem, Program};
 
 use crate::exit::{Exit, Stop};
-use crate::load::{Loaded, MapArgs};
+use crate::load::{Loaded, SetArgs};
 use crate::out;
 
-/// List all problems of a map and of its programs
+/// List all problems of maps and of their programs
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  mve check maps/vase.json
-  mve check maps/vase.json --set simplify.target_faces=300
+  mve check maps/classic_experiment.json
+  mve check maps/*.json
+  mve check maps/obj_file.json --set simplify.target_faces=300
+  mve check --json - < map.json
 
 Nothing is run and nothing is written. The exit code is 3 where there are errors; warnings alone \
 give 0.")]
 pub struct Args {
+    /// The maps' files; - for standard input
+    #[arg(required = true, value_name = "MAP")]
+    maps: Vec<PathBuf>,
     #[command(flatten)]
-    map: MapArgs,
+    set: SetArgs,
     /// Allow savers to write outside the output folder
     #[arg(long)]
     allow_outside: bool,
+    /// Print a line of JSON a problem, and one a map
+    #[arg(long)]
+    json: bool,
 }
 
 /// The problems of the map, or of one program.
@@ -32,7 +41,23 @@ struct Group {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
-    let loaded = args.map.load()?;
+    let mut worst = Ok(Exit::Done);
+    for (place, map) in args.maps.iter().enumerate() {
+        let checked = args.set.load(map).and_then(|loaded| check(&loaded, args));
+        match checked {
+            Ok(_) => {}
+            Err(stop) if place + 1 == args.maps.len() => worst = Err(stop),
+            Err(stop) => {
+                out::complain(&stop.message);
+                worst = Err(Stop { message: String::new(), ..stop });
+            }
+        }
+    }
+    worst
+}
+
+/// Checks one map.
+fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
     let problems = loaded.plan(None, scope).map_or_else(|problems| problems, |plan| plan.warnings);
     let known = problems.clone();
@@ -49,16 +74,36 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
             }
             Err(problems) => problems,
         };
-        let problems = problems.into_iter().filter(|problem| !is_known(problem, &known));
-        let title = format!("program \"{name}\"");
-        groups.push(Group { title, problems: problems.collect() });
+        let mut problems: Vec<_> =
+            problems.into_iter().filter(|problem| !is_known(problem, &known)).collect();
+        let is_own = |problem: &&Problem| problem.place.program.as_ref() == Some(name);
+        problems.extend(of_programs.iter().filter(is_own).cloned());
+        groups.push(Group { title: format!("program \"{name}\""), problems });
     }
     for problem in of_programs {
         // A program that could not even be read is not among those of the map.
-        let title = format!("program \"{}\"", problem.place.program.as_deref().unwrap_or_default());
-        groups.push(Group { title, problems: vec![problem] });
+        let name = problem.place.program.clone().unwrap_or_default();
+        if !loaded.map.programs.contains_key(&name) {
+            groups.push(Group { title: format!("program \"{name}\""), problems: vec![problem] });
+        }
     }
-    report(&loaded, &groups, &facts)
+    if args.json { report_json(loaded, &groups) } else { report(loaded, &groups, &facts) }
+}
+
+/// A line a problem, then one for the map.
+fn report_json(loaded: &Loaded, groups: &[Group]) -> Result<Exit, Stop> {
+    let all = || groups.iter().flat_map(|group| &group.problems);
+    for problem in all() {
+        out::json(&loaded.problem_line(problem))?;
+    }
+    let errors = all().filter(|problem| problem.is_error()).count();
+    let warnings = all().count() - errors;
+    let status = if errors == 0 { "fine" } else { "refused" };
+    out::json(&serde_json::json!({
+        "event": "checked", "map": loaded.path, "status": status, "errors": errors,
+        "warnings": warnings
+    }))?;
+    if errors == 0 { Ok(Exit::Done) } else { Err(Stop::refused("")) }
 }
 
 /// Whether the map alone has this problem of a step. What a program adds to it stands behind it.
@@ -84,7 +129,11 @@ fn report(loaded: &Loaded, groups: &[Group], facts: &[String]) -> Result<Exit, S
                 true => console::style("error:").red().bold(),
                 false => console::style("warning:").yellow().bold(),
             };
-            let _ = writeln!(text, "  {mark} {line}");
+            let place = match loaded.map.position_of(problem) {
+                Some(position) => format!("{position}: "),
+                None => String::new(),
+            };
+            let _ = writeln!(text, "  {mark} {place}{line}");
         }
     }
     if n_errors == 0 {

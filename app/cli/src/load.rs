@@ -1,11 +1,11 @@
 //! Reading a map with the settings of the command line, and saying what is wrong with it.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use mve_core::{
-    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Problem, Registry, assign,
-    declared_at,
+    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Position, Problem, Registry,
+    assign, declared_at,
 };
 use serde_json::Value as Json;
 
@@ -16,27 +16,34 @@ use crate::out::{error_mark, warning_mark};
 /// The map, and what the command line changes in it.
 #[derive(clap::Args)]
 pub struct MapArgs {
-    /// The map's file
+    /// The map's file; - for standard input
     pub map: PathBuf,
+    #[command(flatten)]
+    set: SetArgs,
+}
+
+/// What the command line changes in a map.
+#[derive(clap::Args)]
+pub struct SetArgs {
     /// Set a parameter: simplify.target_faces=300, simplify.cost.boundary_weight=5
     ///
     /// The value is read as JSON, and as a text where it is not JSON. NODE.module=Id puts another
     /// module in a node's place. Input files are relative to the working directory, output files
     /// to the output folder.
-    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_setting)]
-    pub set: Vec<Setting>,
+    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_assignment)]
+    pub set: Vec<Assignment>,
 }
 
 /// One `--set`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct Assignment {
     path: String,
     value: Json,
     /// The value as it was typed.
     text: String,
 }
 
-fn parse_setting(text: &str) -> Result<Setting, String> {
+fn parse_assignment(text: &str) -> Result<Assignment, String> {
     let form = "write NODE.PARAM=VALUE, such as simplify.target_faces=300";
     let (path, value) = text.split_once('=').ok_or(form)?;
     if !path.contains('.') {
@@ -44,10 +51,10 @@ fn parse_setting(text: &str) -> Result<Setting, String> {
     }
     let (path, text) = (path.trim().to_owned(), value.to_owned());
     let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));
-    Ok(Setting { path, value, text })
+    Ok(Assignment { path, value, text })
 }
 
-impl Setting {
+impl Assignment {
     /// The value for the parameter that it is meant for: a text stays one even where it looks like
     /// a number, and a file is where the person who types is, not where the map is.
     fn value_for(&self, map: &Map, registry: &Registry) -> Json {
@@ -68,6 +75,17 @@ impl Setting {
     }
 }
 
+/// What stands for the name of a map that comes from standard input.
+const STDIN: &str = "stdin";
+
+fn read_stdin() -> Result<Map, MapError> {
+    let mut text = String::new();
+    // As much as the largest map, and one byte more.
+    let read = std::io::stdin().take(Map::LARGEST_FILE + 1).read_to_string(&mut text);
+    read.map_err(|source| MapError::Io { path: STDIN.into(), source })?;
+    Map::parse(&text)
+}
+
 /// A map that was read, with all that checking it needs.
 pub struct Loaded {
     /// The map, `--set` applied.
@@ -83,42 +101,52 @@ pub struct Loaded {
 impl MapArgs {
     /// Reads the map and sets what the command line sets.
     pub fn load(&self) -> Result<Loaded, Stop> {
-        let mut map = Map::load(&self.map).map_err(|error| self.explain(error))?;
+        self.set.load(&self.map)
+    }
+
+    /// The paths that `--set` names.
+    pub fn set_paths(&self) -> impl Iterator<Item = &str> {
+        self.set.set.iter().map(|assignment| assignment.path.as_str())
+    }
+}
+
+impl SetArgs {
+    /// Reads a map and sets what the command line sets.
+    pub fn load(&self, path: &Path) -> Result<Loaded, Stop> {
+        let is_stdin = path == Path::new("-");
+        let read = if is_stdin { read_stdin() } else { Map::load(path) };
+        let mut map = read.map_err(|error| explain_map(path, error))?;
+        let file = if is_stdin { PathBuf::from(STDIN) } else { path.to_owned() };
         let registry = mve_modules::registry();
-        let mut settings: Vec<_> = self.set.iter().collect();
+        let mut assignments: Vec<_> = self.set.iter().collect();
         // Modules and choices are set before their own parameters, whatever the order on the line.
         let is_module = |path: &str| path.split_once('.').is_some_and(|(_, p)| p == "module");
-        settings.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
+        assignments.sort_by_key(|s| (!is_module(&s.path), s.path.split('.').count()));
         let mut complaints = Vec::new();
-        for setting in settings {
-            let path = &setting.path;
-            let value = setting.value_for(&map, &registry);
+        for assignment in assignments {
+            let path = &assignment.path;
+            let value = assignment.value_for(&map, &registry);
             if let Err(problem) = assign(&mut map, &registry, path, value) {
                 let message = format!("--set {path}: {}", problem.message);
                 complaints.push(Problem { message, place: Place::default(), ..problem });
             }
         }
-        Ok(Loaded { map, registry, path: self.map.clone(), complaints })
+        Ok(Loaded { map, registry, path: file, complaints })
     }
+}
 
-    /// The paths that `--set` names.
-    pub fn set_paths(&self) -> impl Iterator<Item = &str> {
-        self.set.iter().map(|setting| setting.path.as_str())
-    }
-
-    fn explain(&self, error: MapError) -> Stop {
-        let path = self.map.display();
-        match error {
-            MapError::Io { source, .. } => {
-                let what = match source.kind() {
-                    ErrorKind::NotFound => "there is no such map".to_owned(),
-                    ErrorKind::IsADirectory => "is a folder; name a map's file in it".to_owned(),
-                    _ => explain(&source),
-                };
-                Stop { exit: Exit::Files, message: format!("{path}: {what}") }
-            }
-            error => Stop::refused(format!("{path}: {error}")),
+fn explain_map(path: &Path, error: MapError) -> Stop {
+    let path = path.display();
+    match error {
+        MapError::Io { source, .. } => {
+            let what = match source.kind() {
+                ErrorKind::NotFound => "there is no such map".to_owned(),
+                ErrorKind::IsADirectory => "is a folder; name a map's file in it".to_owned(),
+                _ => explain(&source),
+            };
+            Stop { exit: Exit::Files, message: format!("{path}: {what}") }
         }
+        error => Stop::refused(format!("{path}: {error}")),
     }
 }
 
@@ -167,20 +195,37 @@ impl Loaded {
         for problem in problems {
             if json {
                 // A reader that is gone reads no more problems.
-                let _ = out::json(&ProblemLine { event: "problem", problem });
+                let _ = out::json(&self.problem_line(problem));
             }
             let mark = if problem.is_error() { error_mark() } else { warning_mark() };
-            out::tell(&format!("{mark} {}: {problem}", self.path.display()));
+            out::tell(&format!("{mark} {}: {problem}", self.place_of(problem)));
         }
+    }
+
+    /// The map's file, and line and column of a problem where they are known, as text editors and
+    /// terminals open them.
+    pub fn place_of(&self, problem: &Problem) -> String {
+        let path = self.path.display();
+        match self.map.position_of(problem) {
+            Some(Position { line, column }) => format!("{path}:{line}:{column}"),
+            None => path.to_string(),
+        }
+    }
+
+    /// A problem as an event.
+    pub fn problem_line<'a>(&self, problem: &'a Problem) -> ProblemLine<'a> {
+        ProblemLine { event: "problem", problem, position: self.map.position_of(problem) }
     }
 }
 
 /// A problem among events.
 #[derive(serde::Serialize)]
-struct ProblemLine<'a> {
+pub struct ProblemLine<'a> {
     event: &'static str,
     #[serde(flatten)]
     problem: &'a Problem,
+    #[serde(flatten)]
+    position: Option<Position>,
 }
 
 #[cfg(test)]
@@ -188,8 +233,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_json_or_text() {
-        let value = |text: &str| parse_setting(text).unwrap().value;
+    fn values_are_json_or_text() {
+        let value = |text: &str| parse_assignment(text).unwrap().value;
         assert_eq!(value("a.x=5"), Json::from(5));
         assert_eq!(value("a.x=null"), Json::Null);
         assert_eq!(value("a.x=Quadric"), Json::from("Quadric"));
@@ -197,6 +242,6 @@ mod tests {
         assert_eq!(value("a.x={\"Q\": {\"w\": 1}}")["Q"]["w"], Json::from(1));
         assert_eq!(value("a.x=b=c"), Json::from("b=c"));
         assert_eq!(value("a.x="), Json::from(""));
-        assert!(parse_setting("a.x").is_err() && parse_setting("x=5").is_err());
+        assert!(parse_assignment("a.x").is_err() && parse_assignment("x=5").is_err());
     }
 }

@@ -21,6 +21,7 @@ mod table;
 
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 
 use exit::{Exit, Stop};
@@ -55,7 +56,7 @@ Color and live progress appear on terminals only; NO_COLOR=1 turns color off.";
 /// Run maps and programs of mve, check them, and read their documentation
 #[derive(Parser)]
 #[command(name = "mve", version, long_about = LONG_ABOUT, after_help = AFTER_HELP)]
-#[command(disable_help_subcommand = true, max_term_width = 100)]
+#[command(max_term_width = 100)]
 struct Cli {
     /// Show no progress; warnings and errors stay
     #[arg(short, long, global = true)]
@@ -80,7 +81,7 @@ enum Command {
 
 fn main() -> ExitCode {
     mve_core::contain_panics();
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| with_hint(error).exit());
     let exit = dispatch(cli).unwrap_or_else(|stop| {
         if !stop.message.is_empty() {
             out::complain(&stop.message);
@@ -88,6 +89,21 @@ fn main() -> ExitCode {
         stop.exit
     });
     ExitCode::from(exit as u8)
+}
+
+/// Offers the command that a mistyped one is a slip of the pen away from: clap knows no slip in
+/// words of two and three letters.
+fn with_hint(mut error: clap::Error) -> clap::Error {
+    if let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidSubcommand)
+        && error.get(ContextKind::SuggestedSubcommand).is_none()
+    {
+        let cli = Cli::command();
+        let near = mve_core::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
+        if let Some(near) = near.map(str::to_owned) {
+            error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![near]));
+        }
+    }
+    error
 }
 
 fn dispatch(cli: Cli) -> Result<Exit, Stop> {
@@ -113,6 +129,12 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mistyped_command_is_offered_the_right_one() {
+        let error = Cli::try_parse_from(["mve", "rn"]).err().map(with_hint).unwrap();
+        assert!(error.to_string().contains("'run'"), "{error}");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use mve_core::{ModuleInfo, Registry, describe_all, describe_module, did_you_mean};
+use mve_core::{ModuleInfo, describe_all, describe_module, did_you_mean, search};
 use serde_json::{Value as Json, json};
 
 use crate::check::count;
@@ -11,16 +11,18 @@ use crate::exit::{Exit, Stop};
 use crate::out;
 use crate::table::wrap;
 
-/// List the modules, or read what one of them does
+/// List the modules, search them, or read what one of them does
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   mve modules
   mve modules Simplificator
+  mve modules hausdorff                 those that have to do with it
   mve modules --write docs/modules.md
   mve modules --json | jq -r .id")]
 pub struct Args {
-    /// Id of one module
-    id: Option<String>,
+    /// Id of one module, or words to search for in what modules say of themselves
+    #[arg(value_name = "ID|WORDS")]
+    words: Vec<String>,
     /// Write the documentation as Markdown to a file: of all modules, or of the one named
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     write: Option<PathBuf>,
@@ -32,37 +34,40 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
     let registry = mve_modules::registry();
-    let chosen = args.id.as_deref().map(|id| find(&registry, id)).transpose()?;
+    let query = args.words.join(" ");
+    let chosen = registry.find(&query);
+    let found = match chosen {
+        Some(info) => vec![info],
+        None => search(&registry, &query, mve_modules::SYNONYMS),
+    };
+    if found.is_empty() {
+        let hint = did_you_mean(&query, registry.modules().iter().map(|info| info.module.id));
+        let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
+        return Err(Stop::usage(format!("no module has to do with \"{query}\"{hint}")));
+    }
     if let Some(path) = &args.write {
-        let text = chosen.map_or_else(|| describe_all(&registry), |info| describe_module(&info));
+        let text = match found.len() == registry.modules().len() {
+            true => describe_all(&registry),
+            false => found.iter().map(describe_module).collect::<Vec<_>>().join("\n"),
+        };
         out::write_file(path, &text)?;
         return out::print(&format!("wrote {}\n", path.display()));
     }
     if args.json {
         let schema = mve_core::schema(&registry);
-        let all = registry.modules().iter();
-        for info in all.filter(|info| chosen.is_none_or(|one| one.module.id == info.module.id)) {
+        for info in &found {
             out::json(&as_json(info, &schema))?;
         }
         return Ok(Exit::Done);
     }
     match chosen {
         Some(info) => out::print(&for_terminal(&describe_module(&info))),
-        None => out::print(&list(&registry)),
+        None => out::print(&list(&found)),
     }
 }
 
-fn find(registry: &Registry, id: &str) -> Result<ModuleInfo, Stop> {
-    registry.find(id).ok_or_else(|| {
-        let hint = did_you_mean(id, registry.modules().iter().map(|info| info.module.id));
-        let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
-        Stop::usage(format!("there is no module \"{id}\"{hint}"))
-    })
-}
-
 /// Ids and summaries by category.
-fn list(registry: &Registry) -> String {
-    let all = registry.modules();
+fn list(all: &[ModuleInfo]) -> String {
     let widest = all.iter().map(|info| info.module.id.len()).max().unwrap_or(0);
     let mut categories: Vec<_> = all.iter().map(|info| info.category).collect();
     categories.sort_unstable();
@@ -113,9 +118,9 @@ fn as_json(info: &ModuleInfo, schema: &Json) -> Json {
     let outputs = module.outputs.iter().map(
         |output| json!({ "name": output.name, "type": output.data_type.id, "doc": output.doc }),
     );
-    let nodes = &schema["properties"]["nodes"]["additionalProperties"]["anyOf"];
-    let own = nodes.as_array().into_iter().flatten().map(|node| &node["properties"]);
-    let own = own.into_iter().find(|node| node["module"]["const"] == module.id);
+    let nodes = &schema["properties"]["nodes"]["additionalProperties"]["allOf"];
+    let is_own = |rule: &&Json| rule["if"]["properties"]["module"]["const"] == module.id;
+    let own = nodes.as_array().into_iter().flatten().find(is_own);
     json!({
         "id": module.id,
         "category": info.category,
@@ -123,6 +128,6 @@ fn as_json(info: &ModuleInfo, schema: &Json) -> Json {
         "version": info.version,
         "inputs": inputs.collect::<Vec<_>>(),
         "outputs": outputs.collect::<Vec<_>>(),
-        "params": own.map_or(Json::Null, |node| node["params"].clone()),
+        "params": own.map_or(Json::Null, |rule| rule["then"]["properties"]["params"].clone()),
     })
 }

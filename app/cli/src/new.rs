@@ -73,9 +73,9 @@ enum What {
     },
     /// Write a loader: a reader and a module, with tests and a small file to read
     ///
-    /// Works inside a checkout of mve: writes modules/src/formats/FORMAT.rs, or FORMAT/read.rs where
-    /// there is a folder of the format, modules/src/io/NAME.rs and tests/data/example.FORMAT, and
-    /// enters both in their lists.
+    /// Works inside a checkout of mve: writes modules/src/formats/FORMAT.rs, or FORMAT/read.rs
+    /// where there is a folder of the format, modules/src/io/NAME.rs and
+    /// tests/data/example.FORMAT, and enters both in their lists.
     Loader {
         /// Id in CamelCase, the format first: OffLoader
         name: String,

@@ -29,11 +29,11 @@ const STOPPING: &str = "stopping; finished steps are kept, run the same command 
 /// Run a program of a map: every combination of its parameters, into one table
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  mve program maps/vase.json                      the map's only program
-  mve program maps/vase.json costs --dry-run      list its steps
-  mve program maps/vase.json costs --jobs 4 --time-limit 60
-  mve program maps/vase.json costs --timing       seconds that can be compared
-  mve program maps/vase.json costs --shard 1/8    one of eight processes on one folder
+  mve program maps/classic_experiment.json costs
+  mve program maps/classic_experiment.json costs --dry-run        list its steps
+  mve program maps/classic_experiment.json costs --jobs 4 --time-limit 60
+  mve program maps/classic_experiment.json costs --timing         seconds that can be compared
+  mve program maps/classic_experiment.json costs --shard 1/8      one of eight processes
 
 Finished steps are kept and never run twice: the same command resumes. A step whose inputs, \
 parameters or modules changed is another step. Failed steps are rows of the table; \

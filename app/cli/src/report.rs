@@ -35,12 +35,12 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// What to write
-    #[arg(short, long, value_enum, default_value_t = Kind::Html)]
-    format: Kind,
+    #[arg(short, long, value_enum, default_value_t = FormatName::Html)]
+    format: FormatName,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Kind {
+enum FormatName {
     /// One page with everything
     Html,
     /// Every case with the chief columns, all digits
@@ -51,13 +51,13 @@ enum Kind {
     Latex,
 }
 
-impl From<Kind> for Format {
-    fn from(kind: Kind) -> Self {
+impl From<FormatName> for Format {
+    fn from(kind: FormatName) -> Self {
         match kind {
-            Kind::Html => Self::Html,
-            Kind::Csv => Self::Csv,
-            Kind::Markdown => Self::Markdown,
-            Kind::Latex => Self::Latex,
+            FormatName::Html => Self::Html,
+            FormatName::Csv => Self::Csv,
+            FormatName::Markdown => Self::Markdown,
+            FormatName::Latex => Self::Latex,
         }
     }
 }
@@ -77,10 +77,10 @@ impl From<ReportError> for Stop {
 pub fn run(args: &Args) -> Result<Exit, Stop> {
     let report = Report::read(&args.store)?;
     // Tables may be read by a program: what they lack is said beside them.
-    if args.format != Kind::Html && !report.missing().is_empty() {
+    if args.format != FormatName::Html && !report.missing().is_empty() {
         out::tell(&format!("note: {}", report.missing()));
     }
-    let page = (args.format == Kind::Html).then(|| args.store.join(PAGE));
+    let page = (args.format == FormatName::Html).then(|| args.store.join(PAGE));
     let Some(path) = args.out.clone().or(page) else {
         return out::print(&report.text(args.format.into(), None));
     };

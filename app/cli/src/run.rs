@@ -27,10 +27,10 @@ const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 /// Run a map once
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  mve run maps/vase.json
-  mve run maps/vase.json --set simplify.target_faces=300 --set simplify.cost=EdgeLength
-  mve run maps/vase.json --out results --cache ~/.cache/mve
-  mve run maps/vase.json --json | jq 'select(.event == \"ended\")'
+  mve run maps/simplify_and_measure.json
+  mve run maps/obj_file.json --set load.path=bunny.obj --set simplify.cost=EdgeLength
+  mve run maps/simplify_and_measure.json --out results --cache ~/.cache/mve
+  mve run maps/simplify_and_measure.json --json | jq 'select(.event == \"ended\")'
 
 Every problem of the map is listed before anything runs. A node that fails stops only the nodes \
 that need it.")]

@@ -31,7 +31,7 @@ pub enum Fit {
 
 /// A module that was found, and of those of its ports that fit one.
 #[derive(Clone)]
-pub struct Hit {
+pub struct SearchHit {
     /// The module.
     pub info: ModuleInfo,
     /// The port to link to, where one was asked for.
@@ -76,10 +76,10 @@ impl Catalog {
 
     /// The modules that have all words of the query and fit, the best first, each with every port
     /// that fits; without a query, all that fit, sorted by id.
-    pub fn search(&self, query: &str, fit: Option<&Fit>) -> Vec<Hit> {
+    pub fn search(&self, query: &str, fit: Option<&Fit>) -> Vec<SearchHit> {
         let mut matcher = Matcher::new(Config::DEFAULT);
         let words: Vec<Word> = query.split_whitespace().map(Word::new).collect();
-        let mut scored: Vec<(u32, Hit)> = Vec::new();
+        let mut scored: Vec<(u32, SearchHit)> = Vec::new();
         'modules: for info in &self.modules {
             let mut score = FOR_PARAM;
             let mut ports = vec![None];
@@ -89,8 +89,12 @@ impl Catalog {
                 score -= if are_params { FOR_PARAM } else { 0 };
             }
             let Some(&port) = ports.first() else { continue };
-            let mut hit =
-                Hit { info: *info, port, id_matches: Vec::new(), summary_matches: Vec::new() };
+            let mut hit = SearchHit {
+                info: *info,
+                port,
+                id_matches: Vec::new(),
+                summary_matches: Vec::new(),
+            };
             for word in &words {
                 match word.find(&mut hit, &mut matcher) {
                     Some(found) => score += found,
@@ -101,7 +105,7 @@ impl Catalog {
                 matches.sort_unstable();
                 matches.dedup();
             }
-            scored.extend(ports.into_iter().map(|port| (score, Hit { port, ..hit.clone() })));
+            scored.extend(ports.into_iter().map(|port| (score, SearchHit { port, ..hit.clone() })));
         }
         // The registry is sorted by id, and the sort keeps that order among equals.
         scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
@@ -155,7 +159,7 @@ impl Word {
     }
 
     /// What the word is worth in a module; marks where it was found.
-    fn find(&self, hit: &mut Hit, matcher: &mut Matcher) -> Option<u32> {
+    fn find(&self, hit: &mut SearchHit, matcher: &mut Matcher) -> Option<u32> {
         let (module, mut buffer) = (hit.info.module, Vec::new());
         let id = Utf32Str::new(module.id, &mut buffer);
         if let Some(score) = self.whole.indices(id, matcher, &mut hit.id_matches) {

@@ -2,11 +2,14 @@
 
 mod field;
 mod points;
+mod widgets;
 
 use eframe::egui::{self, RichText, Ui};
-pub use field::{CELL_WIDTH, Field, Look, line, pick, select_all};
+pub use field::{CELL_WIDTH, FieldPlace, ParamField};
 use mve_core::{ParamSpec, chosen};
 use serde_json::{Map as JsonMap, Value as Json};
+use widgets::focus_asked;
+pub use widgets::{line, pick, select_all};
 
 /// Width of the names in front of the fields, in points.
 const NAME_WIDTH: f32 = 118.0;
@@ -52,14 +55,14 @@ impl Form<'_> {
     pub fn show(&self, ui: &mut Ui, specs: &[ParamSpec]) -> Vec<FormEvent> {
         let mut events = Vec::new();
         if self.wants_focus {
-            ui.data_mut(|data| data.insert_temp(field::focus_asked(), true));
+            ui.data_mut(|data| data.insert_temp(focus_asked(), true));
         }
         for spec in specs {
             self.row(ui, spec, spec.name, self.given.get(spec.name), &mut events);
         }
         if self.wants_focus {
             // Where there was no field, no field elsewhere is to have it.
-            ui.data_mut(|data| data.remove::<bool>(field::focus_asked()));
+            ui.data_mut(|data| data.remove::<bool>(focus_asked()));
         }
         events
     }
@@ -92,8 +95,8 @@ impl Form<'_> {
                     .on_hover_text("This parameter takes its value from a link.");
                 return;
             }
-            let look = Look::Row;
-            let mut field = Field { spec, name, path, given, look, events };
+            let place = FieldPlace::Row;
+            let mut field = ParamField { spec, name, path, given, place, events };
             if spec.can_be_off {
                 field.switch(ui);
             }

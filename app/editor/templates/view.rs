@@ -38,6 +38,7 @@ impl ValueView for MeasuresView {
 mod tests {
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
+    use mve_core::Data;
     use mve_modules::data::DATA_TYPES;
     use mve_modules::mesh::fixtures::tetrahedron;
 

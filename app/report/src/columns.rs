@@ -141,6 +141,24 @@ pub fn chief(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String>
     chosen
 }
 
+/// The columns of the long table behind the parameters: measures, other chief outputs, seconds.
+pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String> {
+    let mut columns: Vec<String> =
+        measures.iter().filter(|m| m.is_there).map(|m| m.column.clone()).collect();
+    let others = against(results).into_iter().chain(chief(results, &|_| true));
+    let varied = results.varied();
+    let others: Vec<String> = others.filter(|column| !varied.contains(column)).collect();
+    for column in others.into_iter().chain(["seconds".to_owned()]) {
+        if !columns.contains(&column) {
+            columns.push(column);
+        }
+    }
+    let (seconds, rest) = columns.into_iter().partition::<Vec<_>, _>(|column| {
+        column.starts_with("seconds") && measures.iter().all(|m| m.column != *column)
+    });
+    rest.into_iter().chain(seconds).collect()
+}
+
 /// Nodes that more than one link ends in.
 fn comparing_nodes(results: &Results) -> Vec<String> {
     let links = results.plan.map["links"].as_array().cloned().unwrap_or_default();

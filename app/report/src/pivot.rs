@@ -35,6 +35,45 @@ pub struct PivotRow {
     pub is_best: Vec<bool>,
 }
 
+/// A row of a table as it is shown.
+pub struct ShownRow {
+    /// Its name.
+    pub label: String,
+    /// Its cells.
+    pub cells: Vec<String>,
+    /// Whether each is the best.
+    pub is_best: Vec<bool>,
+}
+
+impl Pivot {
+    /// The rows, and what sums them up.
+    pub fn shown_rows(&self) -> Vec<ShownRow> {
+        let shown = |row: &PivotRow| ShownRow {
+            label: row.label.clone(),
+            cells: row.cells.iter().map(Cell::shown).collect(),
+            is_best: row.is_best.clone(),
+        };
+        let mut rows: Vec<ShownRow> = self.rows.iter().map(shown).collect();
+        if let (Some((means, n)), Some(better)) = (&self.means, self.better) {
+            let n_rows = self.rows.len();
+            let of = if *n == n_rows { String::new() } else { format!(" of {n} complete rows") };
+            rows.push(ShownRow {
+                label: format!("Geometric mean{of}"),
+                cells: means.iter().map(|mean| brief(*mean)).collect(),
+                is_best: best_mean(means, better),
+            });
+        }
+        if let Some(counts) = &self.n_best {
+            rows.push(ShownRow {
+                label: format!("Best in, of {}", self.rows.len()),
+                cells: counts.iter().map(usize::to_string).collect(),
+                is_best: vec![false; counts.len()],
+            });
+        }
+        rows
+    }
+}
+
 /// The tables of all measures that are there.
 pub fn pivots(results: &Results, measures: &[MeasureColumn]) -> Vec<Pivot> {
     let measures: Vec<&MeasureColumn> = measures.iter().filter(|m| m.is_there).collect();
@@ -121,7 +160,7 @@ fn n_best(rows: &[PivotRow], n_columns: usize) -> Option<Vec<usize>> {
 }
 
 /// Which of the means is the best, to mark it.
-pub fn best_mean(means: &[f64], better: Better) -> Vec<bool> {
+fn best_mean(means: &[f64], better: Better) -> Vec<bool> {
     let cell = |mean: &f64| crate::stats::estimate(&[*mean]).map_or(Cell::Empty, Cell::Number);
     best_of(&means.iter().map(cell).collect::<Vec<_>>(), better)
 }

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use mve_core::{Better, brief, exact};
+use mve_core::{Better, exact};
 
 use crate::answers::Answer;
-use crate::columns::{self, MeasureColumn};
+use crate::columns::{MeasureColumn, long_columns};
 use crate::html::escape;
-use crate::pivot::{Pivot, PivotRow, best_mean};
+use crate::pivot::Pivot;
 use crate::results::{Cell, Results};
 use crate::stats::estimate;
 
@@ -53,24 +53,6 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
-/// The columns of the long table behind the parameters: measures, other chief outputs, seconds.
-pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String> {
-    let mut columns: Vec<String> =
-        measures.iter().filter(|m| m.is_there).map(|m| m.column.clone()).collect();
-    let others = columns::against(results).into_iter().chain(columns::chief(results, &|_| true));
-    let varied = results.varied();
-    let others: Vec<String> = others.filter(|column| !varied.contains(column)).collect();
-    for column in others.into_iter().chain(["seconds".to_owned()]) {
-        if !columns.contains(&column) {
-            columns.push(column);
-        }
-    }
-    let (seconds, rest) = columns.into_iter().partition::<Vec<_>, _>(|column| {
-        column.starts_with("seconds") && measures.iter().all(|m| m.column != *column)
-    });
-    rest.into_iter().chain(seconds).collect()
-}
-
 /// What stands over a table: the measure and its direction.
 pub fn caption(table: &Pivot) -> String {
     match table.better {
@@ -107,7 +89,7 @@ pub fn markdown(title: &str, missing: &str, answers: &[Answer], tables: &[Pivot]
         let header: Vec<String> = table.columns.iter().map(|name| plain(name)).collect();
         let _ = writeln!(text, "| {} | {} |", plain(&table.corner), header.join(" | "));
         let _ = writeln!(text, "|---|{}", "---:|".repeat(header.len()));
-        for row in with_means(table) {
+        for row in table.shown_rows() {
             let cell = |(cell, best): (&String, &bool)| match best {
                 true => format!("**{}**", plain(cell)),
                 false => plain(cell),
@@ -132,7 +114,7 @@ pub fn latex(title: &str, missing: &str, tables: &[Pivot]) -> String {
         let header: Vec<String> = table.columns.iter().map(|name| in_latex(name)).collect();
         let _ = writeln!(text, "{} & {} \\\\", in_latex(&table.corner), header.join(" & "));
         let _ = writeln!(text, "\\midrule");
-        for (place, row) in with_means(table).iter().enumerate() {
+        for (place, row) in table.shown_rows().iter().enumerate() {
             if place == table.rows.len() {
                 let _ = writeln!(text, "\\midrule");
             }
@@ -146,43 +128,6 @@ pub fn latex(title: &str, missing: &str, tables: &[Pivot]) -> String {
         let _ = writeln!(text, "\\bottomrule\n\\end{{tabular}}");
     }
     text
-}
-
-/// A row of a table in words.
-pub struct ShownRow {
-    /// Its name.
-    pub label: String,
-    /// Its cells.
-    pub cells: Vec<String>,
-    /// Whether each is the best.
-    pub is_best: Vec<bool>,
-}
-
-/// The rows of a table, and what sums them up.
-pub fn with_means(table: &Pivot) -> Vec<ShownRow> {
-    let shown = |row: &PivotRow| ShownRow {
-        label: row.label.clone(),
-        cells: row.cells.iter().map(Cell::shown).collect(),
-        is_best: row.is_best.clone(),
-    };
-    let mut rows: Vec<ShownRow> = table.rows.iter().map(shown).collect();
-    if let (Some((means, n)), Some(better)) = (&table.means, table.better) {
-        let n_rows = table.rows.len();
-        let of = if *n == n_rows { String::new() } else { format!(" of {n} complete rows") };
-        rows.push(ShownRow {
-            label: format!("Geometric mean{of}"),
-            cells: means.iter().map(|mean| brief(*mean)).collect(),
-            is_best: best_mean(means, better),
-        });
-    }
-    if let Some(counts) = &table.n_best {
-        rows.push(ShownRow {
-            label: format!("Best in, of {}", table.rows.len()),
-            cells: counts.iter().map(usize::to_string).collect(),
-            is_best: vec![false; counts.len()],
-        });
-    }
-    rows
 }
 
 fn one_line(text: &str) -> String {

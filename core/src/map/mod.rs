@@ -5,12 +5,14 @@
 //! the rest makes sense (do the modules exist, do the links fit) is for [`crate::Plan`] to say.
 
 mod link;
+mod position;
+mod read;
 mod text;
+mod words;
 
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -19,6 +21,7 @@ use serde_json::{Map as JsonMap, Value as Json};
 use thiserror::Error;
 
 pub use link::{Link, PortRef};
+pub use position::Position;
 
 use crate::files::fresh_file;
 use crate::json;
@@ -35,9 +38,6 @@ const MIGRATIONS: &[Migration] = &[];
 
 /// Some text editors put it at the beginning of a file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
-
-/// No map that a person made comes near this; it stops a wrong path from filling the memory.
-const LARGEST_FILE: u64 = 64 << 20;
 
 /// Nodes, links, layout and programs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -149,24 +149,31 @@ pub enum MapError {
 }
 
 impl Map {
+    /// Bytes of the largest file that is read: no map that a person made comes near this; it stops
+    /// a wrong path from filling the memory.
+    pub const LARGEST_FILE: u64 = 64 << 20;
+
     /// Reads a map file.
     pub fn load(path: &Path) -> Result<Self, MapError> {
         let fail = |source| MapError::Io { path: path.to_owned(), source };
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(fail)?;
-        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(fail)?;
-        if bytes.len() as u64 > LARGEST_FILE {
+        file.take(Self::LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(fail)?;
+        if bytes.len() as u64 > Self::LARGEST_FILE {
             return Err(MapError::NotJson("the file is larger than 64 MiB".to_owned()));
         }
-        let text = String::from_utf8(bytes)
-            .map_err(|error| MapError::NotJson(format!("not text in UTF-8: {error}")))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let byte = error.utf8_error().valid_up_to() + 1;
+            MapError::NotJson(format!("the file is not text: byte {byte} is not UTF-8"))
+        })?;
         Self::parse(&text)
     }
 
     /// Reads the text of a map file.
     pub fn parse(text: &str) -> Result<Self, MapError> {
-        let (json, repeated) = json::parse(text.trim_start_matches(BYTE_ORDER_MARK))
-            .map_err(|error| MapError::NotJson(format!("not valid JSON: {error}")))?;
+        let plain = text.trim_start_matches(BYTE_ORDER_MARK);
+        let (json, repeated) = json::parse(plain)
+            .map_err(|error| MapError::NotJson(words::of_syntax(plain, &error)))?;
         let Json::Object(mut object) = json else {
             return Err(MapError::NotJson("the file is JSON, but not an object".to_owned()));
         };
@@ -188,6 +195,7 @@ impl Map {
             }
         }
         map.fill(object);
+        map.warn_of_unknown_keys();
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
@@ -277,89 +285,6 @@ impl Map {
             && (&self.programs, &self.extra, &self.leftovers)
                 == (&other.programs, &other.extra, &other.leftovers)
     }
-
-    fn fill(&mut self, object: JsonMap<String, Json>) {
-        for (key, value) in object {
-            match (key.as_str(), value) {
-                ("title", Json::String(title)) => self.title = title,
-                ("nodes", Json::Object(nodes)) => {
-                    for (name, value) in nodes {
-                        self.add_part("nodes", name, value, |map| &mut map.nodes);
-                    }
-                }
-                ("layout", Json::Object(layout)) => {
-                    for (name, value) in layout {
-                        self.add_part("layout", name, value, |map| &mut map.layout);
-                    }
-                }
-                ("programs", Json::Object(programs)) => {
-                    for (name, value) in programs {
-                        self.add_part("programs", name, value, |map| &mut map.programs);
-                    }
-                }
-                ("links", Json::Array(links)) => links.into_iter().for_each(|l| self.add_link(l)),
-                ("title" | "nodes" | "layout" | "programs" | "links", value) => {
-                    let message =
-                        format!("\"{key}\" is not what the format says; see `mve schema`");
-                    self.problems.push(Problem::error(message));
-                    self.leftovers.push(("", key, value));
-                }
-                (_, value) => {
-                    self.extra.insert(key, value);
-                }
-            }
-        }
-    }
-
-    fn add_part<T: for<'de> Deserialize<'de>>(
-        &mut self,
-        section: &'static str,
-        name: String,
-        value: Json,
-        target: fn(&mut Self) -> &mut IndexMap<String, T>,
-    ) {
-        match T::deserialize(&value) {
-            Ok(part) => {
-                target(self).insert(name, part);
-            }
-            Err(error) => {
-                let error = error.to_string().replace("u32", "a whole number above 0");
-                self.problems.push(match (section, misunderstood::<T>(&value)) {
-                    ("programs", Some(field)) => {
-                        let message = format!("\"{field}\" is not understood: {error}");
-                        Problem::error(message).in_program(&name)
-                    }
-                    ("programs", None) => {
-                        Problem::error(format!("not understood: {error}")).in_program(&name)
-                    }
-                    _ => Problem::error(format!("not understood: {error}")).at(&name),
-                });
-                self.leftovers.push((section, name, value));
-            }
-        }
-    }
-
-    fn add_link(&mut self, value: Json) {
-        match value.as_str().map(Link::from_str) {
-            Some(Ok(link)) => self.links.push(link),
-            _ => {
-                let message =
-                    format!("link {value} is not of the form \"node.output -> node.input\"");
-                self.problems.push(Problem::error(message));
-                self.leftovers.push(("links", String::new(), value));
-            }
-        }
-    }
-}
-
-/// The first field of an object that is not understood even alone, where all of them may be left
-/// out.
-fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
-    let is_bad = |(field, value): &(&String, &Json)| {
-        let alone = JsonMap::from_iter([((*field).clone(), (*value).clone())]);
-        T::deserialize(Json::Object(alone)).is_err()
-    };
-    value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
 }
 
 fn migrate(object: &mut JsonMap<String, Json>, from: u64, migrations: &[Migration]) {
@@ -401,9 +326,46 @@ mod tests {
         expected["title"] = Json::from("changed");
         assert_eq!(again, expected);
         assert_eq!(Map::parse(&text).unwrap().to_text(), text);
-        assert_eq!(map.problems().len(), 4); // node b, two links, program q
-        let text = map.problems()[0].to_string();
-        assert!(text.ends_with("expected an object with a \"module\""), "{text}");
+        let (errors, warnings): (Vec<_>, Vec<_>) =
+            map.problems().iter().partition(|problem| problem.is_error());
+        assert_eq!((errors.len(), warnings.len()), (4, 3)); // node b, two links, program q
+        let text = errors[0].to_string();
+        assert!(text.starts_with("b: 7 is not an object with a \"module\""), "{text}");
+    }
+
+    #[test]
+    fn keys_that_mean_nothing_are_warned_of_with_their_place() {
+        let map = Map::parse(
+            "{\"mve\": 1, \"titel\": \"x\", \"_why\": \"a remark\",\n\
+             \"nodes\": {\"a\": {\"module\": \"X\",\n  \"parms\": {\"ratio\": 0.1}}},\n\
+             \"programs\": {\"p\": {\"axis\": []},\n \"q\": {\"repeat\": 5}}}",
+        );
+        let map = map.unwrap();
+        let said: Vec<_> = map
+            .problems()
+            .iter()
+            .map(|problem| {
+                let Position { line, column } = map.position_of(problem).unwrap();
+                assert!(!problem.is_error());
+                format!("{line}:{column} {problem}")
+            })
+            .collect();
+        let left_out = "is left out; did you mean";
+        assert_eq!(
+            said,
+            [
+                format!("1:12 \"titel\" means nothing in a map and {left_out} \"title\"?"),
+                format!(
+                    "3:3 a.parms: \"parms\" means nothing in a node and {left_out} \"params\"?"
+                ),
+                format!(
+                    "4:20 program \"p\": \"axis\" means nothing in a program and {left_out} \"axes\"?"
+                ),
+                format!(
+                    "5:8 program \"q\": \"repeat\" means nothing in a program and {left_out} \"repeats\"?"
+                ),
+            ]
+        );
     }
 
     #[test]
@@ -445,8 +407,8 @@ mod tests {
         };
         for repeats in ["-2", "1.5", "\"many\"", "[3]"] {
             let found = said(repeats);
-            assert!(found.starts_with("program \"p\": \"repeats\" is not understood: "), "{found}");
-            assert!(found.ends_with("expected a whole number above 0"), "{found}");
+            let repeats = format!("program \"p\": \"repeats\": {repeats} is not ");
+            assert_eq!(found, repeats + "a whole number above 0");
         }
     }
 

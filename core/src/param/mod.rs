@@ -15,7 +15,7 @@ use serde_json::Value as Json;
 pub use json::{MODULE, all_given, chosen, declared_at, given_at, given_at_mut, with_param};
 pub use kind::*;
 pub(crate) use object_schema::object_of;
-pub(crate) use setting::{Fault, Misfit};
+pub(crate) use setting::{Fault, Misfit, shown};
 pub use setting::{Setting, Settings, Structured};
 
 use crate::data::DataType;

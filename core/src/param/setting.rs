@@ -223,6 +223,14 @@ impl Settings {
 }
 
 impl Setting {
+    /// A value with parts, if it is of this type.
+    pub(crate) fn structured<T: Any + Clone + Send + Sync>(&self) -> Option<T> {
+        match self {
+            Self::Structured(value) => value.get::<T>().map(|shared| (*shared).clone()),
+            _ => None,
+        }
+    }
+
     /// The setting as a map file would say it.
     pub fn to_json(&self) -> Json {
         match self {
@@ -288,7 +296,13 @@ impl ParamSpec {
                     format!(" (in {})", self.unit)
                 };
                 let off = if self.can_be_off { ", or null for off" } else { "" };
-                format!("{} is not {expected}{unit}{off}", shown(json))
+                let without = json.as_str().and_then(|text| serde_json::from_str(text).ok());
+                let fits = |json: &Json| self.kind.answers().parse(json, &mut Vec::new()).is_ok();
+                let quotes = match without.as_ref().is_some_and(fits) {
+                    true => "; write it without quotes",
+                    false => "",
+                };
+                format!("{} is not {expected}{unit}{off}{quotes}", shown(json))
             }
         };
         faults.push(Fault { path: self.name.to_owned(), message });
@@ -315,7 +329,7 @@ impl ParamSpec {
 }
 
 /// A JSON value for a message, cut short.
-pub(super) fn shown(json: &Json) -> String {
+pub(crate) fn shown(json: &Json) -> String {
     let text = json.to_string();
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}…", &text[..end]),

@@ -71,8 +71,14 @@ fn set(
     let (id, inner) = current.unwrap_or((choice.default, None));
     let entry = choice.list.find(id).ok_or_else(|| format!("\"{name}\" has no entry \"{id}\""))?;
     let mut inner = inner.cloned().unwrap_or_default();
-    set(&mut inner, Some(entry.params), nested, value)
-        .map_err(|why| format!("{why}, of {}", entry.id))?;
+    set(&mut inner, Some(entry.params), nested, value).map_err(|why| {
+        // In a map the entry stands between the choice and its parameters, and in a path not.
+        let below = nested.strip_prefix(entry.id).and_then(|rest| rest.strip_prefix('.'));
+        match below {
+            Some(below) => format!("write {name}.{below}: a path names no entry of a choice"),
+            None => format!("{why}, of {}", entry.id),
+        }
+    })?;
     let inner = JsonMap::from_iter([(entry.id.to_owned(), Json::Object(inner))]);
     params.insert(name.to_owned(), Json::Object(inner));
     Ok(())

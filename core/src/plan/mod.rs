@@ -112,7 +112,7 @@ impl Plan {
         let active = modes::without_inactive(whole, registry, &mut problems);
         let map = active.as_ref().map_or(whole, |active| &active.map);
         let left_out = active.as_ref().map_or(&[][..], |active| &active.left_out);
-        let left_out = quoted(whole, left_out, registry, options);
+        let left_out = prepare_inactive(whole, left_out, registry, options);
         let wiring = wiring::wire(map, registry, &mut problems);
         let mut nodes = Vec::with_capacity(map.nodes.len());
         for (place, (name, _)) in map.nodes.iter().enumerate() {
@@ -149,7 +149,7 @@ impl Plan {
 
 /// Nodes that do not run, with their parameters, which names of output files may quote. Whatever
 /// is wrong with them stops no run.
-fn quoted(
+fn prepare_inactive(
     map: &Map,
     names: &[String],
     registry: &Registry,

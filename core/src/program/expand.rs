@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use indexmap::IndexMap;
@@ -24,6 +25,8 @@ const MOST_PROBLEMS: usize = 20;
 
 type Assignment = IndexMap<String, Json>;
 
+static NO_ASSIGNMENT: LazyLock<Assignment> = LazyLock::new(Assignment::new);
+
 impl Program {
     /// Checks a program of a map: every step is planned, and the files that steps write are
     /// compared. The error lists all problems.
@@ -43,13 +46,7 @@ impl Program {
         let in_program = |problem: Problem| problem.in_program(name);
         let assignments =
             assignments(spec).map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
-        let mut values: IndexMap<String, Vec<&Json>> = IndexMap::new();
-        for (path, value) in assignments.iter().flatten() {
-            let known = values.entry(path.clone()).or_default();
-            if !known.contains(&value) {
-                known.push(value);
-            }
-        }
+        let values = values_of(&assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
         let report = report_of(spec, map, &values).map_err(|faults| {
             faults.into_iter().map(Problem::error).map(in_program).collect::<Vec<_>>()
@@ -95,9 +92,9 @@ impl Program {
 
     fn add_step(&mut self, params: &Assignment, repeat: u32, checker: &mut Checker) {
         match self.plan(params, repeat) {
-            Err(problems) => problems.into_iter().for_each(|p| checker.report(p, params)),
+            Err(problems) => self.report(problems, params, checker),
             Ok(plan) => {
-                plan.warnings.iter().for_each(|p| checker.report(p.clone(), params));
+                self.report(plan.warnings.clone(), params, checker);
                 if self.nodes.is_empty() {
                     self.nodes = plan.nodes.iter().map(|node| node.name.clone()).collect();
                 }
@@ -116,6 +113,18 @@ impl Program {
 }
 
 impl Program {
+    /// Reports the problems of a step; those of the map itself are of no step, and those of other
+    /// programs none of this one.
+    fn report(&self, problems: Vec<Problem>, params: &Assignment, checker: &mut Checker) {
+        for problem in problems {
+            let program = problem.place.program.as_ref();
+            if program.is_none_or(|name| *name == self.name) {
+                let is_of_map = self.map.problems().contains(&problem);
+                checker.report(problem, if is_of_map { &NO_ASSIGNMENT } else { params });
+            }
+        }
+    }
+
     /// The plan of the map with these parameters.
     pub(super) fn plan(&self, params: &Assignment, repeat: u32) -> Result<Plan, Vec<Problem>> {
         let mut map = self.map.clone();
@@ -231,9 +240,52 @@ fn shown(params: &Assignment) -> String {
     params.iter().map(|(path, value)| format!("{path} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
+/// The different values of each parameter that is varied, in their order.
+fn values_of(assignments: &[Assignment]) -> IndexMap<String, Vec<&Json>> {
+    let mut values: IndexMap<String, Vec<&Json>> = IndexMap::new();
+    let mut known = HashSet::new();
+    for (path, value) in assignments.iter().flatten() {
+        if known.insert((path, value.to_string())) {
+            values.entry(path.clone()).or_default().push(value);
+        }
+    }
+    values
+}
+
+/// The values that stand more than once in an axis, and the parameters that an earlier axis varies
+/// already: of either only one step would be left.
+fn slips_of(spec: &ProgramSpec) -> Vec<Problem> {
+    let mut slips = Vec::new();
+    let mut axis_of = HashMap::new();
+    for (place, axis) in spec.axes.iter().enumerate() {
+        for path in axis.keys() {
+            if let Some(earlier) = axis_of.insert(path, place + 1) {
+                let message = format!(
+                    "axes {earlier} and {} both vary \"{path}\", and the last would count; put \
+                     all its values into one",
+                    place + 1
+                );
+                slips.push(Problem::error(message));
+            }
+        }
+        let length = axis.values().map(Vec::len).min().unwrap_or(0);
+        let mut known = HashSet::new();
+        let values = |i: usize| axis.iter().map(move |(p, list)| format!("{p} = {}", list[i]));
+        let all = (0..length).map(|i| values(i).collect::<Vec<_>>().join(", "));
+        if let Some(doubled) = all.into_iter().find(|values| !known.insert(values.clone())) {
+            let message = format!(
+                "axis {} has {doubled} twice; \"repeats\" runs each step more than once",
+                place + 1
+            );
+            slips.push(Problem::error(message));
+        }
+    }
+    slips
+}
+
 /// All assignments of a program: the product of its axes, then its explicit steps.
 fn assignments(spec: &ProgramSpec) -> Result<Vec<Assignment>, Vec<Problem>> {
-    let mut problems = Vec::new();
+    let mut problems = slips_of(spec);
     let mut all = vec![Assignment::new()];
     let mut total = 1_usize;
     for (place, axis) in spec.axes.iter().enumerate() {
@@ -308,11 +360,23 @@ mod tests {
     }
 
     #[test]
+    fn a_parameter_has_one_axis_and_a_value_one_place_in_it() {
+        let said = |json: &str| assignments(&spec(json)).unwrap_err()[0].message.clone();
+        let two = said(r#"{"axes": [{"a.x": [1, 2]}, {"b.y": [1]}, {"a.x": [3]}]}"#);
+        assert!(two.starts_with("axes 1 and 3 both vary \"a.x\""), "{two}");
+        let doubled = said(r#"{"axes": [{"a.x": [1, 2, 1], "a.y": [1, 2, 1]}]}"#);
+        assert!(doubled.starts_with("axis 1 has a.x = 1, a.y = 1 twice"), "{doubled}");
+        let fine = r#"{"axes": [{"a.x": [1, 2, 1], "a.y": [1, 2, 3]}]}"#;
+        assert_eq!(assignments(&spec(fine)).unwrap().len(), 3);
+    }
+
+    #[test]
     fn slips_are_reported_before_they_cost_memory() {
         let uneven = spec(r#"{"axes": [{"a.x": [1, 2], "a.y": [1]}]}"#);
         assert!(assignments(&uneven).unwrap_err()[0].message.contains("equally long"));
-        let axis = format!("{{\"a.x\": [{}0]}}", "0,".repeat(999));
-        let huge = spec(&format!("{{\"axes\": [{axis}, {axis}, {axis}]}}"));
+        let list = (0..1000).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+        let axis = |name: &str| format!("{{\"a.{name}\": [{list}]}}");
+        let huge = spec(&format!("{{\"axes\": [{}, {}, {}]}}", axis("x"), axis("y"), axis("z")));
         assert!(assignments(&huge).unwrap_err()[0].message.contains("1000000000 steps"));
     }
 }

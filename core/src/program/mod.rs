@@ -420,7 +420,7 @@ fn step_status(
 impl Program {
     /// Writes `plan.json`, with a note of this call, if it runs anything, beside those of others.
     fn write_plan(&self, store: &Store, note: Option<&RunNote>) -> Result<(), StoreError> {
-        store.alone(|| {
+        store.with_lock(|| {
             let mut runs = store.plan().map(|plan| plan.runs).unwrap_or_default();
             if let Some(note) = note {
                 note.add_to(&mut runs);

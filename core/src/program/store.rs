@@ -337,7 +337,7 @@ impl Store {
             }
             refuse_links(&self.folder, &Path::new("outputs").join(written))
                 .map_err(|why| StoreError::at(&target)(std::io::Error::other(why)))?;
-            self.alone(|| {
+            self.with_lock(|| {
                 let folder = target.parent().unwrap_or(&self.folder);
                 fs::create_dir_all(folder).map_err(StoreError::at(folder))?;
                 let fresh = self.folder.join("work").join(format!("{}.link", record.id));
@@ -351,7 +351,7 @@ impl Store {
         Ok(())
     }
 
-    /// Removes what processes that were killed left of files that are written [`Store::alone`].
+    /// Removes what processes that were killed left of files that are written [`Store::with_lock`].
     pub(crate) fn sweep(&self) {
         let Ok(left) = fs::read_dir(self.folder.join("work")) else { return };
         for entry in left.flatten() {
@@ -364,7 +364,7 @@ impl Store {
     }
 
     /// Writes a file of the store so that readers see the old one or the new one. To be called
-    /// within [`Store::alone`].
+    /// within [`Store::with_lock`].
     pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.join(name);
         let mut file =
@@ -375,8 +375,8 @@ impl Store {
         Ok(())
     }
 
-    /// Runs `work` while no other process is within the same call.
-    pub(crate) fn alone<T>(
+    /// Runs `work` under the lock on the files that all steps share; one process at a time has it.
+    pub(crate) fn with_lock<T>(
         &self,
         work: impl FnOnce() -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {

@@ -16,7 +16,7 @@ const MOST_OF_A_NODE: usize = 4;
 
 /// Writes `results.csv`, `results.jsonl` and `summary.md`.
 pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> {
-    store.alone(|| {
+    store.with_lock(|| {
         store.sweep();
         let (header, rows) = table(program, store);
         store.write("results.csv", csv(&header, &rows).as_bytes())?;

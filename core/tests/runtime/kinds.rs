@@ -168,12 +168,16 @@ fn the_map_has_a_point_on_a_line() {
 fn schema_and_help_tell_of_them() {
     let schema = schema(&registry());
     let modules =
-        schema["properties"]["nodes"]["additionalProperties"]["anyOf"].as_array().unwrap();
-    let of_module = |m: &&Json| m["properties"]["module"]["const"] == "Marked";
+        schema["properties"]["nodes"]["additionalProperties"]["allOf"].as_array().unwrap();
+    let of_module = |m: &&Json| m["if"]["properties"]["module"]["const"] == "Marked";
     let module = modules.iter().find(of_module).unwrap();
-    let params = &module["properties"]["params"]["properties"];
+    let params = &module["then"]["properties"]["params"]["properties"];
     let point = &params["marks"]["items"]["properties"];
     assert_eq!(point["radius"]["default"], 1.0);
+    assert_eq!(
+        (&point["radius"]["minimum"], &point["radius"]["maximum"]),
+        (&json!(0.0), &json!(100.0))
+    );
     assert_eq!(point["barycentric"]["maxItems"], 3);
     assert_eq!(params["faces"]["default"], json!([]));
     assert_eq!(params["weight"]["type"], "string");

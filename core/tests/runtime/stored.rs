@@ -7,7 +7,7 @@ use mve_core::testing::{plan_options, run_options};
 use mve_core::{
     BLOCK, Cache, CacheUse, CancelToken, DiskCache, FileHashes, In, Io, Listed, Map, Module,
     ModuleError, ModuleList, Out, Param, Plan, Registry, RunOptions, RunOutcome, Scalar, Stored,
-    StoredWriter, run,
+    run,
 };
 
 const BYTES_OUT: Out<Stored> = Out::new("bytes", "Blocks, each full of its number.");
@@ -25,7 +25,7 @@ static WRITE: Module = Module {
     params: &[],
     run: |io: &mut Io| {
         let failed = |error: std::io::Error| ModuleError::Failed(error.to_string());
-        let mut writer = StoredWriter::new().map_err(failed)?;
+        let mut writer = io.stored_writer()?;
         for block in 0..N_BLOCKS {
             writer.write_all(&vec![block as u8; BLOCK]).map_err(failed)?;
         }
@@ -58,6 +58,10 @@ static LIST: ModuleList = ModuleList {
 
 /// Reads one byte of the blocks, as a process of its own would: with nothing in memory.
 fn read(cache: &Path, budget: u64, place: usize) -> RunOutcome {
+    read_by(&Cache::new(1 << 30, Some(DiskCache::open(cache, budget).unwrap())), place)
+}
+
+fn read_by(cache: &Cache, place: usize) -> RunOutcome {
     let map = format!(
         r#"{{"mve": 1, "nodes": {{"write": {{"module": "Write"}},
             "read": {{"module": "Read", "params": {{"place": {place}}}}}}},
@@ -67,14 +71,19 @@ fn read(cache: &Path, budget: u64, place: usize) -> RunOutcome {
     let registry = Registry::new().with(&[&LIST], "");
     let options = plan_options(Path::new("/"), &files);
     let plan = Plan::new(&Map::parse(&map).unwrap(), &registry, &options).unwrap();
-    let cache = Cache::new(1 << 30, Some(DiskCache::open(cache, budget).unwrap()));
     let (out, cancel) = (tempfile::tempdir().unwrap(), CancelToken::new());
-    run(&plan, &RunOptions { cache: Some(&cache), ..run_options(out.path(), &cancel) })
+    run(&plan, &RunOptions { cache: Some(cache), ..run_options(out.path(), &cancel) })
 }
 
 fn files(cache: &Path) -> Vec<PathBuf> {
     let all = std::fs::read_dir(cache).unwrap().map(|file| file.unwrap().path());
     all.filter(|path| path.extension().is_some_and(|e| e == "stored")).collect()
+}
+
+fn damage_block_6(file: &Path) {
+    let mut bytes = std::fs::read(file).unwrap();
+    bytes[6 * BLOCK + 9] ^= 1;
+    std::fs::write(file, bytes).unwrap();
 }
 
 fn byte(outcome: &RunOutcome) -> Option<&Scalar> {
@@ -93,9 +102,7 @@ fn the_cache_keeps_the_file_and_a_damaged_block_is_made_again() {
     assert_eq!(second.nodes["write"].record.cached, Some(CacheUse::Disk));
     assert_eq!(byte(&second), Some(&Scalar::Number(5.0)));
     // Block 6 is damaged. Who reads another block does not notice, so only that block is read.
-    let mut bytes = std::fs::read(&file).unwrap();
-    bytes[6 * BLOCK + 9] ^= 1;
-    std::fs::write(&file, bytes).unwrap();
+    damage_block_6(&file);
     assert_eq!(byte(&read(cache.path(), budget, BLOCK)), Some(&Scalar::Number(1.0)));
     let failed = read(cache.path(), budget, 6 * BLOCK);
     let (node, error) = failed.failures().next().unwrap();
@@ -104,6 +111,22 @@ fn the_cache_keeps_the_file_and_a_damaged_block_is_made_again() {
     let again = read(cache.path(), budget, 6 * BLOCK);
     assert_eq!(again.nodes["write"].record.cached, None);
     assert_eq!(byte(&again), Some(&Scalar::Number(6.0)));
+}
+
+#[test]
+fn a_damaged_file_leaves_the_memory_of_the_process_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = Cache::new(1 << 30, Some(DiskCache::open(folder.path(), 1 << 30).unwrap()));
+    assert_eq!(read_by(&cache, 0).nodes["write"].record.cached, None);
+    let [file] = files(folder.path()).try_into().unwrap();
+    damage_block_6(&file);
+    let failed = read_by(&cache, 6 * BLOCK);
+    assert_eq!(failed.nodes["write"].record.cached, Some(CacheUse::Memory));
+    assert_eq!(failed.failures().count(), 1);
+    let again = read_by(&cache, 6 * BLOCK);
+    assert_eq!(again.nodes["write"].record.cached, None);
+    assert_eq!(byte(&again), Some(&Scalar::Number(6.0)));
+    assert_eq!(files(folder.path()), [file]);
 }
 
 #[test]

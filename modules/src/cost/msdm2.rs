@@ -95,9 +95,11 @@ impl Cost for Msdm2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::{FaceId, VertexId};
     use crate::geometry::generate::{BoxOptions, subdivided_box};
-    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
     use crate::placement::Midpoint;
+    use glam::DVec3;
 
     #[test]
     fn only_the_edges_that_round_off_a_box_cost_anything() {
@@ -118,5 +120,15 @@ mod tests {
                 _ => {}
             }
         }
+        // So with the faces that merge into their middles.
+        let price_of = |most_sides| {
+            let most = |face: &[VertexId; 3]| face.iter().map(|v| sides(v.0)).max();
+            let face = mesh.faces.iter().position(|face| most(face) == Some(most_sides)).unwrap();
+            let face = FaceId(face as u32);
+            let middle = mesh.corners(face).iter().sum::<DVec3>() / 3.0;
+            face_price(&mesh, face, middle, &mut Msdm2::new(&mesh, 3, Counting::Merged))
+        };
+        let [flat, corner] = [1, 3].map(price_of);
+        assert!(flat.abs() < 1e-8 && corner > 1e-6, "{flat} {corner}");
     }
 }

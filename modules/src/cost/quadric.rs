@@ -5,12 +5,13 @@
 //! with appearance attributes", IEEE Visualization 1999. Deviation: a term of
 //! [`TIE`] × weight × edge length² is added, the error of a vertex that lies 10⁻⁵ of its edge off
 //! its planes. Where the surface is flat and every error is zero up to rounding, it makes short
-//! edges go first, which keeps the faces there well shaped; elsewhere it does not count.
+//! edges go first, which keeps the faces there well shaped; elsewhere it does not count. Where the
+//! corners of a face merge, the quadric is the sum of all three and the longest edge counts.
 
 use mve_core::Entry;
 
 use super::{Cost, MakeCost};
-use crate::geometry::simplify::collapse::{Batch, Contraction, QuadricOptions, WorkingMesh};
+use crate::geometry::simplify::collapse::{Batch, QuadricOptions, WorkingMesh};
 use crate::prelude::*;
 
 const BOUNDARY_WEIGHT: Param<f64> = Param::number(
@@ -45,9 +46,9 @@ pub struct Quadric {
 impl Cost for Quadric {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let Contraction { kept, gone, quadric, .. } = &proposal.contraction;
-            let (kept, gone) = (mesh.position(*kept), mesh.position(*gone));
-            let tie = TIE * quadric.weight() * kept.distance_squared(gone);
+            let contraction = &proposal.contraction;
+            let (quadric, kept) = (&contraction.quadric, mesh.position(contraction.kept));
+            let tie = TIE * quadric.weight() * contraction.length_squared(|v| mesh.position(v));
             // Rounding below zero would put noise before the order that the tie term gives.
             *price = quadric.at(proposal.position - kept).max(0.0) + tie;
         }
@@ -66,9 +67,11 @@ impl Cost for Quadric {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::simplify::collapse::trial::first_prices;
+    use crate::data::FaceId;
+    use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
     use crate::mesh::fixtures::tetrahedron;
     use crate::placement::Endpoint;
+    use glam::DVec3;
 
     #[test]
     fn a_price_is_the_weighted_squared_distance_from_the_planes() {
@@ -81,5 +84,17 @@ mod tests {
         let (_, _, price) = prices[0];
         assert!((price - expected).abs() < 1e-9, "{price} {expected}");
         assert_eq!((prices.len(), COST.id), (6, "Quadric"));
+    }
+
+    #[test]
+    fn a_face_counts_the_planes_of_its_three_corners() {
+        // The face in z = 0 has that plane at all of its corners: three times (1/2) / 3. The other
+        // three planes go through (0, 0, 1).
+        let price = |p| face_price(&tetrahedron(), FaceId(0), p, &mut Quadric::default());
+        assert!((price(DVec3::Z) - 0.5).abs() < 1e-9, "{}", price(DVec3::Z));
+        // At the corner in the origin there is left what two corners have of the slanted plane of
+        // area √3/2 at distance 1/√3: 2 (√3/2) (1/3) / 3.
+        let expected = 3f64.sqrt() / 9.0;
+        assert!((price(DVec3::ZERO) - expected).abs() < 1e-9, "{}", price(DVec3::ZERO));
     }
 }

@@ -148,7 +148,7 @@ pub(super) fn byte_size(materials: &[Material]) -> usize {
 
 /// Materials in a file: the pictures once, the materials without them, and for each texture the
 /// place of its picture.
-pub(super) mod stored {
+pub(super) mod serial {
     use std::collections::HashMap;
 
     use serde::de::Error;

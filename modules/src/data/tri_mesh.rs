@@ -51,7 +51,7 @@ pub struct TriMesh {
     /// Values beside the positions; names are unique.
     pub layers: Vec<Layer>,
     /// Definitions for the names in the layer [`Layer::MATERIAL`].
-    #[serde(with = "super::material::stored")]
+    #[serde(with = "super::material::serial")]
     pub materials: Vec<Material>,
 }
 

@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn stops_and_parts_are_heard() {
+    fn targets_placements_and_costs_are_followed() {
         assert_eq!(simplified(&[]).faces.len(), 384);
         assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
         let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];

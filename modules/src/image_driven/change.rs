@@ -65,14 +65,15 @@ impl Change {
 
     /// The change that a proposal would be.
     pub fn proposed(mesh: &WorkingMesh, proposal: &Proposal) -> Self {
-        let (kept, gone) = (proposal.contraction.kept, proposal.contraction.gone);
+        let contraction = &proposal.contraction;
+        let kept = contraction.kept;
         let mut change = Self::at(kept, proposal.position);
-        for face in mesh.faces_around(kept).chain(mesh.faces_around(gone)) {
+        for face in contraction.vertices().flat_map(|v| mesh.faces_around(v)) {
             let Some(old) = PatchFace::of(mesh, face) else { continue };
             change.old.push(old);
-            let has = |v: VertexId| old.vertices.contains(&v.0);
-            if !(has(kept) && has(gone)) {
-                let moved = old.vertices.map(|v| VertexId(if v == gone.0 { kept.0 } else { v }));
+            let merges = |v: u32| contraction.has(VertexId(v));
+            if old.vertices.iter().filter(|&&v| merges(v)).count() == 1 {
+                let moved = old.vertices.map(|v| if merges(v) { kept } else { VertexId(v) });
                 let point = |v| if v == kept { proposal.position } else { mesh.position(v) };
                 change.new.push(PatchFace::new(face, moved, point));
             }

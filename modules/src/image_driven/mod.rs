@@ -22,12 +22,12 @@
 
 mod canvas;
 mod change;
+mod layered_view;
 mod layers;
 mod picture;
 mod structure;
 #[cfg(test)]
 mod tests;
-mod view;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -36,9 +36,9 @@ use rayon::prelude::*;
 
 use canvas::Canvas;
 use change::Change;
+use layered_view::LayeredView;
 pub use picture::{Difference, Patch, Picture};
 pub use structure::Structure;
-use view::View;
 
 use crate::data::TriMesh;
 use crate::geometry::simplify::collapse::{Batch, Collapse, Cost, Reach, Renewal, WorkingMesh};
@@ -100,7 +100,7 @@ pub struct ImageDriven<D: Difference> {
 
 /// A camera with what its difference keeps.
 struct CameraState<D: Difference> {
-    view: View,
+    view: LayeredView,
     kept: D::Kept,
     /// How many of the pending collapses it has seen.
     n_seen: usize,
@@ -196,7 +196,8 @@ impl<D: Difference> ImageDriven<D> {
         mesh: &WorkingMesh,
         control: Control,
     ) -> Result<CameraState<D>, Cancelled> {
-        let view = View::new(lens, self.options.sides, self.options.background, mesh, control)?;
+        let view =
+            LayeredView::new(lens, self.options.sides, self.options.background, mesh, control)?;
         let kept = self.difference.keep(&view.picture);
         Ok(CameraState { view, kept, n_seen: 0 })
     }

@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use super::*;
 use crate::cost::Squares;
+use crate::data::FaceId;
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
-    Candidates, Contraction, Placement, SimplifyOptions, Stop, simplify,
+    Candidates, Contraction, Placement, SimplifyOptions, Stop, simplify, trial,
 };
 use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
@@ -83,7 +84,7 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
         if face == NO_FACE {
             return background;
         }
-        let corners = mesh.corners(crate::data::FaceId(face));
+        let corners = mesh.corners(FaceId(face));
         let normal = normal(corners);
         // Which side is seen follows from the sides' rule: only the lit one is not black here.
         let front = luminance(normal, lens.camera.forward, FaceSide::Front);
@@ -117,6 +118,33 @@ fn active_areas_price_as_whole_pictures_do() {
         halve(&mesh, &mut cost, &mut Endpoint);
         assert!(*lock(&cost.n_checked) > 100);
     }
+}
+
+#[test]
+fn a_face_that_merges_is_priced_as_the_mesh_without_it_is_drawn() {
+    let mesh = small_vase();
+    let mut n_seen = 0;
+    for face in (0..mesh.faces.len() as u32).step_by(20).map(FaceId) {
+        let [kept, gone, third] = mesh.faces[face.idx()];
+        let mut merged = mesh.clone();
+        // A face that names a vertex twice covers no pixel.
+        for v in merged.faces.iter_mut().flatten().filter(|v| [gone, third].contains(v)) {
+            *v = kept;
+        }
+        merged.positions[kept.idx()] *= 1.2;
+        let place = merged.positions[kept.idx()];
+        let mut cost = ImageDriven::new(&mesh, Squares, SMALL);
+        let found = trial::face_price(&mesh, face, place, &mut cost);
+        let drawn = |mesh: &TriMesh, lens: &Lens| draw(mesh, lens, SMALL.sides, SMALL.background);
+        let growth = cost.lenses.iter().map(|lens| {
+            let pixels = drawn(&mesh, lens).into_iter().zip(drawn(&merged, lens));
+            pixels.map(|(a, b)| i64::from(a.abs_diff(b)).pow(2)).sum::<i64>()
+        });
+        let growth = growth.sum();
+        assert_eq!(found, Squares.price(growth, cost.lenses.len(), SMALL.resolution));
+        n_seen += usize::from(growth > 1000);
+    }
+    assert!(n_seen > 5, "{n_seen}");
 }
 
 #[test]
@@ -213,7 +241,7 @@ fn odd_meshes_are_simplified() {
 /// Faces that look toward the axis of a vase: its inner wall.
 fn n_inner(mesh: &TriMesh) -> usize {
     let looks_in = |face: &usize| {
-        let [a, b, c] = mesh.corners(crate::data::FaceId(*face as u32));
+        let [a, b, c] = mesh.corners(FaceId(*face as u32));
         let outward = (a + b + c) * DVec3::new(1.0, 1.0, 0.0);
         normal([a, b, c]).dot(outward) < 0.0
     };

@@ -1,6 +1,6 @@
 //! Measures how a simplified mesh differs from its original.
 
-use crate::metric::{METRICS, MakeMetric};
+use crate::metric::{METRICS, MakeMetric, MeshRole, MetricError};
 use crate::prelude::*;
 
 const ORIGINAL_IN: In<TriMesh> = In::new("original", "The mesh to measure against.");
@@ -51,7 +51,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (original, simplified) = (io.get(ORIGINAL_IN)?, io.get(SIMPLIFIED_IN)?);
     let chosen = io.choice(METRIC)?;
     let metric = (chosen.entry.build)(&chosen.params)?;
-    let mut found = metric.compare(&original, &simplified, io.control())?;
+    let found = metric.compare(&original, &simplified, io.control());
+    let mut found = found.map_err(of_port)?;
     found.warnings.iter().for_each(|warning| io.warn(warning));
     let none = || Field {
         name: String::new(),
@@ -67,6 +68,20 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     io.put(SIMPLIFIED_IMAGES_OUT, found.simplified_images);
     io.put(DIFFERENCE_IMAGES_OUT, found.difference_images);
     Ok(())
+}
+
+/// The error with the port that the mesh came in at.
+fn of_port(error: MetricError) -> ModuleError {
+    match error {
+        MetricError::Input { mesh: MeshRole::Original, message } => {
+            ModuleError::input(&ORIGINAL_IN, message)
+        }
+        MetricError::Input { mesh: MeshRole::Simplified, message } => {
+            ModuleError::input(&SIMPLIFIED_IN, message)
+        }
+        MetricError::Failed(message) => ModuleError::Failed(message),
+        MetricError::Cancelled(cancelled) => cancelled.into(),
+    }
 }
 
 #[cfg(test)]
@@ -88,5 +103,20 @@ mod tests {
         assert!((value - 0.25).abs() < 1e-12, "{value}");
         assert_eq!(outputs["measures"].get::<Measures>().unwrap().0[0].value, value);
         assert_eq!(outputs["simplified_field"].get::<Field>().unwrap().values.len(), 8);
+    }
+
+    #[test]
+    fn a_mesh_that_cannot_be_measured_is_named_by_its_port() {
+        let message = |original, simplified| {
+            let trial = Trial::of(&super::MODULE).input("original", original);
+            trial.input("simplified", simplified).run().unwrap_err().to_string()
+        };
+        let (full, empty) = (cube(DVec3::ZERO), TriMesh::default());
+        let of_simplified = message(full.clone(), empty.clone());
+        assert!(
+            of_simplified.starts_with("input \"simplified\": the simplified mesh has no faces")
+        );
+        let of_original = message(empty, full);
+        assert!(of_original.starts_with("input \"original\": the original mesh has no faces"));
     }
 }

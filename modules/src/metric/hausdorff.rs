@@ -4,10 +4,10 @@
 
 use mve_core::{Control, Entry};
 
-use super::{Comparison, MakeMetric, Metric, MetricError};
+use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::distance::hausdorff::{
-    Directed, Hausdorff, HausdorffError, HausdorffOptions, MeshRole, hausdorff,
+    Directed, Hausdorff, HausdorffError, HausdorffOptions, hausdorff,
 };
 use crate::prelude::*;
 
@@ -76,13 +76,7 @@ impl Metric for HausdorffMetric {
         simplified: &TriMesh,
         control: Control,
     ) -> Result<Comparison, MetricError> {
-        let found =
-            hausdorff(original, simplified, &self.options, control).map_err(
-                |error| match error {
-                    HausdorffError::Cancelled(cancelled) => MetricError::Cancelled(cancelled),
-                    other => MetricError::Input(other.to_string()),
-                },
-            )?;
+        let found = hausdorff(original, simplified, &self.options, control).map_err(of_metric)?;
         Ok(Comparison {
             scalars: scalars(&found),
             warnings: warnings(&found),
@@ -90,6 +84,16 @@ impl Metric for HausdorffMetric {
             simplified_fields: vec![found.simplified_distance],
             ..Comparison::default()
         })
+    }
+}
+
+fn of_metric(error: HausdorffError) -> MetricError {
+    let message = error.to_string();
+    match error {
+        HausdorffError::NoFaces(mesh) | HausdorffError::NothingFinite(mesh, _) => {
+            MetricError::Input { mesh, message }
+        }
+        HausdorffError::Cancelled(cancelled) => MetricError::Cancelled(cancelled),
     }
 }
 

@@ -69,7 +69,7 @@ impl Metric for ImageSsimMetric {
 
 fn compare(a: &Image, b: &Image) -> Result<Index, MetricError> {
     let Ssim { map, whole, interior } = ssim(&a.bytes, &b.bytes, [a.width, a.height])
-        .map_err(|error| MetricError::Input(error.to_string()))?;
+        .map_err(|error| MetricError::Failed(error.to_string()))?;
     let bytes = map.into_iter().map(to_byte).collect();
     // Pictures have at least 16 pixels a side, so there is an interior.
     Ok(Index { map: Image { bytes, ..a.clone() }, interior: interior.unwrap_or(f64::NAN), whole })

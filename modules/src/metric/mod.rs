@@ -18,6 +18,7 @@ pub use msdm2::Msdm2Metric;
 use mve_core::{Cancelled, Choices, Control, Entry, ModuleError, Settings};
 
 use crate::data::{Field, Images, Measure, TriMesh};
+pub use crate::geometry::distance::hausdorff::MeshRole;
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =
@@ -70,21 +71,20 @@ impl Comparison {
 /// Why a metric has no result.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MetricError {
-    /// A mesh that the metric cannot measure; the message names the mesh and what was expected.
+    /// A mesh that the metric cannot measure.
+    #[error("{message}")]
+    Input {
+        /// Which of the two.
+        mesh: MeshRole,
+        /// The mesh, what is wrong with it and what was expected.
+        message: String,
+    },
+    /// There is no result, for a reason that is in no mesh; the message says all.
     #[error("{0}")]
-    Input(String),
+    Failed(String),
     /// The caller ended it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-}
-
-impl From<MetricError> for ModuleError {
-    fn from(error: MetricError) -> Self {
-        match error {
-            MetricError::Input(message) => Self::Failed(message),
-            MetricError::Cancelled(cancelled) => cancelled.into(),
-        }
-    }
 }
 
 /// What `mve new metric` begins with.

@@ -7,9 +7,12 @@ use crate::geometry::perception::msdm2::{Msdm2, Msdm2Error};
 
 impl From<Msdm2Error> for MetricError {
     fn from(error: Msdm2Error) -> Self {
+        let message = error.to_string();
         match error {
+            Msdm2Error::NoFaces(mesh)
+            | Msdm2Error::NothingUsable(mesh, _)
+            | Msdm2Error::NoExtent(mesh) => Self::Input { mesh, message },
             Msdm2Error::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Input(other.to_string()),
         }
     }
 }

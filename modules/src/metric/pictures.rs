@@ -2,7 +2,7 @@
 
 use mve_core::Control;
 
-use super::MetricError;
+use super::{MeshRole, MetricError};
 use crate::data::TriMesh;
 use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 
@@ -25,7 +25,7 @@ pub fn take_pair(
     let pair = view.pair(original, simplified, control)?.ok_or_else(|| {
         let message = "the original mesh has no finite extent, so no camera can look at it; a mesh \
                        with a box of some size is expected";
-        MetricError::Input(message.to_owned())
+        MetricError::Input { mesh: MeshRole::Original, message: message.to_owned() }
     })?;
     let mut warnings = Vec::new();
     for (name, mesh) in [("original", original), ("simplified", simplified)] {

@@ -64,9 +64,13 @@ pub fn range_of(values: &[f64], options: &ColorMapOptions) -> Result<[f64; 2], E
     if let (Some(low), Some(high)) = (options.low, options.high) {
         return if low < high { Ok([low, high]) } else { Err(EmptyRange { low, high }) };
     }
-    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let mut low = quantile(&mut finite, options.clip).unwrap_or(0.0);
-    let mut high = quantile(&mut finite, 1.0 - options.clip).unwrap_or(1.0);
+    let [mut low, mut high] = if options.clip > 0.0 {
+        let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        let mut end = |part, none| quantile(&mut finite, part).unwrap_or(none);
+        [end(options.clip, 0.0), end(1.0 - options.clip, 1.0)]
+    } else {
+        extent_of(values)
+    };
     if options.is_symmetric {
         high = low.abs().max(high.abs());
         // Not the sign alone, which would make a -0.
@@ -77,6 +81,13 @@ pub fn range_of(values: &[f64], options: &ColorMapOptions) -> Result<[f64; 2], E
         (_, Some(given)) => [low.min(given), given],
         _ => [low, high],
     })
+}
+
+/// Lowest and highest finite value; 0 and 1 without one.
+pub fn extent_of(values: &[f64]) -> [f64; 2] {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = (finite().min_by(f64::total_cmp), finite().max_by(f64::total_cmp));
+    [low.unwrap_or(0.0), high.unwrap_or(1.0)]
 }
 
 /// The value below which a part of all lie, 0 to 1, between neighbors where it falls between them;
@@ -101,33 +112,57 @@ pub fn colors(
     options: &ColorMapOptions,
     control: Control,
 ) -> Result<Vec<DVec3>, Cancelled> {
-    let table = ColorTable::new(options.scale);
+    let map = ColorMap::new(range, options);
     let color = |(place, &value): (usize, &f64)| {
         control.item(place, values.len())?;
-        Ok(color_of(value, range, &table, options))
+        Ok(map.color(value))
     };
     values.iter().enumerate().map(color).collect()
 }
 
-fn color_of(
-    value: f64,
-    [low, high]: [f64; 2],
-    table: &ColorTable,
-    options: &ColorMapOptions,
-) -> DVec3 {
-    let is_outside = value < low || value > high;
-    if value.is_nan() || (is_outside && options.outside == Outside::Gray) {
-        return GRAY;
+/// A color for each value.
+#[derive(Clone, Debug)]
+pub struct ColorMap {
+    range: [f64; 2],
+    table: ColorTable,
+    options: ColorMapOptions,
+}
+
+impl ColorMap {
+    /// The colors of a range; that of the options is not looked at.
+    pub fn new(range: [f64; 2], options: &ColorMapOptions) -> Self {
+        Self { range, table: ColorTable::new(options.scale), options: *options }
     }
-    let t = match low.partial_cmp(&high) {
-        // Halves, as the whole range may be larger than the largest number.
-        Some(Ordering::Less) => (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low),
-        _ if value < low => 0.0,
-        _ if value > high => 1.0,
-        _ if options.is_symmetric => 0.5,
-        _ => 0.0,
-    };
-    table.color(if options.is_reversed { 1.0 - t } else { t })
+
+    /// The display color of a value.
+    pub fn color(&self, value: f64) -> DVec3 {
+        let Self { range: [low, high], table, options } = self;
+        let is_outside = value < *low || value > *high;
+        if value.is_nan() || (is_outside && options.outside == Outside::Gray) {
+            return GRAY;
+        }
+        let t = match low.partial_cmp(high) {
+            Some(Ordering::Less) => share(value, self.range),
+            _ if value < *low => 0.0,
+            _ if value > *high => 1.0,
+            _ => options.share_without_length(),
+        };
+        table.color(if options.is_reversed { 1.0 - t } else { t })
+    }
+}
+
+impl ColorMapOptions {
+    /// Where the one value of a range without length lies among the colors.
+    pub fn share_without_length(&self) -> f64 {
+        if self.is_symmetric { 0.5 } else { 0.0 }
+    }
+}
+
+/// Where a value lies between low (0) and high (1); 0 in a range without length.
+pub fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
+    // Halves, as the whole range may be larger than the largest number.
+    let length = 0.5 * high - 0.5 * low;
+    if length > 0.0 { (0.5 * value - 0.5 * low) / length } else { 0.0 * value }
 }
 
 /// Width of the colored part of a bar in pixels.
@@ -155,12 +190,12 @@ pub fn color_bar(field: &Field, range: [f64; 2], options: &ColorMapOptions) -> I
     let name = format!("{} color bar", field.name);
     let mut image = Image::filled(name.trim_start(), [width, height], PixelKind::Rgb, 255);
     draw_text(&mut image, &title, [MARGIN, MARGIN], [0; 3]);
-    let table = ColorTable::new(options.scale);
+    let map = ColorMap::new(range, options);
     for row in 0..BAR_HEIGHT {
         let t = 1.0 - (row as f64 + 0.5) / BAR_HEIGHT as f64;
         let value = low * (1.0 - t) + high * t;
         let is_border = row == 0 || row + 1 == BAR_HEIGHT;
-        let color = color_of(value, range, &table, options);
+        let color = map.color(value);
         for x in 0..BAR_WIDTH {
             let is_border = is_border || x == 0 || x + 1 == BAR_WIDTH;
             let pixel = if is_border { [0; 3] } else { bytes_of(color) };
@@ -211,7 +246,7 @@ fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let tick = |k: usize| {
         // Adding 0 takes the sign of a zero away.
         let value = (first + k as f64) * step + 0.0;
-        let at = (0.5 * value - 0.5 * low) / span;
+        let at = share(value, [low, high]);
         let label = match is_plain {
             true => format!("{value:.*}", decimals as usize),
             false if value == 0.0 => "0".to_owned(),

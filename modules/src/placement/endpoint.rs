@@ -1,4 +1,5 @@
-//! The cheaper end of the edge: a half-edge collapse.
+//! The cheaper end of the edge: a half-edge collapse. Where the corners of a face merge, the
+//! cheapest of the three.
 //!
 //! The vertices of the result are vertices of the input, bit for bit, with their attributes.
 
@@ -20,9 +21,10 @@ pub struct Endpoint;
 
 impl Placement for Endpoint {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, .. }) in batch.iter().enumerate() {
+        for (at, Contraction { kept, gone, also_gone, .. }) in batch.iter().enumerate() {
             out.push(at, mesh.position(*kept));
             out.push(at, mesh.position(*gone));
+            also_gone.iter().for_each(|third| out.push(at, mesh.position(*third)));
         }
     }
 }
@@ -30,7 +32,8 @@ impl Placement for Endpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::simplify::collapse::trial::first_places;
+    use crate::data::FaceId;
+    use crate::geometry::simplify::collapse::trial::{face_places, first_places};
     use crate::mesh::fixtures::mesh_of;
 
     #[test]
@@ -41,5 +44,6 @@ mod tests {
             let ends = [from, to].map(|v| mesh.positions[v as usize]);
             assert!(places == ends || places == [ends[1], ends[0]]);
         }
+        assert_eq!(face_places(&mesh, FaceId(0), &mut Endpoint), mesh.positions);
     }
 }

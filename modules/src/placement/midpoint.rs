@@ -1,4 +1,4 @@
-//! The middle of the edge.
+//! The middle of the edge; where the corners of a face merge, that of the face.
 
 use mve_core::Entry;
 
@@ -18,8 +18,10 @@ pub struct Midpoint;
 
 impl Placement for Midpoint {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, .. }) in batch.iter().enumerate() {
-            out.push(at, mesh.position(*kept).midpoint(mesh.position(*gone)));
+        for (at, Contraction { kept, gone, also_gone, .. }) in batch.iter().enumerate() {
+            let (from, to) = (mesh.position(*kept), mesh.position(*gone));
+            let of_face = also_gone.map(|third| (from + to + mesh.position(third)) / 3.0);
+            out.push(at, of_face.unwrap_or_else(|| from.midpoint(to)));
         }
     }
 }
@@ -27,15 +29,19 @@ impl Placement for Midpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::simplify::collapse::trial::first_places;
+    use crate::data::FaceId;
+    use crate::geometry::simplify::collapse::trial::{face_places, first_places};
     use crate::mesh::fixtures::mesh_of;
     use glam::DVec3;
 
     #[test]
     fn the_middle_is_proposed() {
         let corners = [[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-        let places = first_places(&mesh_of(&corners, &[[0, 1, 2]]), &mut Midpoint);
+        let mesh = mesh_of(&corners, &[[0, 1, 2]]);
+        let places = first_places(&mesh, &mut Midpoint);
         let expected = [[1.5, 0.0, 0.0], [0.0, 2.0, 0.0], [1.5, 2.0, 0.0]].map(DVec3::from);
         assert!(places.iter().map(|(_, _, places)| places[0]).eq(expected));
+        let of_face = face_places(&mesh, FaceId(0), &mut Midpoint);
+        assert_eq!(of_face, [DVec3::new(1.0, 4.0 / 3.0, 0.0)]);
     }
 }

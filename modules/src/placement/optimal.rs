@@ -4,7 +4,7 @@
 //! directions that the planes determine, so a flat area gives the projection of the midpoint onto
 //! the plane and a straight crease its projection onto the crease; the derivation stands at
 //! [`Quadric::minimum_near`](crate::mesh::quadric::Quadric::minimum_near). A vertex without planes
-//! takes the midpoint.
+//! takes the midpoint. Where the corners of a face merge, its middle stands for that of the edge.
 
 use mve_core::Entry;
 
@@ -55,9 +55,11 @@ impl Default for Optimal {
 
 impl Placement for Optimal {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, quadric, .. }) in batch.iter().enumerate() {
-            let (from, to) = (mesh.position(*kept), mesh.position(*gone));
-            let middle = 0.5 * (to - from);
+        for (at, Contraction { kept, gone, also_gone, quadric }) in batch.iter().enumerate() {
+            let from = mesh.position(*kept);
+            let along = mesh.position(*gone) - from;
+            let middle =
+                also_gone.map_or(0.5 * along, |third| (along + mesh.position(third) - from) / 3.0);
             out.push(at, from + quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
         }
     }
@@ -75,7 +77,8 @@ impl Placement for Optimal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::simplify::collapse::trial::first_places;
+    use crate::data::FaceId;
+    use crate::geometry::simplify::collapse::trial::{face_places, first_places};
     use crate::mesh::fixtures::tetrahedron;
     use glam::DVec3;
 
@@ -89,6 +92,16 @@ mod tests {
         let expected = DVec3::new(-s, -s / 2.0, -s / 2.0);
         let (from, to, places) = &places[0];
         assert_eq!((*from, *to), (0, 1));
+        assert!((places[0] - expected).length() < 1e-5, "{} {expected}", places[0]);
+    }
+
+    #[test]
+    fn a_face_is_pulled_by_the_planes_of_its_three_corners() {
+        // The face in z = 0: x = 0 and y = 0 twice each, z = 0 three times, the slanted one twice.
+        // So 2 x = 2 y = 3 z = −2 s and s (√3 + 8/3) = −1.
+        let places = face_places(&tetrahedron(), FaceId(0), &mut Optimal::default());
+        let s = -1.0 / (3f64.sqrt() + 8.0 / 3.0);
+        let expected = DVec3::new(-s, -s, -2.0 * s / 3.0);
         assert!((places[0] - expected).length() < 1e-5, "{} {expected}", places[0]);
     }
 }

@@ -1,6 +1,6 @@
 //! `mve run` and `mve check`: results, messages and exit codes.
 
-use crate::common::{self, Folder};
+use crate::common::{self, Answer, Folder};
 
 #[test]
 fn a_run_prints_logs_and_a_table() {
@@ -46,7 +46,10 @@ fn files_that_are_no_maps_are_explained() {
     run("missing.json").fails(4, "error: missing.json: there is no such map\n");
     run(".").fails(4, "error: .: is a folder; name a map's file in it\n");
     run("map.json/x").fails(4, "a file stands where a folder is needed");
-    run("broken.json").fails(3, "not valid JSON: trailing comma at line 3 column 1\n");
+    run("broken.json")
+        .fails(3, "not a map: line 3, column 1: a comma before the closing bracket\n");
+    folder.write("why.json", "{\n  // why\n}");
+    run("why.json").fails(3, "line 2, column 3: JSON has no comments");
     run("list.json").fails(3, "not a map");
     run("newer.json").fails(3, "written in format 99");
 }
@@ -57,7 +60,7 @@ fn all_problems_come_at_once_and_nothing_runs() {
     let text = common::map();
     folder.write("bad.json", &text.replace("\"Print\"", "\"Prnt\"").replace("2.5", "\"much\""));
     let answer = folder.mve(&["run", "bad.json", "--set", "lvel.value=1"]);
-    let answer = answer.fails(3, "error: bad.json: level.value: \"much\" is not a number\n");
+    let answer = answer.fails(3, "error: bad.json:3:48: level.value: \"much\" is not a number\n");
     let answer = answer.fails(3, "print: there is no module \"Prnt\"; did you mean \"Print\"?\n");
     let answer = answer.fails(3, "--set lvel.value: there is no node \"lvel\"; did you mean");
     let answer = answer.fails(3, "error: bad.json: 4 problems; nothing was run\n");
@@ -103,10 +106,33 @@ fn check_says_facts_or_groups_of_problems() {
     folder.write("bad.json", &text);
     let answer = folder.mve(&["check", "bad.json"]).fails(3, "error: bad.json: 2 problems\n");
     let expected = "bad.json
-  error: print.lbel: there is no parameter of this name; did you mean \"label\"?
+  error: line 4, column 45: print.lbel: there is no parameter of this name; did you mean \"label\"?
 program \"sweep\"
-  error: level.value: \"two\" is not a number (with level.value = \"two\", print.label = \"x\")\n";
+  error: line 8, column 25: level.value: \"two\" is not a number (with level.value = \"two\", print.label = \"x\")\n";
     assert_eq!(answer.out, expected);
+}
+
+#[test]
+fn maps_are_checked_together_as_lines_and_from_standard_input() {
+    let folder = Folder::new();
+    folder.write(
+        "slip.json",
+        &common::map().replace("\"params\": {\"value\"", "\"parms\": {\"value\""),
+    );
+    folder.write("bad.json", &common::map().replace("2.5", "\"2.5\""));
+    let answer = folder.mve(&["check", "slip.json", "map.json"]).succeeds();
+    let answer =
+        answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");
+    answer.says("slip.json: no errors, 1 warning").says("map.json: no problems");
+    let answer = folder.mve(&["check", "bad.json", "map.json", "--json"]).fails(3, "");
+    let lines = answer.json();
+    assert_eq!((&lines[0]["event"], &lines[0]["line"]), (&"problem".into(), &3.into()));
+    assert!(lines[0]["message"].as_str().unwrap().ends_with("write it without quotes"));
+    let ends: Vec<_> = lines.iter().filter(|line| line["event"] == "checked").collect();
+    assert_eq!((&ends[0]["status"], &ends[1]["status"]), (&"refused".into(), &"fine".into()));
+    let map = std::fs::File::open(folder.path().join("map.json")).unwrap();
+    let answer = Answer::new(folder.command(&["check", "-"]).stdin(map).output().unwrap());
+    answer.succeeds().says("stdin: no problems");
 }
 
 #[test]
@@ -119,7 +145,7 @@ fn warnings_are_told_and_do_not_fail() {
     let twice = r#""twice": {"module": "Constant", "params": {"value": 1}}, "print""#;
     folder.write("warn.json", &text.replacen("\"print\"", twice, 1));
     let answer = folder.mve(&["check", "warn.json"]).succeeds();
-    answer.says("warning: twice.value: is set and linked").says("no errors, 1 warning; 4 nodes");
+    answer.says("column 48: twice.value: is set and linked").says("no errors, 1 warning; 4 nodes");
     let answer = folder.mve(&["run", "warn.json"]).succeeds();
-    assert!(answer.err.contains("warning: warn.json: twice.value: is set"), "{}", answer.err);
+    assert!(answer.err.contains("warning: warn.json:4:48: twice.value: is set"), "{}", answer.err);
 }

@@ -23,7 +23,10 @@ fn modules_are_listed_and_described() {
     let answer = folder.mve(&["modules"]).succeeds();
     answer.says("generate\n").says("Constant").says("  Puts out a number, to be linked to");
     folder.mve(&["modules", "Print"]).succeeds().says("Inputs:").says("`label` (text;");
-    folder.mve(&["modules", "Prnt"]).fails(2, "no module \"Prnt\"; did you mean \"Print\"?\n");
+    folder.mve(&["modules", "Prnt"]).fails(2, "\"Prnt\"; did you mean \"Print\"?\n");
+    let found = folder.mve(&["modules", "decimate"]).succeeds();
+    assert!(found.says("Simplificator").out.ends_with("2 modules; `mve modules ID` tells more\n"));
+    folder.mve(&["modules", "hausdorff"]).succeeds().says("MeshComparer");
     folder.mve(&["modules", "--write", "docs/modules.md"]).succeeds();
     assert!(folder.read("docs/modules.md").contains("### Constant"));
     folder.mve(&["modules", "--write", "map.json/x"]).fails(4, "a file of this name is in the way");
@@ -38,6 +41,7 @@ fn the_schema_is_json() {
     let text = folder.mve(&["schema"]).succeeds().out;
     let schema: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(schema["title"], "A map of mve");
+    folder.mve(&["help", "run"]).succeeds().says("Examples:");
     folder.mve(&["schema", "--write", "schema.json"]).succeeds();
     assert_eq!(folder.read("schema.json"), text);
 }

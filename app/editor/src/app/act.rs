@@ -11,7 +11,7 @@ use super::{Command, EXAMPLE, Editor, Lower, Wish};
 use crate::canvas::Action;
 use crate::document::{Clip, Document, Edit, Item};
 use crate::forms::FormEvent;
-use crate::programs;
+use crate::programs::ProgramAction;
 use crate::runner::Part;
 
 /// How far beside the original a duplicate comes to stand, in units of the canvas.
@@ -132,9 +132,9 @@ impl Editor {
         self.edit(&edits);
     }
 
-    fn act_on_program(&mut self, ctx: &egui::Context, action: programs::Action) {
+    fn act_on_program(&mut self, ctx: &egui::Context, action: ProgramAction) {
         match action {
-            programs::Action::LoadStep(params) => {
+            ProgramAction::LoadStep(params) => {
                 let edit = |(node, path, value): (String, String, Json)| Edit::SetParam {
                     node,
                     path,
@@ -143,12 +143,12 @@ impl Editor {
                 let edits: Vec<Edit> = params.into_iter().map(edit).collect();
                 self.edit(&edits);
             }
-            programs::Action::OpenFile(path) => {
+            ProgramAction::OpenFile(path) => {
                 let path = std::path::absolute(&path).unwrap_or(path);
                 self.toast(format!("Opening {}", path.display()));
                 self.dialogs.open_file(path, &self.shared);
             }
-            programs::Action::RenameProgram { .. } if self.session().programs.has_results() => {
+            ProgramAction::RenameProgram { .. } if self.session().programs.has_results() => {
                 if let Some(edit) = edit_of(action) {
                     self.edit(&[edit]);
                     self.toast(
@@ -157,7 +157,7 @@ impl Editor {
                     );
                 }
             }
-            programs::Action::ShowNode(node) => self.carry_out(ctx, Wish::ShowNode(node)),
+            ProgramAction::ShowNode(node) => self.carry_out(ctx, Wish::ShowNode(node)),
             other => {
                 if let Some(edit) = edit_of(other) {
                     self.edit(&[edit]);
@@ -224,10 +224,10 @@ impl Editor {
 }
 
 /// What a program panel asks for as an edit of the map.
-fn edit_of(action: programs::Action) -> Option<Edit> {
+fn edit_of(action: ProgramAction) -> Option<Edit> {
     match action {
-        programs::Action::SetProgram { name, spec } => Some(Edit::SetProgram { name, spec }),
-        programs::Action::RenameProgram { name, to } => Some(Edit::RenameProgram { name, to }),
+        ProgramAction::SetProgram { name, spec } => Some(Edit::SetProgram { name, spec }),
+        ProgramAction::RenameProgram { name, to } => Some(Edit::RenameProgram { name, to }),
         _ => None,
     }
 }

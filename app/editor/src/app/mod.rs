@@ -22,7 +22,7 @@ use mve_core::{MapError, Registry};
 use crate::canvas::Action;
 use crate::catalog::Catalog;
 use crate::document::{Document, Recovery};
-use crate::programs;
+use crate::programs::ProgramAction;
 use crate::runner::{Part, Shared};
 
 pub use session::Session;
@@ -60,7 +60,7 @@ pub enum Wish {
     /// To select a node and move it into view.
     ShowNode(String),
     /// Something of the program panel.
-    Program(programs::Action),
+    Program(ProgramAction),
     /// A command of a menu or a key.
     Command(Command),
 }

@@ -8,7 +8,7 @@ use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
-use crate::programs::{self, ProgramPanel};
+use crate::programs::{ProgramPanel, ProgramScene};
 use crate::runner::{Line, Loudness, Part, Runner, Shared, Status, Subject};
 use crate::views::{Pinned, PortState, Viewer};
 
@@ -84,9 +84,9 @@ impl Session {
     pub fn programs<'a>(
         &'a mut self,
         shared: &'a Shared,
-    ) -> (&'a mut ProgramPanel, programs::Scene<'a>) {
+    ) -> (&'a mut ProgramPanel, ProgramScene<'a>) {
         let file = self.document.path().map(|path| path.display().to_string());
-        let scene = programs::Scene {
+        let scene = ProgramScene {
             folder: self.folder(),
             map: self.document.map(),
             map_file: file.unwrap_or_default(),

@@ -4,7 +4,7 @@ use eframe::egui::{self, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, Widget
 use mve_core::{Link, PortRef};
 
 use super::camera::{pos, rect_of};
-use super::menu::{self, Renaming};
+use super::menu::{self, TextEntry};
 use super::paint::Brush;
 use super::shape::Port;
 use super::{Action, Canvas, Scene};
@@ -249,7 +249,7 @@ impl Canvas {
             self.click_item(ui, item, response.secondary_clicked(), scene, actions);
         }
         if response.double_clicked() && kind != "reroute" {
-            self.renaming = Some(Renaming::new(item.clone(), text));
+            self.renaming = Some(TextEntry::new(item.clone(), text));
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
             self.start_move(ui, item, scene, actions);

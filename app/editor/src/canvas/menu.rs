@@ -10,7 +10,7 @@ use crate::forms::select_all;
 use crate::runner::Part;
 
 /// An item that gets another name or text.
-pub struct Renaming {
+pub struct TextEntry {
     item: Item,
     /// The text so far.
     text: String,
@@ -18,7 +18,7 @@ pub struct Renaming {
     is_new: bool,
 }
 
-impl Renaming {
+impl TextEntry {
     /// Begins with the text that the item has.
     pub fn new(item: Item, text: &str) -> Self {
         Self { item, text: text.to_owned(), is_new: true }
@@ -31,7 +31,7 @@ pub fn of_node(
     name: &str,
     scene: &Scene,
     actions: &mut Vec<Action>,
-    renaming: &mut Option<Renaming>,
+    renaming: &mut Option<TextEntry>,
 ) {
     let selection = scene.document.selection();
     let mut nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
@@ -54,7 +54,7 @@ pub fn of_node(
     }
     ui.separator();
     if item(ui, "Rename", "F2") {
-        *renaming = Some(Renaming::new(Item::Node(name.to_owned()), name));
+        *renaming = Some(TextEntry::new(Item::Node(name.to_owned()), name));
     }
     for (label, keys, mode) in [("Mute", "M", NodeMode::Muted), ("Bypass", "B", NodeMode::Bypassed)]
     {
@@ -176,11 +176,11 @@ pub fn of_box(
     boxed: &Item,
     text: &str,
     actions: &mut Vec<Action>,
-    renaming: &mut Option<Renaming>,
+    renaming: &mut Option<TextEntry>,
 ) {
     if !matches!(boxed, Item::Reroute(_)) {
         if item(ui, "Edit the text", "F2") {
-            *renaming = Some(Renaming::new(boxed.clone(), text));
+            *renaming = Some(TextEntry::new(boxed.clone(), text));
         }
         ui.horizontal(|ui| {
             for color in
@@ -214,7 +214,7 @@ impl Canvas {
             Item::Note(name) => extras.notes.get(name).map(|note| &note.text),
             Item::Reroute(_) | Item::Link(_) => None,
         };
-        self.renaming = text.map(|text| Renaming::new(item.clone(), text));
+        self.renaming = text.map(|text| TextEntry::new(item.clone(), text));
     }
 
     /// Adds a note, to be written at once.
@@ -231,7 +231,7 @@ impl Canvas {
         {
             self.rename(note, scene);
         }
-        let Some(Renaming { item, text, is_new }) = &mut self.renaming else { return };
+        let Some(TextEntry { item, text, is_new }) = &mut self.renaming else { return };
         let extras = scene.document.extras();
         let place = match item {
             Item::Node(name) => self.shapes.nodes.get(name).map(|shape| shape.at),
@@ -267,7 +267,7 @@ impl Canvas {
         if !is_done && !escape {
             return;
         }
-        let Some(Renaming { item, text, .. }) = self.renaming.take() else { return };
+        let Some(TextEntry { item, text, .. }) = self.renaming.take() else { return };
         // What was written into a note is not to be lost; undo brings back what was there.
         if escape && !is_note {
             return;

@@ -20,13 +20,13 @@ mod touch;
 use eframe::egui::{self, Color32, Id, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetType};
 use mve_core::{Link, NodeMode, PortRef, Registry};
 
-pub use camera::Camera;
-use camera::View;
+pub use camera::CanvasCamera;
+use camera::CanvasView;
 use gesture::{End, Gesture};
 pub use keys::{SHORTCUTS, Shortcut};
-use menu::Renaming;
+use menu::TextEntry;
 pub use paint::status_color;
-use paint::{Brush, Look, Palette, distance_to_wire};
+use paint::{Brush, NodeLook, Palette, distance_to_wire};
 use search::Search;
 use shape::{Port, Shape, Shapes};
 
@@ -108,12 +108,12 @@ enum FitTarget {
 /// What the canvas keeps from one frame to the next.
 #[derive(Default)]
 pub struct Canvas {
-    camera: Option<Camera>,
+    camera: Option<CanvasCamera>,
     shapes: Shapes,
     gesture: Gesture,
     search: Option<Search>,
     /// The node, frame or note that is being given another text.
-    renaming: Option<Renaming>,
+    renaming: Option<TextEntry>,
     /// Whether a note was just added, and is to be written.
     wants_to_write: bool,
     /// The parameter whose form is open.
@@ -126,7 +126,7 @@ pub struct Canvas {
     is_fitted: bool,
     /// A node to move into the middle of the view.
     wants_node: Option<String>,
-    view: Option<View>,
+    view: Option<CanvasView>,
 }
 
 impl Canvas {
@@ -144,7 +144,7 @@ impl Canvas {
     pub fn zoom_to(&mut self, zoom: f32) {
         let center = self.camera.unwrap_or_default().center;
         self.is_fitted = false;
-        self.camera = Some(Camera { center, zoom });
+        self.camera = Some(CanvasCamera { center, zoom });
     }
 
     /// Sizes of the nodes as they are drawn, for edits that put them in lines and layers.
@@ -186,7 +186,7 @@ impl Canvas {
         let view = self.place_camera(screen, scene);
         let moved = self.moved_camera(ui, &back, view, scene);
         self.is_fitted &= moved == view.camera;
-        let view = View { camera: moved, ..view };
+        let view = CanvasView { camera: moved, ..view };
         self.camera = Some(view.camera);
         self.view = Some(view);
 
@@ -204,9 +204,9 @@ impl Canvas {
         actions
     }
 
-    fn place_camera(&mut self, screen: Rect, scene: &Scene) -> View {
+    fn place_camera(&mut self, screen: Rect, scene: &Scene) -> CanvasView {
         let camera = self.camera.unwrap_or_default();
-        let mut view = View { camera, screen };
+        let mut view = CanvasView { camera, screen };
         let is_first = self.camera.is_none() && screen.area() > 0.0;
         let is_resized = self.view.is_some_and(|view| view.screen.size() != screen.size());
         let bounds = match std::mem::take(&mut self.wants) {
@@ -225,13 +225,19 @@ impl Canvas {
         }
         if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
             self.is_fitted = false;
-            view.camera = Camera { center: shape.rect().center(), ..view.camera };
+            view.camera = CanvasCamera { center: shape.rect().center(), ..view.camera };
         }
         view
     }
 
     /// Wheel, pinch and the middle button.
-    fn moved_camera(&self, ui: &Ui, back: &egui::Response, view: View, scene: &Scene) -> Camera {
+    fn moved_camera(
+        &self,
+        ui: &Ui,
+        back: &egui::Response,
+        view: CanvasView,
+        scene: &Scene,
+    ) -> CanvasCamera {
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let Some(pointer) = pointer.filter(|at| view.screen.contains(*at)) else {
             return view.camera;
@@ -345,7 +351,7 @@ impl Canvas {
             let status = scene.runner.status(name);
             let gesture = &self.gesture;
             let is_dimmed = |port: &Port| gesture.refuses(port, scene);
-            let look = Look {
+            let look = NodeLook {
                 name,
                 status: &status,
                 is_selected: scene.document.selection().contains(&Item::Node(name.clone())),

@@ -7,9 +7,9 @@ use eframe::egui::{
 };
 use mve_core::NodeMode;
 
-use super::camera::View;
+use super::camera::CanvasView;
 use super::shape::{FOOT, Port, ROW, Shape, TITLE, color_of};
-use crate::document::{Frame, Note};
+use crate::document::{CanvasFrame, Note};
 use crate::runner::Status;
 
 /// Below this zoom, rows are too small to read and are not drawn.
@@ -76,7 +76,7 @@ pub fn status_color(status: &Status) -> Color32 {
 }
 
 /// What a node's picture depends on beside its shape.
-pub struct Look<'a> {
+pub struct NodeLook<'a> {
     /// Its name.
     pub name: &'a str,
     /// Its state.
@@ -94,7 +94,7 @@ pub struct Brush<'a> {
     /// Draws within the canvas.
     pub painter: &'a Painter,
     /// From the canvas to the screen.
-    pub view: View,
+    pub view: CanvasView,
     /// Colors.
     pub palette: Palette,
 }
@@ -157,7 +157,7 @@ impl Brush<'_> {
 
     /// Draws a node too small to read: its place, its kind and its state, in a few rectangles, so
     /// that maps with thousands of nodes can be moved about.
-    fn far_node(&self, shape: &Shape, look: &Look, rect: Rect) {
+    fn far_node(&self, shape: &Shape, look: &NodeLook, rect: Rect) {
         let (kind, edge) = (self.title_color(shape, look), self.edge(look));
         let fill = if edge.color == self.palette.edge { self.palette.node } else { edge.color };
         self.painter.rect_filled(rect, 0.0, fill);
@@ -173,12 +173,12 @@ impl Brush<'_> {
         }
     }
 
-    fn title_color(&self, shape: &Shape, look: &Look) -> Color32 {
+    fn title_color(&self, shape: &Shape, look: &NodeLook) -> Color32 {
         let color = look.time_share.map_or(shape.color, |share| heat(share as f32));
         faded(color, shape.mode)
     }
 
-    fn edge(&self, look: &Look) -> Stroke {
+    fn edge(&self, look: &NodeLook) -> Stroke {
         match (look.is_selected, look.status) {
             (true, _) => Stroke::new(2.0, self.palette.selected),
             (_, Status::Failed(_) | Status::Refused(_)) => {
@@ -189,7 +189,7 @@ impl Brush<'_> {
     }
 
     /// Draws a node.
-    pub fn node(&self, shape: &Shape, look: &Look) {
+    pub fn node(&self, shape: &Shape, look: &NodeLook) {
         let rect = self.view.rect_to_screen(shape.rect());
         if self.zoom() < TITLES_FROM {
             self.far_node(shape, look, rect);
@@ -209,7 +209,7 @@ impl Brush<'_> {
         self.ports(shape, look);
     }
 
-    fn titles(&self, shape: &Shape, look: &Look, title: Rect) {
+    fn titles(&self, shape: &Shape, look: &NodeLook, title: Rect) {
         let pad = 8.0 * self.zoom();
         let at = title.left_center() + Vec2::new(pad, 0.0);
         let white = Color32::from_gray(250);
@@ -226,7 +226,7 @@ impl Brush<'_> {
     }
 
     /// The line that says the node's state, with a bar while it runs.
-    fn foot(&self, shape: &Shape, look: &Look, rect: Rect) {
+    fn foot(&self, shape: &Shape, look: &NodeLook, rect: Rect) {
         let color = status_color(look.status);
         if let Status::Running(share) = look.status {
             let height = (3.0 * self.zoom()).max(2.0);
@@ -289,7 +289,7 @@ impl Brush<'_> {
         }
     }
 
-    fn ports(&self, shape: &Shape, look: &Look) {
+    fn ports(&self, shape: &Shape, look: &NodeLook) {
         let zoom = self.zoom();
         let names = zoom >= ROWS_FROM && !shape.is_collapsed;
         for (port, is_input) in shape
@@ -341,7 +341,7 @@ impl Brush<'_> {
     }
 
     /// Draws a frame behind the nodes.
-    pub fn frame(&self, frame: &Frame, rect: Rect, is_selected: bool) {
+    pub fn frame(&self, frame: &CanvasFrame, rect: Rect, is_selected: bool) {
         let screen = self.view.rect_to_screen(rect);
         let [r, g, b] = frame.color.unwrap_or([110, 120, 150]);
         let color = Color32::from_rgb(r, g, b);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Area, Frame, Id, Key, Order, Rect, Ui};
 
-use super::{Action, Camera, Scene};
+use super::{Action, CanvasCamera, Scene};
 use crate::forms::Form;
 
 /// A parameter's form while it is open.
@@ -12,13 +12,13 @@ pub struct OpenParam {
     /// Where on the screen the parameter is drawn.
     field: Rect,
     /// What the canvas showed when it was opened.
-    camera: Option<Camera>,
+    camera: Option<CanvasCamera>,
     is_new: bool,
 }
 
 impl OpenParam {
     /// Opens the form below the field of a parameter.
-    pub fn new(node: &str, param: &'static str, field: Rect, camera: Option<Camera>) -> Self {
+    pub fn new(node: &str, param: &'static str, field: Rect, camera: Option<CanvasCamera>) -> Self {
         Self { node: node.to_owned(), param, field, camera, is_new: true }
     }
 
@@ -26,7 +26,7 @@ impl OpenParam {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        camera: Option<Camera>,
+        camera: Option<CanvasCamera>,
         scene: &Scene,
         actions: &mut Vec<Action>,
     ) -> bool {

@@ -9,7 +9,7 @@ use mve_core::{Link, PortRef};
 use super::gesture::End;
 use super::shape::{Shapes, WIDTH};
 use super::{Action, Scene, search_field};
-use crate::catalog::{Fit, Hit};
+use crate::catalog::{Fit, SearchHit};
 use crate::document::Edit;
 
 /// Most height of the list of modules, in points.
@@ -95,7 +95,12 @@ impl Search {
     }
 
     /// The modules that were found; the one that was clicked.
-    fn list<'h>(&self, ui: &mut Ui, hits: &'h [Hit], has_moved: bool) -> Option<&'h Hit> {
+    fn list<'h>(
+        &self,
+        ui: &mut Ui,
+        hits: &'h [SearchHit],
+        has_moved: bool,
+    ) -> Option<&'h SearchHit> {
         let mut clicked = None;
         ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT).show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
@@ -118,7 +123,7 @@ impl Search {
     }
 
     /// Adds the module, and links it to the end that was dropped.
-    fn edits(&self, hit: &Hit, scene: &Scene, shapes: &Shapes) -> Vec<Edit> {
+    fn edits(&self, hit: &SearchHit, scene: &Scene, shapes: &Shapes) -> Vec<Edit> {
         let name = scene.document.free_name(hit.info.module.id);
         let module = hit.info.module.id.to_owned();
         let across = if matches!(self.end, Some(End::To(_))) { WIDTH } else { 0.0 };
@@ -158,10 +163,10 @@ fn fit_of(end: &End, scene: &Scene) -> Option<Fit> {
 
 /// Of several ports of one module, puts first the one that is named like what the link comes from
 /// or goes to: `simplified` for a link from `simplificator`.
-fn sort_ports(hits: &mut [Hit], end: &End, scene: &Scene) {
+fn sort_ports(hits: &mut [SearchHit], end: &End, scene: &Scene) {
     let node = &end.port().node;
     let module = scene.document.map().nodes.get(node).map_or("", |node| node.module.as_str());
-    let likeness = |hit: &Hit| {
+    let likeness = |hit: &SearchHit| {
         let port = hit.port.unwrap_or_default();
         let alike = |name: &str| {
             let pairs = name.chars().zip(port.chars());
@@ -175,7 +180,7 @@ fn sort_ports(hits: &mut [Hit], end: &End, scene: &Scene) {
 }
 
 /// The module's id with the letters that were found, and its summary.
-fn text_of(hit: &Hit, is_chosen: bool, ui: &Ui) -> LayoutJob {
+fn text_of(hit: &SearchHit, is_chosen: bool, ui: &Ui) -> LayoutJob {
     let visuals = ui.visuals();
     let body = egui::TextStyle::Body.resolve(ui.style());
     let small = egui::TextStyle::Small.resolve(ui.style());

@@ -68,7 +68,7 @@ impl Canvas {
             self.click_item(ui, &item, response.secondary_clicked(), scene, actions);
         }
         if response.double_clicked() {
-            self.renaming = Some(menu::Renaming::new(item.clone(), name));
+            self.renaming = Some(menu::TextEntry::new(item.clone(), name));
         }
         if response.drag_started_by(egui::PointerButton::Primary) {
             self.start_drag(ui, brush, scene, shape, &item, actions);

@@ -4,22 +4,8 @@ use mve_core::{Link, MapError, NodeMode, ProgramSpec};
 use serde_json::Value as Json;
 use thiserror::Error;
 
-use super::Clip;
-
-/// Something on the canvas.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Item {
-    /// A node, by name.
-    Node(String),
-    /// A frame, by name.
-    Frame(String),
-    /// A note, by name.
-    Note(String),
-    /// A point of a wire, by name.
-    Reroute(String),
-    /// A link.
-    Link(Link),
-}
+use super::clip::Clip;
+use super::item::Item;
 
 /// What items are moved to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -145,7 +131,7 @@ pub enum EditError {
     Number,
     /// The edit is none for items of this kind.
     #[error("{0}")]
-    Kind(&'static str),
+    WrongKind(&'static str),
     /// The text is no map.
     #[error("{0}")]
     Text(#[from] MapError),
@@ -158,30 +144,6 @@ impl EditError {
 
     pub(super) fn name(name: &str, why: &'static str) -> Self {
         Self::Name { name: name.to_owned(), why }
-    }
-}
-
-impl Item {
-    /// What the item is, in a word.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Node(_) => "node",
-            Self::Frame(_) => "frame",
-            Self::Note(_) => "note",
-            Self::Reroute(_) => "point",
-            Self::Link(_) => "link",
-        }
-    }
-}
-
-impl std::fmt::Display for Item {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Node(name) | Self::Frame(name) | Self::Note(name) | Self::Reroute(name) => {
-                f.write_str(name)
-            }
-            Self::Link(link) => link.fmt(f),
-        }
     }
 }
 

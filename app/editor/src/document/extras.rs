@@ -14,7 +14,7 @@ const SECTION: &str = "canvas";
 
 /// A titled rectangle behind nodes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
+pub struct CanvasFrame {
     /// What is in it.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
@@ -66,7 +66,7 @@ pub struct Reroute {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extras {
     /// Titled rectangles, the lowest first.
-    pub frames: IndexMap<String, Frame>,
+    pub frames: IndexMap<String, CanvasFrame>,
     /// Texts.
     pub notes: IndexMap<String, Note>,
     /// Points of wires.

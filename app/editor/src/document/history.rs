@@ -14,7 +14,7 @@ const TOGETHER: Duration = Duration::from_secs(1);
 
 /// One step: what it was, and the map on its other side.
 #[derive(Clone, Debug)]
-struct Step {
+struct HistoryStep {
     label: String,
     map: Arc<Map>,
 }
@@ -22,8 +22,8 @@ struct Step {
 /// Steps back and steps forth.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
-    past: VecDeque<Step>,
-    future: Vec<Step>,
+    past: VecDeque<HistoryStep>,
+    future: Vec<HistoryStep>,
     /// What the last step edits, and when it did so last.
     last: Option<(String, Instant)>,
 }
@@ -54,7 +54,7 @@ impl History {
                 self.last = None;
             }
             Some(_) if joins => {}
-            _ => self.past.push_back(Step { label, map: Arc::clone(before) }),
+            _ => self.past.push_back(HistoryStep { label, map: Arc::clone(before) }),
         }
         if self.past.len() > LONGEST {
             self.past.pop_front();
@@ -70,7 +70,7 @@ impl History {
     pub fn undo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
         let step = self.past.pop_back()?;
         self.seal();
-        self.future.push(Step { label: step.label, map: Arc::clone(now) });
+        self.future.push(HistoryStep { label: step.label, map: Arc::clone(now) });
         Some(step.map)
     }
 
@@ -78,7 +78,7 @@ impl History {
     pub fn redo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
         let step = self.future.pop()?;
         self.seal();
-        self.past.push_back(Step { label: step.label, map: Arc::clone(now) });
+        self.past.push_back(HistoryStep { label: step.label, map: Arc::clone(now) });
         Some(step.map)
     }
 

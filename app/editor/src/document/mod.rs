@@ -13,7 +13,9 @@ mod extras;
 mod files;
 mod fit;
 mod history;
+mod item;
 mod names;
+mod paste;
 mod paths;
 mod rename;
 mod transaction;
@@ -30,10 +32,11 @@ use indexmap::{IndexMap, IndexSet};
 use mve_core::{Map, MapError, Registry};
 
 pub use clip::Clip;
-pub use edit::{Alignment, Direction, Edit, EditError, EditOutcome, Item};
-pub use extras::{Extras, Frame, Note, Reroute};
+pub use edit::{Alignment, Direction, Edit, EditError, EditOutcome};
+pub use extras::{CanvasFrame, Extras, Note, Reroute};
 pub use files::{Recovered, Recovery};
 pub use fit::fits;
+pub use item::Item;
 pub use paths::{move_paths, written_path};
 
 use history::History;

@@ -8,9 +8,10 @@ use mve_core::{Link, MODULE, Map, Node, ParamSpec, Registry, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::arrange::{self, Area};
-use super::edit::{Edit, EditError, EditOutcome, Item};
-use super::extras::{Extras, Frame, Note, Reroute};
+use super::edit::{Edit, EditError, EditOutcome};
+use super::extras::{CanvasFrame, Extras, Note, Reroute};
 use super::fits;
+use super::item::Item;
 use super::names::{free_name, name_after, taken};
 use super::rename::Renaming;
 
@@ -123,7 +124,7 @@ impl Transaction<'_> {
         self.map.nodes.get_mut(name).ok_or_else(|| EditError::missing("node", name))
     }
 
-    fn frame(&mut self, name: &str) -> Result<&mut Frame, EditError> {
+    fn frame(&mut self, name: &str) -> Result<&mut CanvasFrame, EditError> {
         self.extras.frames.get_mut(name).ok_or_else(|| EditError::missing("frame", name))
     }
 
@@ -203,7 +204,7 @@ impl Transaction<'_> {
                     .map_err(|problem| EditError::Param(problem.to_string()))?;
             }
             None if path == MODULE => {
-                return Err(EditError::Kind("a node has no module by default; name one"));
+                return Err(EditError::WrongKind("a node has no module by default; name one"));
             }
             None => {
                 let info = self.registry.find(&module);
@@ -246,7 +247,7 @@ impl Transaction<'_> {
                 let reroute = self.extras.reroutes.get_mut(name);
                 reroute.ok_or_else(|| EditError::missing("point", name))?.at = at;
             }
-            Item::Link(_) => return Err(EditError::Kind("a link has no place of its own")),
+            Item::Link(_) => return Err(EditError::WrongKind("a link has no place of its own")),
         }
         Ok(())
     }
@@ -278,7 +279,7 @@ impl Transaction<'_> {
             }
             Edit::SetColor { item: Item::Frame(name), color } => self.frame(name)?.color = *color,
             Edit::SetColor { item: Item::Note(name), color } => self.note(name)?.color = *color,
-            _ => return Err(EditError::Kind("only frames and notes have a text and a color")),
+            _ => return Err(EditError::WrongKind("only frames and notes have a text and a color")),
         }
         Ok(())
     }
@@ -288,8 +289,12 @@ impl Transaction<'_> {
             Edit::AddFrame { title, at, size } => {
                 let name = free_name("frame", |name| self.extras.frames.contains_key(name));
                 let size = whole(*size)?.map(|length| length.max(1.0));
-                let frame =
-                    Frame { title: title.clone(), at: whole(*at)?, size, ..Frame::default() };
+                let frame = CanvasFrame {
+                    title: title.clone(),
+                    at: whole(*at)?,
+                    size,
+                    ..CanvasFrame::default()
+                };
                 self.extras.frames.insert(name.clone(), frame);
                 Item::Frame(name)
             }
@@ -358,7 +363,7 @@ impl Transaction<'_> {
             Item::Reroute(name) => {
                 reroutes.get(name).map(|reroute| Area { at: reroute.at, size: [0.0; 2] })
             }
-            Item::Link(_) => return Err(EditError::Kind("a link has no place of its own")),
+            Item::Link(_) => return Err(EditError::WrongKind("a link has no place of its own")),
         };
         area.ok_or_else(|| EditError::missing(item.kind(), &item.to_string()))
     }
@@ -376,7 +381,7 @@ impl Transaction<'_> {
         };
         let items: Vec<Item> = names.iter().cloned().map(Item::Node).collect();
         let areas = self.areas(&items)?;
-        let held = |frame: &Frame| -> Vec<Item> {
+        let held = |frame: &CanvasFrame| -> Vec<Item> {
             let around = Area { at: frame.at, size: frame.size };
             let inside = items.iter().zip(&areas).filter(|(_, area)| around.holds(area));
             inside.map(|(item, _)| item.clone()).collect()

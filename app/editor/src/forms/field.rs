@@ -4,13 +4,13 @@
 use std::cell::RefCell;
 
 use eframe::egui::emath::Numeric;
-use eframe::egui::text::{CCursor, CCursorRange};
-use eframe::egui::text_edit::TextEditState;
-use eframe::egui::{self, ComboBox, DragValue, Id, Slider, SliderClamping, Ui};
-use mve_core::{Expression, Kind, OptionSpec, ParamSpec, Selection, brief_value, chosen};
+use eframe::egui::{self, DragValue, Id, Slider, SliderClamping, Ui};
+use mve_core::{Expression, Kind, ParamSpec, PointsSpec, Selection, brief_value, chosen};
 use serde_json::Value as Json;
 
-use super::{FormEvent, OFF, is_off, points};
+use super::points::edit_points;
+use super::widgets::{line, name_it, pick};
+use super::{FormEvent, OFF, is_off};
 
 /// Room for the buttons behind a field, in points.
 const BACK_WIDTH: f32 = 28.0;
@@ -20,7 +20,7 @@ pub const CELL_WIDTH: f32 = 128.0;
 
 /// Where a field stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub enum FieldPlace {
     /// In a row of a form, with all the room that is left.
     Row,
     /// In a cell of a table, on one line.
@@ -28,7 +28,7 @@ pub enum Look {
 }
 
 /// What edits the value of one parameter.
-pub struct Field<'a> {
+pub struct ParamField<'a> {
     /// Its declaration.
     pub spec: &'a ParamSpec,
     /// The parameter as a person reads it.
@@ -38,13 +38,13 @@ pub struct Field<'a> {
     /// What the map says of it.
     pub given: Option<&'a Json>,
     /// Where it stands.
-    pub look: Look,
+    pub place: FieldPlace,
     /// What a person does in it.
     pub events: &'a mut Vec<FormEvent>,
 }
 
-impl Field<'_> {
-    pub(super) fn set(&mut self, value: Option<Json>) {
+impl ParamField<'_> {
+    fn set(&mut self, value: Option<Json>) {
         self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
 
@@ -84,7 +84,7 @@ impl Field<'_> {
             Kind::InputFile(_) => self.text(ui, id, value, "path of a file"),
             Kind::OutputFile(_) => self.text(ui, id, value, "name, or {node.parameter}"),
             Kind::Enumeration(_) | Kind::Choice(_) => self.combo(ui, id, value),
-            Kind::Points(spec) => points::show(self, ui, id, &spec, value),
+            Kind::Points(spec) => self.points(ui, id, value, &spec),
             Kind::Selection(spec) => self.selection(ui, id, value, spec.domain.name()),
             Kind::Expression(spec) => self.expression(ui, id, value, spec.variables),
         }
@@ -92,13 +92,13 @@ impl Field<'_> {
 
     fn flag(&mut self, ui: &mut Ui, value: &Json) {
         let mut flag = value.as_bool().unwrap_or_default();
-        let text = match self.look {
-            Look::Row => "",
-            Look::Cell if flag => "yes",
-            Look::Cell => "no",
+        let text = match self.place {
+            FieldPlace::Row => "",
+            FieldPlace::Cell if flag => "yes",
+            FieldPlace::Cell => "no",
         };
         let response = ui.checkbox(&mut flag, text).on_hover_text(&self.name);
-        if self.look == Look::Cell {
+        if self.place == FieldPlace::Cell {
             name_it(&response, &self.name, 0);
         }
         if response.changed() {
@@ -137,7 +137,7 @@ impl Field<'_> {
         let range = range_text(hard.0.to_f64(), hard.1.to_f64(), self.spec);
         let response = response.on_hover_text(range);
         name_it(&response, &self.name, shown.chars().count());
-        if let (Some((from, to)), false, Look::Row) = (soft, is_off, self.look) {
+        if let (Some((from, to)), false, FieldPlace::Row) = (soft, is_off, self.place) {
             ui.spacing_mut().slider_width = (ui.available_width() - BACK_WIDTH).clamp(30.0, 120.0);
             let slider = Slider::new(&mut changed, from..=to).show_value(false);
             let slider = slider.logarithmic(spans_decades(from.to_f64(), to.to_f64()));
@@ -164,13 +164,13 @@ impl Field<'_> {
     /// One of the names that the value may be.
     fn combo(&mut self, ui: &mut Ui, id: Id, value: &Json) {
         let current = chosen(value).map_or("", |(id, _)| id);
-        let (width, text) = match self.look {
-            Look::Row => (ui.available_width().clamp(60.0, 150.0), current.to_owned()),
-            Look::Cell => (CELL_WIDTH, brief_value(value)),
+        let (width, text) = match self.place {
+            FieldPlace::Row => (ui.available_width().clamp(60.0, 150.0), current.to_owned()),
+            FieldPlace::Cell => (CELL_WIDTH, brief_value(value)),
         };
         let picked = pick(ui, id, &self.name, (current, &text, width), &self.spec.options());
         // In a form, the entry that is there already says again what the map may leave out.
-        if let Some(picked) = picked.filter(|id| self.look == Look::Row || *id != current) {
+        if let Some(picked) = picked.filter(|id| self.place == FieldPlace::Row || *id != current) {
             self.set(Some(Json::from(picked)));
         }
     }
@@ -200,6 +200,17 @@ impl Field<'_> {
         }
     }
 
+    /// A row for each point; in a table, and where they cannot be read, their JSON on a line.
+    fn points(&mut self, ui: &mut Ui, id: Id, value: &Json, spec: &PointsSpec) {
+        if let (Ok(points), FieldPlace::Row) = (spec.read(value), self.place) {
+            if let Some(changed) = edit_points(ui, id, &self.name, spec, &points) {
+                self.set(Some(spec.to_json(&changed)));
+            }
+        } else if let (Some(text), _) = self.line(ui, id, &value.to_string(), "[]") {
+            self.set(Some(serde_json::from_str(&text).unwrap_or(Json::String(text))));
+        }
+    }
+
     /// A formula, and what is wrong with it, while it is typed too.
     fn expression(
         &mut self,
@@ -214,16 +225,16 @@ impl Field<'_> {
             let (left, draft) = self.line(ui, id, &written, &names.join(", "));
             if let Err(why) = Expression::compile(&draft, variables) {
                 let color = ui.visuals().error_fg_color;
-                match self.look {
-                    Look::Row => ui.colored_label(color, &why),
-                    Look::Cell => ui.colored_label(color, "\u{26a0}").on_hover_text(&why),
+                match self.place {
+                    FieldPlace::Row => ui.colored_label(color, &why),
+                    FieldPlace::Cell => ui.colored_label(color, "\u{26a0}").on_hover_text(&why),
                 };
             }
             left
         };
-        let left = match self.look {
-            Look::Row => ui.vertical(show).inner,
-            Look::Cell => show(ui),
+        let left = match self.place {
+            FieldPlace::Row => ui.vertical(show).inner,
+            FieldPlace::Cell => show(ui),
         };
         // A formula with a fault is kept, as the check of the map tells of it too.
         if let Some(text) = left {
@@ -236,9 +247,9 @@ impl Field<'_> {
     fn line(&self, ui: &mut Ui, id: Id, written: &str, hint: &str) -> (Option<String>, String) {
         let is_input = self.spec.input_file().is_some();
         let room = if is_input { BROWSE_WIDTH + BACK_WIDTH } else { BACK_WIDTH };
-        let width = match self.look {
-            Look::Row => (ui.available_width() - room).max(60.0),
-            Look::Cell => CELL_WIDTH,
+        let width = match self.place {
+            FieldPlace::Row => (ui.available_width() - room).max(60.0),
+            FieldPlace::Cell => CELL_WIDTH,
         };
         line(ui, id, &self.name, written, (hint, width))
     }
@@ -265,56 +276,6 @@ fn whole(value: &Json) -> Option<i64> {
     value.as_i64().or_else(|| value.as_f64().filter(|x| x.fract() == 0.0).map(|x| x as i64))
 }
 
-/// A list of names to pick one from; what was picked. Of the one that is there now its id, what is
-/// shown, and the width in points.
-pub fn pick(
-    ui: &mut Ui,
-    id: Id,
-    name: &str,
-    (current, text, width): (&str, &str, f32),
-    options: &[OptionSpec],
-) -> Option<&'static str> {
-    let combo = ComboBox::from_id_salt(id).selected_text(text).width(width).truncate();
-    let mut picked = None;
-    let shown = combo.show_ui(ui, |ui| {
-        for option in options {
-            let label = ui.selectable_label(option.id == current, option.id);
-            if label.on_hover_text(option.summary).clicked() {
-                picked = Some(option.id);
-            }
-        }
-    });
-    let selected = format!("{name}: {current}");
-    shown
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &selected));
-    picked
-}
-
-/// A line of text with a hint and a width: what it was changed to once the field is left or Enter
-/// is pressed, and what stands in it now.
-pub fn line(
-    ui: &mut Ui,
-    id: Id,
-    name: &str,
-    written: &str,
-    (hint, width): (&str, f32),
-) -> (Option<String>, String) {
-    let mut text =
-        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
-    let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
-    let response = ui.add(field.desired_width(width));
-    name_it(&response, name, written.chars().count());
-    if response.has_focus() {
-        ui.data_mut(|data| data.insert_temp(id, text.clone()));
-        return (None, text);
-    }
-    let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
-    ui.data_mut(|data| data.remove::<String>(id));
-    let is_changed = response.lost_focus() && text != written && !is_given_up;
-    (is_changed.then(|| text.clone()), text)
-}
-
 /// A number as a person types it: spaces and underscores part thousands.
 fn read_number(text: &str) -> Option<f64> {
     let is_digit = |c: &char| !c.is_whitespace() && *c != '_';
@@ -328,30 +289,6 @@ fn exact_text(number: f64) -> String {
         size if size != 0.0 && !(1e-6..1e15).contains(&size) => format!("{number:e}"),
         _ => number.to_string(),
     }
-}
-
-/// Gives a field of so many letters the name that a screen reader says, and the focus if it is
-/// asked for: then all of its text is selected, and what is typed takes its place.
-pub fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
-    let is_asked = response.ctx.data_mut(|data| data.remove_temp::<bool>(focus_asked()));
-    if is_asked.is_some() {
-        response.request_focus();
-        select_all(response, n_letters);
-    }
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-}
-
-/// Selects the text of a field of so many letters.
-pub fn select_all(field: &egui::Response, n_letters: usize) {
-    let mut state = TextEditState::default();
-    let all = CCursorRange::two(CCursor::new(0), CCursor::new(n_letters));
-    state.cursor.set_char_range(Some(all));
-    state.store(&field.ctx, field.id);
-}
-
-/// Where it is kept that the next field is to get the focus.
-pub(super) fn focus_asked() -> egui::Id {
-    egui::Id::new("form wants focus")
 }
 
 fn suffix(spec: &ParamSpec) -> String {

@@ -2,24 +2,25 @@
 
 use eframe::egui::{self, DragValue, Id, Ui};
 use mve_core::{OnFace, Point, Points, PointsSpec};
-use serde_json::Value as Json;
 
-use super::field::{Field, Look, line, name_it};
+use super::widgets::{line, name_it};
 
 /// Width of the name of a point, in points of the screen.
 const NAME_WIDTH: f32 = 80.0;
 
-/// Shows the points; in a table, their JSON on a line.
-pub fn show(field: &mut Field, ui: &mut Ui, id: Id, spec: &PointsSpec, value: &Json) {
-    let Ok(points) = spec.read(value) else { return show_json(field, ui, id, value) };
-    if field.look == Look::Cell {
-        return show_json(field, ui, id, value);
-    }
+/// Shows the points; what they are changed to.
+pub fn edit_points(
+    ui: &mut Ui,
+    id: Id,
+    name: &str,
+    spec: &PointsSpec,
+    points: &Points,
+) -> Option<Points> {
     let mut changed = points.clone();
     ui.vertical(|ui| {
         let mut removed = None;
         for (place, point) in changed.0.iter_mut().enumerate() {
-            let name = format!("{} {}", field.name, place + 1);
+            let name = format!("{name} {}", place + 1);
             ui.horizontal_wrapped(|ui| {
                 if show_point(ui, id.with(place), &name, spec, point) {
                     removed = Some(place);
@@ -30,15 +31,16 @@ pub fn show(field: &mut Field, ui: &mut Ui, id: Id, spec: &PointsSpec, value: &J
             changed.0.remove(place);
         }
         let add = ui.small_button("\u{2795} Point");
-        name_it(&add, &format!("Add to {}", field.name), 0);
+        name_it(&add, &format!("Add to {name}"), 0);
         if add.clicked() {
             changed.0.push(spec.another_point(&changed));
         }
     });
-    if changed != points {
-        keep_names_apart(&mut changed, &points);
-        field.set(Some(spec.to_json(&changed)));
+    if changed == *points {
+        return None;
     }
+    keep_names_apart(&mut changed, points);
+    Some(changed)
 }
 
 /// A name that another point has is not taken.
@@ -50,13 +52,6 @@ fn keep_names_apart(changed: &mut Points, before: &Points) {
         if let Some(old) = old.filter(|old| (is_taken || name.is_empty()) && old.name != *name) {
             changed.0[place].name.clone_from(&old.name);
         }
-    }
-}
-
-fn show_json(field: &mut Field, ui: &mut Ui, id: Id, value: &Json) {
-    let width = (ui.available_width() - 28.0).clamp(60.0, super::field::CELL_WIDTH);
-    if let (Some(text), _) = line(ui, id, &field.name, &value.to_string(), ("[]", width)) {
-        field.set(Some(serde_json::from_str(&text).unwrap_or(Json::String(text))));
     }
 }
 

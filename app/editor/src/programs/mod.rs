@@ -1,9 +1,9 @@
 //! The program of a map as a table to edit, to run and to watch.
 //!
 //! The panel owns no program: it shows the one of the map that it is given, and hands changes back
-//! as [`Action`]s. Checks and runs happen on threads; what they find is taken in once a frame by
-//! [`ProgramPanel::take_in`]. The store of a program is the one that `mve program` would take, so
-//! either goes on where the other stopped.
+//! as [`ProgramAction`]s. Checks and runs happen on threads; what they find is taken in once a
+//! frame by [`ProgramPanel::take_in`]. The store of a program is the one that `mve program` would
+//! take, so either goes on where the other stopped.
 
 mod results;
 mod run;
@@ -20,9 +20,9 @@ use indexmap::IndexMap;
 use mve_core::{Map, Program, ProgramOutcome, ProgramSpec, Registry, Retry, Sharing, StepStatus};
 use serde_json::Value as Json;
 
-use results::sheet::{Records, Sheet, State};
-use run::check::{ProgramCheck, Subject};
-use run::job::{How, Job, RunningStep};
+use results::sheet::{Records, Sheet, StepState};
+use run::check::{ProgramCheck, ProgramSubject};
+use run::job::{How, ProgramJob, RunningStep};
 pub use run::pace::in_words;
 
 /// Pause between two drawings of the results while steps end.
@@ -32,7 +32,7 @@ const REFRESH: Duration = Duration::from_millis(200);
 type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// What the panel shows.
-pub struct Scene<'a> {
+pub struct ProgramScene<'a> {
     /// The map. Another state of it is another `Arc`.
     pub map: &'a Arc<Map>,
     /// The folder that its input paths are relative to.
@@ -45,9 +45,20 @@ pub struct Scene<'a> {
     pub output_folder: &'a Path,
 }
 
+impl ProgramScene<'_> {
+    /// The folder of a program's results: the one that `mve program` takes by itself.
+    fn store_folder(&self, program: &str) -> PathBuf {
+        let stem = Path::new(&self.map_file).file_stem();
+        let stem = stem.map_or("map".into(), |stem| stem.to_string_lossy());
+        let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+        let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
+        self.output_folder.join(folder)
+    }
+}
+
 /// What the panel asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub enum ProgramAction {
     /// A program of the map is made, changed, or removed.
     SetProgram {
         /// Its name.
@@ -73,7 +84,7 @@ pub enum Action {
 }
 
 /// What the threads tell.
-enum Message {
+enum ProgramMessage {
     Checked(Box<ProgramCheck>),
     /// A run is over; with its report, if one was to be written.
     Finished(Result<(ProgramOutcome, Option<Result<PathBuf, String>>), String>),
@@ -84,17 +95,17 @@ enum Message {
 /// The panel of one map.
 pub struct ProgramPanel {
     wake: Wake,
-    inbox: Receiver<Message>,
-    outbox: Sender<Message>,
+    inbox: Receiver<ProgramMessage>,
+    outbox: Sender<ProgramMessage>,
     /// The program that is shown, if a person chose one.
     chosen: Option<String>,
     /// How the next run is to go.
     how: How,
-    job: Option<Job>,
+    job: Option<ProgramJob>,
     running: IndexMap<usize, RunningStep>,
     /// What is asked to be checked, and what a thread is at.
-    to_check: Option<Subject>,
-    being_checked: Option<Subject>,
+    to_check: Option<ProgramSubject>,
+    being_checked: Option<ProgramSubject>,
     checked: Option<ProgramCheck>,
     records: Records,
     sheet: Sheet,
@@ -102,11 +113,11 @@ pub struct ProgramPanel {
     sheet_made: Instant,
     is_sheet_stale: bool,
     /// What came of the last run, or other news in a line.
-    note: Option<Note>,
+    note: Option<Notice>,
     /// The same, for the log.
     said: Vec<(bool, String)>,
     /// What is to be asked for when the panel is shown next.
-    waiting: Vec<Action>,
+    waiting: Vec<ProgramAction>,
     bar: run::bar::BarState,
     setup: setup::SetupState,
     table: results::table::TableState,
@@ -115,7 +126,7 @@ pub struct ProgramPanel {
 }
 
 /// A line of news.
-struct Note {
+struct Notice {
     text: String,
     is_trouble: bool,
 }
@@ -157,7 +168,10 @@ impl ProgramPanel {
 
     /// Whether some step of the shown program has ended.
     pub fn has_results(&self) -> bool {
-        self.sheet.rows.iter().any(|row| matches!(row.state, State::Done | State::Failed(_)))
+        self.sheet
+            .rows
+            .iter()
+            .any(|row| matches!(row.state, StepState::Done | StepState::Failed(_)))
     }
 
     /// Stops what runs; finished steps are kept.
@@ -172,13 +186,17 @@ impl ProgramPanel {
         self.hear_job();
         while let Ok(message) = self.inbox.try_recv() {
             match message {
-                Message::Checked(checked) => self.hear_check(*checked),
-                Message::Finished(outcome) => {
+                ProgramMessage::Checked(checked) => self.hear_check(*checked),
+                ProgramMessage::Finished(outcome) => {
                     self.hear_job();
                     self.finish(outcome);
                 }
-                Message::Reported(Ok(page)) => self.waiting.push(Action::OpenFile(page)),
-                Message::Reported(Err(error)) => self.complain(format!("no report: {error}")),
+                ProgramMessage::Reported(Ok(page)) => {
+                    self.waiting.push(ProgramAction::OpenFile(page))
+                }
+                ProgramMessage::Reported(Err(error)) => {
+                    self.complain(format!("no report: {error}"))
+                }
             }
         }
         if self.is_sheet_stale && self.sheet_made.elapsed() >= REFRESH {
@@ -240,7 +258,7 @@ impl ProgramPanel {
     fn tell(&mut self, text: String, is_trouble: bool) {
         let program = self.sheet.program.as_ref().map_or("", |program| program.name.as_str());
         self.said.push((is_trouble, format!("program {program}: {text}")));
-        self.note = Some(Note { text, is_trouble });
+        self.note = Some(Notice { text, is_trouble });
     }
 
     /// What was said since the last call, for the log, and whether it is trouble.
@@ -276,20 +294,20 @@ impl ProgramPanel {
         chosen.or_else(|| map.programs.keys().next().map(String::as_str))
     }
 
-    fn subject(&self, scene: &Scene) -> Option<Subject> {
+    fn subject(&self, scene: &ProgramScene) -> Option<ProgramSubject> {
         let name = self.name(scene.map)?.to_owned();
-        Some(Subject {
+        Some(ProgramSubject {
             map: Arc::clone(scene.map),
             folder: scene.folder.clone(),
             map_file: scene.map_file.clone(),
             registry: scene.registry.clone(),
-            store: run::check::store_folder(scene.output_folder, &scene.map_file, &name),
+            store: scene.store_folder(&name),
             name,
         })
     }
 
     /// Has the program checked, unless that was done.
-    fn keep_checked(&mut self, scene: &Scene) {
+    fn keep_checked(&mut self, scene: &ProgramScene) {
         let Some(subject) = self.subject(scene) else {
             (self.checked, self.sheet) = (None, Sheet::default());
             return;
@@ -311,13 +329,13 @@ impl ProgramPanel {
         let (outbox, wake) = (self.outbox.clone(), Arc::clone(&self.wake));
         std::thread::spawn(move || {
             // The window may be gone; then nobody needs to know.
-            let _ = outbox.send(Message::Checked(Box::new(run::check::check(subject))));
+            let _ = outbox.send(ProgramMessage::Checked(Box::new(run::check::check(subject))));
             wake();
         });
     }
 
     /// The program as it was checked, if that is how the map has it.
-    fn sound_program(&self, scene: &Scene) -> Option<(Arc<Program>, PathBuf)> {
+    fn sound_program(&self, scene: &ProgramScene) -> Option<(Arc<Program>, PathBuf)> {
         let checked = self.checked.as_ref()?;
         let is_fresh = self.subject(scene)?.asks_the_same_as(&checked.subject);
         let program = checked.program.clone().filter(|_| is_fresh)?;
@@ -325,7 +343,7 @@ impl ProgramPanel {
     }
 
     /// Starts to run the steps that the store does not have.
-    fn run(&mut self, scene: &Scene, retry: Retry) {
+    fn run(&mut self, scene: &ProgramScene, retry: Retry) {
         let Some((program, store)) = self.sound_program(scene).filter(|_| self.job.is_none())
         else {
             return;
@@ -342,7 +360,7 @@ impl ProgramPanel {
         }
         let (outbox, wake) = (self.outbox.clone(), Arc::clone(&self.wake));
         self.note = None;
-        self.job = Some(Job::start(program, store, how, outbox, wake));
+        self.job = Some(ProgramJob::start(program, store, how, outbox, wake));
         self.make_sheet();
     }
 
@@ -350,14 +368,14 @@ impl ProgramPanel {
     fn open_report(&self, store: PathBuf) {
         let (outbox, wake) = (self.outbox.clone(), Arc::clone(&self.wake));
         std::thread::spawn(move || {
-            let _ = outbox.send(Message::Reported(run::job::write_report(&store)));
+            let _ = outbox.send(ProgramMessage::Reported(run::job::write_report(&store)));
             wake();
         });
     }
 
     /// Makes a parameter an axis of the shown program, with its value in the map and a second one
     /// worth comparing; a parameter that is varied already gets one more value.
-    pub fn vary(&mut self, node: &str, param: &str, scene: &Scene) -> Vec<Action> {
+    pub fn vary(&mut self, node: &str, param: &str, scene: &ProgramScene) -> Vec<ProgramAction> {
         let path = format!("{node}.{param}");
         let name = match self.name(scene.map) {
             Some(name) => name.to_owned(),
@@ -366,7 +384,7 @@ impl ProgramPanel {
         let mut spec = scene.map.programs.get(&name).cloned().unwrap_or_default();
         setup::axis::vary(&path, scene, &spec).apply(&mut spec);
         self.chosen = Some(name.clone());
-        vec![Action::SetProgram { name, spec: Some(spec) }]
+        vec![ProgramAction::SetProgram { name, spec: Some(spec) }]
     }
 }
 
@@ -379,7 +397,7 @@ fn fresh_name(map: &Map, wish: &str) -> String {
 
 /// The parameters of a step in the order in which they are to be set: modules first, and a choice
 /// before what stands under it.
-fn load_step(step: &mve_core::Step) -> Action {
+fn load_step(step: &mve_core::Step) -> ProgramAction {
     let mut params: Vec<(String, String, Json)> = step
         .params
         .iter()
@@ -389,7 +407,7 @@ fn load_step(step: &mve_core::Step) -> Action {
         })
         .collect();
     params.sort_by_key(|(_, param, _)| (param != "module", param.split('.').count()));
-    Action::LoadStep(params)
+    ProgramAction::LoadStep(params)
 }
 
 #[cfg(test)]

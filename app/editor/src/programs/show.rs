@@ -3,7 +3,7 @@
 use eframe::egui::{self, Ui};
 
 use crate::programs::widgets::drop_zone;
-use crate::programs::{Action, ProgramPanel, Scene};
+use crate::programs::{ProgramAction, ProgramPanel, ProgramScene};
 
 /// Widths from which tables and results stand side by side, in points.
 const WIDE: f32 = 760.0;
@@ -24,7 +24,7 @@ pub enum PanelTab {
 
 impl ProgramPanel {
     /// Shows the panel; what it asks for.
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene) -> Vec<Action> {
+    pub fn show(&mut self, ui: &mut Ui, scene: &ProgramScene) -> Vec<ProgramAction> {
         self.take_in();
         self.keep_checked(scene);
         let mut actions = std::mem::take(&mut self.waiting);
@@ -53,7 +53,12 @@ impl ProgramPanel {
     }
 
     /// What stands in a panel without a program.
-    fn show_nothing(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    fn show_nothing(
+        &mut self,
+        ui: &mut Ui,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
+    ) {
         let frame = egui::Frame::new().inner_margin(16);
         let dropped = drop_zone(ui, frame, |ui| {
             // All of the panel, which else would be too low for the program to come.
@@ -69,7 +74,7 @@ impl ProgramPanel {
         }
     }
 
-    fn show_setup(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    fn show_setup(&mut self, ui: &mut Ui, scene: &ProgramScene, actions: &mut Vec<ProgramAction>) {
         let Some(name) = self.name(scene.map).map(str::to_owned) else { return };
         let Some(spec) = scene.map.programs.get(&name) else { return };
         let scroll = egui::ScrollArea::vertical().id_salt("setup").auto_shrink(false);
@@ -78,12 +83,17 @@ impl ProgramPanel {
             let mut changed = spec.clone();
             shown.inner.into_iter().for_each(|edit| edit.apply(&mut changed));
             if changed != *spec {
-                actions.push(Action::SetProgram { name, spec: Some(changed) });
+                actions.push(ProgramAction::SetProgram { name, spec: Some(changed) });
             }
         }
     }
 
-    fn show_results(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    fn show_results(
+        &mut self,
+        ui: &mut Ui,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
+    ) {
         self.show_failed(ui, actions);
         if ui.available_height() >= HIGH {
             let height = ui.available_height();
@@ -112,7 +122,7 @@ impl ProgramPanel {
     }
 
     /// One part at a time.
-    fn show_one(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    fn show_one(&mut self, ui: &mut Ui, scene: &ProgramScene, actions: &mut Vec<ProgramAction>) {
         ui.horizontal(|ui| {
             for (view, name) in
                 [(PanelTab::Setup, "Axes"), (PanelTab::Table, "Table"), (PanelTab::Plot, "Plot")]

@@ -26,10 +26,10 @@ fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
     let here = Path::new(".");
     let map_file = "box.json".to_owned();
     let folder = here.to_owned();
-    let scene = Scene { map, folder, map_file, registry: &registry, output_folder: here };
+    let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder: here };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
     match panel.vary(node, param, &scene).remove(0) {
-        Action::SetProgram { name, spec: Some(spec) } => (name, spec),
+        ProgramAction::SetProgram { name, spec: Some(spec) } => (name, spec),
         other => panic!("{other:?}"),
     }
 }
@@ -54,7 +54,21 @@ fn a_step_is_loaded_in_an_order_that_works() {
     let params = [("b.way.weight", json!(1)), ("b.way", json!("A")), ("b.module", json!("M"))];
     let params = params.into_iter().map(|(path, value)| (path.to_owned(), value)).collect();
     let step = mve_core::Step { id: String::new(), repeat: 0, params };
-    let Action::LoadStep(params) = load_step(&step) else { panic!() };
+    let ProgramAction::LoadStep(params) = load_step(&step) else { panic!() };
     let paths: Vec<_> = params.iter().map(|(_, path, _)| path.as_str()).collect();
     assert_eq!(paths, ["module", "way", "way.weight"]);
+}
+
+#[test]
+fn results_go_where_the_command_puts_them() {
+    let (map, registry) = (map(json!({})), Registry::new());
+    let folder = |map_file: &str, program| {
+        let (folder, output_folder) = (PathBuf::new(), Path::new("mve-out"));
+        let map_file = map_file.to_owned();
+        let scene =
+            ProgramScene { map: &map, folder, map_file, registry: &registry, output_folder };
+        scene.store_folder(program)
+    };
+    assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
+    assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
 }

@@ -9,8 +9,8 @@ use mve_modules::data::{Domain, Field, TriMesh};
 use mve_modules::picture::color_map::quantile;
 
 use super::heading::heading;
+use super::memo::{Memo, Same};
 use super::number::{count_text, number_text};
-use super::slot::{Same, Slot};
 use super::spread::Spread;
 use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
@@ -114,7 +114,7 @@ impl ValueView for FieldsView {
 /// The state of one field on the screen.
 #[derive(Default)]
 struct FieldView {
-    statistics: Slot<Same<Field>, Statistics>,
+    statistics: Memo<Same<Field>, Statistics>,
 }
 
 impl FieldView {

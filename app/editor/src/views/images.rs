@@ -9,8 +9,8 @@ use mve_modules::data::{Image, Images};
 use super::heading;
 use super::images_zoom::Zoom;
 use super::make_room;
+use super::memo::{Memo, Same};
 use super::picture::{color_image, difference, rgb_at};
-use super::slot::{Same, Slot};
 use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// Pictures to show.
@@ -46,7 +46,7 @@ pub struct ImagesView {
     has_difference: bool,
     gain: Gain,
     loaded: Vec<PictureTextures>,
-    difference: Slot<(Key, Key, f32), Result<Image, String>>,
+    difference: Memo<(Key, Key, f32), Result<Image, String>>,
     difference_texture: Option<(Same<Result<Image, String>>, TextureHandle)>,
 }
 
@@ -66,7 +66,7 @@ const STRIP: f32 = 84.0;
 const THUMBNAIL: usize = 128;
 
 /// What one tile shows.
-struct Tile<'a> {
+struct ImageTile<'a> {
     title: String,
     image: &'a Image,
     texture: egui::TextureId,
@@ -247,7 +247,7 @@ impl ImagesView {
         &self,
         sets: &'a [ImagesInput],
         difference: Option<&'a Result<Image, String>>,
-    ) -> Vec<Tile<'a>> {
+    ) -> Vec<ImageTile<'a>> {
         let mut tiles = Vec::new();
         for (set, input) in sets.iter().enumerate() {
             let Some((key, image)) = self.image_of(input) else { continue };
@@ -255,11 +255,11 @@ impl ImagesView {
                 continue;
             };
             let title = format!("{}: {}", input.title, image.name);
-            tiles.push(Tile { title, image, texture: loaded.texture.id(), set: Some(set) });
+            tiles.push(ImageTile { title, image, texture: loaded.texture.id(), set: Some(set) });
         }
         if let (Some(Ok(image)), Some((_, texture))) = (difference, &self.difference_texture) {
             let title = format!("difference × {}", self.gain.0.round());
-            tiles.push(Tile { title, image, texture: texture.id(), set: None });
+            tiles.push(ImageTile { title, image, texture: texture.id(), set: None });
         }
         tiles
     }
@@ -304,8 +304,8 @@ fn show_tile(
     ui: &mut egui::Ui,
     zoom: &mut Zoom,
     rect: Rect,
-    tile: &Tile,
-    (first, tiles): (&Image, &[Tile]),
+    tile: &ImageTile,
+    (first, tiles): (&Image, &[ImageTile]),
     status: &mut String,
 ) -> bool {
     let id = ui.id().with(("picture", &tile.title));
@@ -330,7 +330,7 @@ fn show_tile(
 }
 
 /// The place of a pixel and its values in all pictures of that size.
-fn pixel_text(tiles: &[Tile], under: &Image, [x, y]: [usize; 2]) -> String {
+fn pixel_text(tiles: &[ImageTile], under: &Image, [x, y]: [usize; 2]) -> String {
     let mut text = format!("x {x}, y {y}");
     for tile in tiles {
         if (tile.image.width, tile.image.height) != (under.width, under.height) {

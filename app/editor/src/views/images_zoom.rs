@@ -7,7 +7,7 @@ use super::wheel::wheel_factor;
 /// Zoom and place, shared by pictures side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zoom {
-    scale: Scale,
+    scale: ZoomScale,
     /// What is in the middle, as a part of width and height.
     center: Vec2,
     /// Moves in this frame count once, whichever picture they were made in.
@@ -15,7 +15,7 @@ pub struct Zoom {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Scale {
+enum ZoomScale {
     /// As large as the panel allows.
     Fit,
     /// Pixels of the screen for a pixel of the first picture.
@@ -24,7 +24,7 @@ enum Scale {
 
 impl Default for Zoom {
     fn default() -> Self {
-        Self { scale: Scale::Fit, center: Vec2::splat(0.5), has_moved: false }
+        Self { scale: ZoomScale::Fit, center: Vec2::splat(0.5), has_moved: false }
     }
 }
 
@@ -39,7 +39,7 @@ impl Zoom {
 
     /// A pixel of the screen for each of the picture.
     pub fn one_to_one(&mut self) {
-        self.scale = Scale::Pixels(1.0);
+        self.scale = ZoomScale::Pixels(1.0);
     }
 
     /// A new frame.
@@ -50,8 +50,8 @@ impl Zoom {
     /// Points of the screen for a pixel of a picture of some size in a panel.
     fn points_per_pixel(&self, panel: Vec2, size: Vec2, relative: f32, density: f32) -> f32 {
         match self.scale {
-            Scale::Fit => (panel / size).min_elem(),
-            Scale::Pixels(pixels) => pixels * relative / density,
+            ZoomScale::Fit => (panel / size).min_elem(),
+            ZoomScale::Pixels(pixels) => pixels * relative / density,
         }
     }
 
@@ -114,7 +114,7 @@ impl Zoom {
         if !pixels.is_finite() {
             return;
         }
-        self.scale = Scale::Pixels(pixels);
+        self.scale = ZoomScale::Pixels(pixels);
         let after = self.points_per_pixel(panel, size, relative, density);
         self.center += from_middle / size * (1.0 / before - 1.0 / after);
         self.center = self.center.clamp(Vec2::splat(-1.0), vec2(2.0, 2.0));

@@ -7,7 +7,7 @@ use mve_core::{Scalar, Value};
 use mve_modules::data::Measures;
 
 use super::heading::heading;
-use super::slot::Same;
+use super::memo::Same;
 use super::table::{Column, Table, TableView};
 use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 

@@ -12,9 +12,9 @@ mod background;
 mod camera;
 mod heading;
 mod images_zoom;
+mod memo;
 mod number;
 mod picture;
-mod slot;
 mod spread;
 mod table;
 mod wheel;
@@ -39,7 +39,7 @@ pub use mesh::{
     Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
 };
 pub use number::{brief_text, count_text, number_text};
-pub use table::{Column, Direction, Table, TableView};
+pub use table::{Column, SortOrder, Table, TableView};
 
 /// How long a value may be old before that is said.
 const OUTDATED: Duration = Duration::from_millis(700);

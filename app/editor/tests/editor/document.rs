@@ -288,7 +288,8 @@ fn unknown_parts_live_through_edits() {
         (&json!([1]), &json!(9))
     );
     assert_eq!(json["future"], json!({ "z": [1] }));
-    assert_eq!(document.map().problems().len(), 2);
+    // The node, the link, and warnings of "hue" and "future".
+    assert_eq!(document.map().problems().len(), 4);
     document.undo().unwrap();
     assert_eq!(document.text(), text);
 }

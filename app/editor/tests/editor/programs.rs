@@ -12,7 +12,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use mve_core::{Map, Registry};
 use mve_editor::drag::DraggedParam;
-use mve_editor::programs::{Action, ProgramPanel, Scene};
+use mve_editor::programs::{ProgramAction, ProgramPanel, ProgramScene};
 use serde_json::{Value as Json, json};
 
 /// What a window would hold: the map, the panel, and what the panel asked for.
@@ -21,7 +21,7 @@ struct Bench {
     registry: Registry,
     output_folder: PathBuf,
     panel: ProgramPanel,
-    asked: Vec<Action>,
+    asked: Vec<ProgramAction>,
 }
 
 impl Bench {
@@ -50,41 +50,34 @@ impl Bench {
     }
 
     fn show(&mut self, ui: &mut Ui) {
-        let scene = Scene {
-            map: &self.map,
-            folder: self.output_folder.clone(),
-            map_file: "box.json".to_owned(),
-            registry: &self.registry,
-            output_folder: &self.output_folder,
-        };
-        let actions = self.panel.show(ui, &scene);
-        self.carry_out(actions);
+        self.ask(|panel, scene| panel.show(ui, scene));
     }
 
     /// Makes a parameter an axis, as dragging it does.
     fn vary(&mut self, node: &str, param: &str) {
-        let scene = Scene {
+        self.ask(|panel, scene| panel.vary(node, param, scene));
+    }
+
+    /// Does what the panel asks for, as a window would.
+    fn ask(&mut self, ask: impl FnOnce(&mut ProgramPanel, &ProgramScene) -> Vec<ProgramAction>) {
+        let scene = ProgramScene {
             map: &self.map,
             folder: self.output_folder.clone(),
             map_file: "box.json".to_owned(),
             registry: &self.registry,
             output_folder: &self.output_folder,
         };
-        let actions = self.panel.vary(node, param, &scene);
-        self.carry_out(actions);
-    }
-
-    fn carry_out(&mut self, actions: Vec<Action>) {
+        let actions = ask(&mut self.panel, &scene);
         for action in &actions {
             let map = Arc::make_mut(&mut self.map);
             match action.clone() {
-                Action::SetProgram { name, spec: Some(spec) } => {
+                ProgramAction::SetProgram { name, spec: Some(spec) } => {
                     map.programs.insert(name, spec);
                 }
-                Action::SetProgram { name, spec: None } => {
+                ProgramAction::SetProgram { name, spec: None } => {
                     map.programs.shift_remove(&name);
                 }
-                Action::RenameProgram { name, to } => {
+                ProgramAction::RenameProgram { name, to } => {
                     let spec = map.programs.shift_remove(&name).unwrap();
                     map.programs.insert(to, spec);
                 }
@@ -162,7 +155,7 @@ fn a_program_is_made_run_and_read() {
     harness.run_steps(3);
     press(&mut harness, "Load selected step into the map");
     let loaded = harness.state().asked.iter().find_map(|action| match action {
-        Action::LoadStep(params) => Some(params.clone()),
+        ProgramAction::LoadStep(params) => Some(params.clone()),
         _ => None,
     });
     let loaded = loaded.unwrap();
@@ -171,7 +164,7 @@ fn a_program_is_made_run_and_read() {
     assert!(folder.path().join("box-sweep/results.csv").is_file());
     press(&mut harness, "Open report");
     wait(&mut harness, "the report", |harness| {
-        harness.state().asked.iter().any(|action| matches!(action, Action::OpenFile(_)))
+        harness.state().asked.iter().any(|action| matches!(action, ProgramAction::OpenFile(_)))
     });
     // Another window finds what is in the store.
     let programs = json!(harness.state().map.programs);
@@ -201,7 +194,7 @@ fn failed_steps_say_why_and_can_be_loaded() {
     press(&mut harness, "Load failed step into the map");
     let last = harness.state().asked.last().cloned().unwrap();
     let expected = ("make".to_owned(), "module".to_owned(), loader("bad.obj"));
-    assert_eq!(last, Action::LoadStep(vec![expected]));
+    assert_eq!(last, ProgramAction::LoadStep(vec![expected]));
     assert_eq!(program(&harness, "inputs"), programs["inputs"]);
     assert!(can_press(&harness, "Run failed steps again"));
 }

@@ -8,7 +8,6 @@ use super::{Page, address, count, cut, escape};
 use crate::columns;
 use crate::pivot::Pivot;
 use crate::results::Cell;
-use crate::text::{long_columns, with_means};
 
 /// Rows of the long table, and of a table of one measure; the page stays quick to open.
 const MOST_STEPS: usize = 2000;
@@ -69,7 +68,7 @@ fn pivot(table: &Pivot) -> String {
         let _ = write!(text, "<th>{}</th>", escape(name));
     }
     text.push_str("</tr></thead>\n<tbody>\n");
-    let rows = with_means(table);
+    let rows = table.shown_rows();
     let n_own = table.rows.len();
     for (place, row) in rows.iter().enumerate() {
         if place >= MOST_ROWS && place < n_own {
@@ -98,7 +97,7 @@ pub(super) fn steps(page: &Page) -> String {
     if results.cases.is_empty() {
         return String::new();
     }
-    let mut columns = long_columns(results, page.measures);
+    let mut columns = columns::long_columns(results, page.measures);
     let n_hidden = columns.len().saturating_sub(MOST_COLUMNS);
     columns.truncate(MOST_COLUMNS);
     let varied = results.varied();

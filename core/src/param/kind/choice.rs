@@ -145,18 +145,25 @@ impl ParamKind for ChoiceSpec {
     }
 
     fn schema(&self) -> Json {
-        let each = self.entries().flat_map(|entry| {
-            let alone = json!({ "const": entry.id, "description": entry.summary });
-            let with_params = json!({
-                "type": "object",
-                "description": entry.summary,
-                "properties": { entry.id: object_of(entry.params) },
-                "required": [entry.id],
-                "additionalProperties": false
-            });
-            [alone, with_params]
+        let named =
+            self.entries().map(|entry| json!({ "const": entry.id, "description": entry.summary }));
+        let with_params = self.entries().map(|entry| {
+            let mut params = object_of(entry.params);
+            params["description"] = Json::from(entry.summary);
+            (entry.id.to_owned(), params)
         });
-        json!({ "anyOf": each.collect::<Vec<_>>() })
+        // By the type of the value, so that a fault is told of the entry that was meant.
+        json!({
+            "type": ["string", "object"],
+            "if": { "type": "string" },
+            "then": { "oneOf": named.collect::<Vec<_>>() },
+            "else": {
+                "properties": with_params.collect::<JsonMap<_, _>>(),
+                "additionalProperties": false,
+                "minProperties": 1,
+                "maxProperties": 1
+            }
+        })
     }
 
     fn noun(&self) -> String {
@@ -201,14 +208,6 @@ impl ParamKind for ChoiceSpec {
 }
 
 impl ParamSpec {
-    /// Of a choice, its list and its default.
-    pub fn choice(&self) -> Option<ChoiceSpec> {
-        match self.kind {
-            Kind::Choice(spec) => Some(spec),
-            _ => None,
-        }
-    }
-
     /// Whether it is an output file, or has one among the parameters of an entry.
     pub(crate) fn writes_files(&self) -> bool {
         let below = |entry: EntrySpec| entry.params.iter().any(Self::writes_files);

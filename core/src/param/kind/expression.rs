@@ -7,7 +7,7 @@
 
 use serde_json::{Value as Json, json};
 
-use super::super::{Fault, OptionSpec, Param, ParamSpec, ParamType, Setting, Structured};
+use super::super::{Fault, OptionSpec, Param, ParamType, Setting, Structured};
 use super::{Kind, Misfit, ParamKind};
 use crate::data::{Data, DataType};
 use crate::port::InputSpec;
@@ -102,6 +102,9 @@ const FUNCTIONS: [(&str, Function); 12] = [
     ("ceil", Function::One(f64::ceil)),
     ("round", Function::One(f64::round)),
 ];
+
+/// The name of the number.
+const PI: &str = "pi";
 
 impl Expression {
     /// Reads a formula; the error is a sentence that names the column, from 1.
@@ -299,7 +302,7 @@ impl Reader<'_> {
         if let Some(place) = self.variables.iter().position(|(known, _)| *known == name) {
             return Ok(Term::Variable(place));
         }
-        if name == "pi" {
+        if name == PI {
             return Ok(Term::Number(std::f64::consts::PI));
         }
         let known = || self.variables.iter().map(|(name, _)| *name);
@@ -345,6 +348,10 @@ impl ParamKind for ExpressionSpec {
     }
 
     fn fault(&self, _: &[InputSpec]) -> Option<String> {
+        let is_taken = |name: &str| name == PI || FUNCTIONS.iter().any(|(known, _)| *known == name);
+        if let Some((name, _)) = self.variables.iter().find(|(name, _)| is_taken(name)) {
+            return Some(format!("the name \"{name}\" of a variable is taken"));
+        }
         Expression::compile(self.default, self.variables).err()
     }
 
@@ -364,16 +371,6 @@ impl ParamKind for ExpressionSpec {
     }
 }
 
-impl ParamSpec {
-    /// Of a formula, what is declared of it.
-    pub fn expression(&self) -> Option<ExpressionSpec> {
-        match self.kind {
-            Kind::Expression(spec) => Some(spec),
-            _ => None,
-        }
-    }
-}
-
 impl Param<Expression> {
     /// A formula over these variables, each with what it is.
     pub const fn expression(
@@ -388,10 +385,7 @@ impl Param<Expression> {
 
 impl ParamType for Expression {
     fn from_setting(setting: &Setting) -> Option<Self> {
-        match setting {
-            Setting::Structured(value) => value.get::<Self>().map(|shared| (*shared).clone()),
-            _ => None,
-        }
+        setting.structured()
     }
 }
 
@@ -466,5 +460,14 @@ mod tests {
         assert!(said(&"2^".repeat(400)).contains("deeper than 64 levels"));
         assert!(said(&" ".repeat(2000)).contains("longer than 1000"));
         assert_eq!(value(&["1"; 400].join("+")), 400.0);
+    }
+
+    #[test]
+    fn no_variable_has_the_name_of_a_function_or_of_pi() {
+        let fault = |variables| ExpressionSpec { default: "1", variables }.fault(&[]);
+        assert_eq!(fault(XY), None);
+        for variables in [&[("x", "One."), ("min", "Two.")], &[("x", "One."), ("pi", "Three.")]] {
+            assert!(fault(variables).unwrap().contains("of a variable is taken"));
+        }
     }
 }

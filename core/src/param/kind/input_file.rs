@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value as Json, json};
 
-use super::super::{Fault, Param, ParamSpec, ParamType, Setting};
+use super::super::{Fault, Param, ParamType, Setting};
 use super::{Kind, Misfit, ParamKind};
 use crate::fingerprint::FingerprintBuilder;
 
@@ -30,10 +30,6 @@ pub(super) fn ending(extensions: &[&str]) -> String {
 }
 
 impl ParamKind for InputFileSpec {
-    fn default_json(&self) -> Option<Json> {
-        None
-    }
-
     fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
         parse_path(json)
     }
@@ -46,10 +42,6 @@ impl ParamKind for InputFileSpec {
         format!("input file{}", ending(self.extensions))
     }
 
-    fn examples(&self) -> Vec<Json> {
-        Vec::new()
-    }
-
     fn unset(&self) -> &'static str {
         "choose a file: there is no default"
     }
@@ -60,16 +52,6 @@ impl ParamKind for InputFileSpec {
 
     /// The key has the content of the file, not its name.
     fn write_key(&self, _: &Setting, _: &mut FingerprintBuilder) {}
-}
-
-impl ParamSpec {
-    /// Of a file that is read, what is declared of it.
-    pub fn input_file(&self) -> Option<InputFileSpec> {
-        match self.kind {
-            Kind::InputFile(spec) => Some(spec),
-            _ => None,
-        }
-    }
 }
 
 impl Param<PathBuf> {

@@ -1,84 +1,40 @@
 //! Whole numbers.
 
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
-use super::super::{Fault, Param, ParamType, Setting};
-use super::{Kind, Misfit, NumericRange, ParamKind, between};
-use crate::data::{Data, DataType};
-use crate::port::InputSpec;
+use super::super::{Param, ParamType, Setting};
+use super::Kind;
+use super::range::{RangeSpec, RangeValue};
 
-/// A whole number. A default of `None` is off.
-#[derive(Clone, Copy, Debug)]
-pub struct IntegerSpec {
-    /// Where a map says nothing.
-    pub default: Option<i64>,
-    /// Both ends of what is allowed.
-    pub hard: (i64, i64),
-    /// Both ends of what a slider shows.
-    pub soft: Option<(i64, i64)>,
-}
+/// A whole number.
+pub type IntegerSpec = RangeSpec<i64>;
 
 /// Whole numbers to 2^53, which every program that reads JSON keeps exactly.
 const INTEGERS: (i64, i64) = (-(1 << 53), 1 << 53);
 
-impl IntegerSpec {
-    pub(super) fn range(&self) -> NumericRange {
-        let both = |(from, to): (i64, i64)| (from as f64, to as f64);
-        NumericRange { is_whole: true, hard: both(self.hard), soft: self.soft.map(both) }
-    }
-}
+impl RangeValue for i64 {
+    const NOUN: &'static str = "whole number";
+    const JSON_TYPE: &'static str = "integer";
+    const IS_WHOLE: bool = true;
+    const USUAL: (f64, f64) = (0.0, 1000.0);
 
-/// A whole number, also where it is written as `300.0`.
-pub(super) fn parse_whole(json: &Json, (low, high): (i64, i64)) -> Result<Setting, Misfit> {
-    let whole = |x: &f64| x.fract() == 0.0 && x.abs() <= 9_007_199_254_740_992.0;
-    let found = json.as_i64().or_else(|| json.as_f64().filter(whole).map(|x| x as i64));
-    match found {
-        Some(number) if (low..=high).contains(&number) => Ok(Setting::Integer(number)),
-        _ => Err(Misfit::Expected(format!("a whole number{}", between(low as f64, high as f64)))),
-    }
-}
-
-impl ParamKind for IntegerSpec {
-    fn default_json(&self) -> Option<Json> {
-        Some(self.default.map_or(Json::Null, Json::from))
+    fn to_f64(self) -> f64 {
+        self as f64
     }
 
-    fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
-        parse_whole(json, self.hard)
+    fn to_setting(self) -> Setting {
+        Setting::Integer(self)
     }
 
-    fn schema(&self) -> Json {
-        json!({ "type": "integer", "minimum": self.hard.0, "maximum": self.hard.1 })
+    /// Also where it is written as `300.0`.
+    fn from_json(json: &Json) -> Option<Self> {
+        let is_whole = |x: &f64| x.fract() == 0.0 && x.abs() <= INTEGERS.1 as f64;
+        json.as_i64().or_else(|| json.as_f64().filter(is_whole).map(|x| x as Self))
     }
 
-    fn noun(&self) -> String {
-        format!("whole number{}", between(self.hard.0 as f64, self.hard.1 as f64))
-    }
-
-    fn fault(&self, _: &[InputSpec]) -> Option<String> {
-        let Self { default, hard: (low, high), soft } = *self;
-        let is_sound = low <= high && default.is_none_or(|d| (low..=high).contains(&d));
-        let soft = soft.unwrap_or((low, high));
-        let is_usual = low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high;
-        (!is_sound || !is_usual).then(|| "the default or the slider lies out of range".to_owned())
-    }
-
-    fn examples(&self) -> Vec<Json> {
-        let Self { hard, soft, .. } = *self;
-        // Generators fill the memory at the upper end of what is allowed.
-        vec![json!(hard.0), json!(soft.map_or(hard.0.max(0), |soft| soft.1.min(256)))]
-    }
-
-    fn link_type(&self) -> Option<DataType> {
-        Some(f64::TYPE)
-    }
-
-    fn value_when_on(&self) -> Option<Json> {
-        Some(self.default.map_or_else(|| self.range().middle((0.0, 1000.0)), Json::from))
-    }
-
-    fn another(&self, value: &Json) -> Json {
-        self.range().double(value.as_f64().unwrap_or_default())
+    /// Generators fill the memory at the upper end of what is allowed.
+    fn large_example(spec: &IntegerSpec) -> Self {
+        spec.soft.map_or(spec.hard.0.max(0), |soft| soft.1.min(256))
     }
 }
 

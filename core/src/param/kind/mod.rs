@@ -5,6 +5,9 @@
 //! nothing else in the runtime looks at which kind a parameter is of. The window draws each kind in
 //! `app/editor/src/forms/field.rs`.
 
+mod range;
+
+pub use range::{NumericRange, RangeSpec};
 use serde_json::Value as Json;
 
 use super::{Fault, Misfit, OptionSpec, ParamSpec, Setting};
@@ -15,7 +18,9 @@ use crate::port::InputSpec;
 /// What every kind of parameter answers for itself.
 pub(crate) trait ParamKind {
     /// The default as a map would say it, in its shortest form; `None` where a map must say it.
-    fn default_json(&self) -> Option<Json>;
+    fn default_json(&self) -> Option<Json> {
+        None
+    }
 
     /// Reads JSON that is not off. Faults of parts, such as the parameters of a choice's entry, are
     /// pushed to `faults`, with paths below this parameter; what can stand is given all the same.
@@ -33,7 +38,9 @@ pub(crate) trait ParamKind {
     }
 
     /// Values at the ends of what it allows, for tests of modules; none where they need files.
-    fn examples(&self) -> Vec<Json>;
+    fn examples(&self) -> Vec<Json> {
+        Vec::new()
+    }
 
     /// The type that a link must carry; `None` where its value cannot wait for a run.
     fn link_type(&self) -> Option<DataType> {
@@ -79,7 +86,7 @@ pub(crate) trait ParamKind {
     fn repeat(&self, _: &mut Setting, _: u32) {}
 }
 
-/// Declares the files of the kinds, and [`Kind`] over them.
+/// Declares the files of the kinds, [`Kind`] over them, and what tells of which a parameter is.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident($spec:ident) in $file:ident,)+) => {
         $(mod $file;)+
@@ -98,6 +105,19 @@ macro_rules! kinds {
                     $(Self::$kind(spec) => spec,)+
                 }
             }
+        }
+
+        impl ParamSpec {
+            $(
+                /// What is declared of a parameter of this kind:
+                $(#[$doc])*
+                pub fn $file(&self) -> Option<$spec> {
+                    match self.kind {
+                        Kind::$kind(spec) => Some(spec),
+                        _ => None,
+                    }
+                }
+            )+
         }
     };
 }
@@ -127,66 +147,4 @@ kinds! {
     Selection(SelectionSpec) in selection,
     /// A formula over declared variables.
     Expression(ExpressionSpec) in expression,
-}
-
-/// The range in words, without the ends that only the number format sets.
-fn between(low: f64, high: f64) -> String {
-    const ENDLESS: f64 = 9.0e15;
-    match (low > -ENDLESS, high < ENDLESS) {
-        (true, true) => format!(" from {low} to {high}"),
-        (true, false) => format!(" of {low} or more"),
-        (false, true) => format!(" of {high} or less"),
-        (false, false) => String::new(),
-    }
-}
-
-/// Numbers of a parameter that is one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NumericRange {
-    /// Whether they are whole.
-    pub is_whole: bool,
-    /// Both ends of what is allowed.
-    pub hard: (f64, f64),
-    /// Both ends of what a slider shows.
-    pub soft: Option<(f64, f64)>,
-}
-
-impl NumericRange {
-    /// The allowed value nearest to a number.
-    pub fn nearest(&self, number: f64) -> Json {
-        let number = number.clamp(self.hard.0, self.hard.1);
-        if self.is_whole { Json::from(number.round() as i64) } else { Json::from(number) }
-    }
-
-    /// The middle of what is usual: the geometric one where that spans decades, as on a slider.
-    fn middle(&self, otherwise: (f64, f64)) -> Json {
-        let within = (self.hard.0.max(otherwise.0), self.hard.1.min(otherwise.1));
-        let (from, to) = self.soft.unwrap_or(within);
-        let spans_decades = from > 0.0 && to > 100.0 * from;
-        let middle = if spans_decades { (from * to).sqrt() } else { from + (to - from) / 2.0 };
-        self.nearest(middle)
-    }
-
-    /// The double of a number, or the half of it where that is too much.
-    fn double(&self, number: f64) -> Json {
-        let double = if number == 0.0 { 1.0 } else { number * 2.0 };
-        if (self.hard.0..=self.hard.1).contains(&double) {
-            return self.nearest(double);
-        }
-        // Whole numbers halve towards zero.
-        let half = number / 2.0;
-        self.nearest(if self.is_whole { half.trunc() } else { half })
-    }
-}
-
-impl ParamSpec {
-    /// The range of a parameter that is a number.
-    pub fn range(&self) -> Option<NumericRange> {
-        match self.kind {
-            Kind::Integer(spec) => Some(spec.range()),
-            Kind::Number(spec) => Some(spec.range()),
-            Kind::Seed(spec) => Some(spec.range()),
-            _ => None,
-        }
-    }
 }

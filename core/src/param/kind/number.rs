@@ -1,81 +1,36 @@
 //! Finite numbers.
 
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
-use super::super::{Fault, Param, ParamType, Setting};
-use super::{Kind, Misfit, NumericRange, ParamKind, between};
-use crate::data::{Data, DataType};
-use crate::port::InputSpec;
+use super::super::{Param, ParamType, Setting};
+use super::Kind;
+use super::range::{RangeSpec, RangeValue};
 
-/// A finite number. A default of `None` is off.
-#[derive(Clone, Copy, Debug)]
-pub struct NumberSpec {
-    /// Where a map says nothing.
-    pub default: Option<f64>,
-    /// Both ends of what is allowed.
-    pub hard: (f64, f64),
-    /// Both ends of what a slider shows.
-    pub soft: Option<(f64, f64)>,
-}
+/// A finite number.
+pub type NumberSpec = RangeSpec<f64>;
 
 const NUMBERS: (f64, f64) = (f64::MIN, f64::MAX);
 
-impl NumberSpec {
-    pub(super) fn range(&self) -> NumericRange {
-        NumericRange { is_whole: false, hard: self.hard, soft: self.soft }
-    }
-}
+impl RangeValue for f64 {
+    const NOUN: &'static str = "number";
+    const JSON_TYPE: &'static str = "number";
+    const IS_WHOLE: bool = false;
+    const USUAL: (f64, f64) = (0.0, 1.0);
 
-impl ParamKind for NumberSpec {
-    fn default_json(&self) -> Option<Json> {
-        Some(self.default.map_or(Json::Null, Json::from))
-    }
-
-    fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
-        let (low, high) = self.hard;
-        match json.as_f64() {
-            Some(number) if (low..=high).contains(&number) => Ok(Setting::Number(number)),
-            _ => Err(Misfit::Expected(format!("a number{}", between(low, high)))),
-        }
+    fn to_f64(self) -> f64 {
+        self
     }
 
-    fn schema(&self) -> Json {
-        let mut schema = json!({ "type": "number" });
-        if self.hard.0 > f64::MIN {
-            schema["minimum"] = Json::from(self.hard.0);
-        }
-        if self.hard.1 < f64::MAX {
-            schema["maximum"] = Json::from(self.hard.1);
-        }
-        schema
+    fn to_setting(self) -> Setting {
+        Setting::Number(self)
     }
 
-    fn noun(&self) -> String {
-        format!("number{}", between(self.hard.0, self.hard.1))
+    fn from_json(json: &Json) -> Option<Self> {
+        json.as_f64()
     }
 
-    fn fault(&self, _: &[InputSpec]) -> Option<String> {
-        let Self { default, hard: (low, high), soft } = *self;
-        let is_sound = low <= high && default.is_none_or(|d| (low..=high).contains(&d));
-        let soft = soft.unwrap_or((low, high));
-        let is_usual = low <= soft.0 && soft.0 <= soft.1 && soft.1 <= high;
-        (!is_sound || !is_usual).then(|| "the default or the slider lies out of range".to_owned())
-    }
-
-    fn examples(&self) -> Vec<Json> {
-        vec![json!(self.hard.0), json!(self.soft.unwrap_or(self.hard).1)]
-    }
-
-    fn link_type(&self) -> Option<DataType> {
-        Some(f64::TYPE)
-    }
-
-    fn value_when_on(&self) -> Option<Json> {
-        Some(self.default.map_or_else(|| self.range().middle((0.0, 1.0)), Json::from))
-    }
-
-    fn another(&self, value: &Json) -> Json {
-        self.range().double(value.as_f64().unwrap_or_default())
+    fn large_example(spec: &NumberSpec) -> Self {
+        spec.soft.unwrap_or(spec.hard).1
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value as Json, json};
 
-use super::super::{Fault, Param, ParamSpec, Setting};
+use super::super::{Fault, Param, Setting};
 use super::input_file::{ending, parse_path};
 use super::{Kind, Misfit, ParamKind};
 
@@ -19,10 +19,6 @@ pub struct OutputFileSpec {
 }
 
 impl ParamKind for OutputFileSpec {
-    fn default_json(&self) -> Option<Json> {
-        None
-    }
-
     fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
         parse_path(json)
     }
@@ -33,20 +29,6 @@ impl ParamKind for OutputFileSpec {
 
     fn noun(&self) -> String {
         format!("output file{}", ending(self.extensions))
-    }
-
-    fn examples(&self) -> Vec<Json> {
-        Vec::new()
-    }
-}
-
-impl ParamSpec {
-    /// Of a file that is written, what is declared of it.
-    pub fn output_file(&self) -> Option<OutputFileSpec> {
-        match self.kind {
-            Kind::OutputFile(spec) => Some(spec),
-            _ => None,
-        }
     }
 }
 

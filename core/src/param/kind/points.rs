@@ -15,14 +15,14 @@ use std::collections::HashSet;
 use serde_json::{Map as JsonMap, Value as Json, json};
 
 use super::super::setting::shown;
-use super::super::{Fault, OptionSpec, Param, ParamSpec, ParamType, Setting, Structured};
-use super::{Kind, Misfit, ParamKind};
+use super::super::{Fault, OptionSpec, Param, ParamType, Setting, Structured};
+use super::{Kind, Misfit, NumberSpec, ParamKind};
 use crate::port::InputSpec;
 use crate::problem::did_you_mean;
 
-/// How far barycentric coordinates may sum to another number than 1: they are written with few
-/// digits by hand.
-const SUM_TOLERANCE: f64 = 1e-6;
+/// How far barycentric coordinates may sum to another number than 1, as they are written with few
+/// digits by hand, and how far they may be below 0, as of a point on a side that was rounded.
+const TOLERANCE: f64 = 1e-6;
 
 /// What a point's object holds beside its numbers.
 const KEYS: [&str; 4] = ["name", "position", "face", "barycentric"];
@@ -49,6 +49,12 @@ pub struct PointNumber {
     pub hard: (f64, f64),
 }
 
+impl PointNumber {
+    fn spec(&self) -> NumberSpec {
+        NumberSpec { default: Some(self.default), hard: self.hard, soft: None }
+    }
+}
+
 /// Named points, in the order of the map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points(pub Vec<Point>);
@@ -71,7 +77,7 @@ pub struct Point {
 pub struct OnFace {
     /// The face.
     pub face: u32,
-    /// Weights of its corners, which sum to about 1.
+    /// Weights of its corners, none of them below 0, which sum to 1; both within 1e-6.
     pub barycentric: [f64; 3],
 }
 
@@ -133,14 +139,9 @@ impl PointsSpec {
         let place = self.read_place(object)?;
         let number = |number: &PointNumber| match object.get(number.name) {
             None => Ok(number.default),
-            Some(json) => {
-                let (low, high) = number.hard;
-                let found = json.as_f64().filter(|x| (low..=high).contains(x));
-                found.ok_or_else(|| {
-                    let (name, range) = (number.name, super::between(low, high));
-                    format!("\"{name}\" {} is not a number{range}", shown(json))
-                })
-            }
+            Some(json) => number.spec().read(json).ok_or_else(|| {
+                format!("\"{}\" {} is not a {}", number.name, shown(json), number.spec().noun())
+            }),
         };
         let numbers = self.numbers.iter().map(number).collect::<Result<_, _>>()?;
         Ok(Point { name, position, place, numbers })
@@ -160,9 +161,13 @@ impl PointsSpec {
         let weights = three(barycentric).ok_or_else(|| {
             format!("\"barycentric\" {} is not three finite numbers", shown(barycentric))
         })?;
+        if let Some(below) = weights.iter().find(|weight| **weight < -TOLERANCE) {
+            let fault = "lies outside of the face";
+            return Err(format!("\"barycentric\" {} {fault}: {below} < 0", shown(barycentric)));
+        }
         let sum: f64 = weights.iter().sum();
         // Written so that a sum that is not a number is refused too.
-        if (sum - 1.0).abs() <= SUM_TOLERANCE {
+        if (sum - 1.0).abs() <= TOLERANCE {
             return Ok(Some(OnFace { face: index, barycentric: weights }));
         }
         Err(format!("\"barycentric\" {} sums to {sum}, not to 1", shown(barycentric)))
@@ -210,20 +215,22 @@ impl ParamKind for PointsSpec {
     }
 
     fn schema(&self) -> Json {
-        let three = json!({
-            "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3
-        });
+        let three =
+            |item: Json| json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 3 });
         let mut properties = JsonMap::new();
         properties.insert("name".to_owned(), json!({ "type": "string", "minLength": 1 }));
-        properties.insert("position".to_owned(), three.clone());
+        properties.insert("position".to_owned(), three(json!({ "type": "number" })));
         if self.on.is_some() {
             let face = json!({ "type": "integer", "minimum": 0, "maximum": u32::MAX });
             properties.insert("face".to_owned(), face);
-            properties.insert("barycentric".to_owned(), three);
+            let weight = json!({ "type": "number", "minimum": -TOLERANCE });
+            properties.insert("barycentric".to_owned(), three(weight));
         }
-        for PointNumber { name, doc, default, .. } in self.numbers {
-            let number = json!({ "type": "number", "description": doc, "default": default });
-            properties.insert((*name).to_owned(), number);
+        for number in self.numbers {
+            let mut schema = number.spec().schema();
+            schema["description"] = json!(number.doc);
+            schema["default"] = json!(number.default);
+            properties.insert(number.name.to_owned(), schema);
         }
         let point = json!({
             "type": "object",
@@ -244,12 +251,12 @@ impl ParamKind for PointsSpec {
 
     fn fault(&self, inputs: &[InputSpec]) -> Option<String> {
         let mut names: HashSet<&str> = KEYS.into_iter().collect();
-        for PointNumber { name, default, hard: (low, high), .. } in self.numbers {
-            if !names.insert(name) {
-                return Some(format!("the name \"{name}\" of a number is taken"));
+        for number in self.numbers {
+            if !names.insert(number.name) {
+                return Some(format!("the name \"{}\" of a number is taken", number.name));
             }
-            if !(low..=high).contains(&default) || !default.is_finite() {
-                return Some(format!("the default of \"{name}\" lies out of range"));
+            if let Some(fault) = number.spec().fault(inputs) {
+                return Some(format!("\"{}\": {fault}", number.name));
             }
         }
         self.on.and_then(|name| unknown_input(name, inputs))
@@ -281,16 +288,6 @@ impl ParamKind for PointsSpec {
     }
 }
 
-impl ParamSpec {
-    /// Of points, what is declared of them.
-    pub fn points(&self) -> Option<PointsSpec> {
-        match self.kind {
-            Kind::Points(spec) => Some(spec),
-            _ => None,
-        }
-    }
-}
-
 impl Param<Points> {
     /// Named points, each with these numbers; none by default.
     pub const fn points(
@@ -312,10 +309,7 @@ impl Param<Points> {
 
 impl ParamType for Points {
     fn from_setting(setting: &Setting) -> Option<Self> {
-        match setting {
-            Setting::Structured(value) => value.get::<Self>().map(|shared| (*shared).clone()),
-            _ => None,
-        }
+        setting.structured()
     }
 }
 
@@ -366,6 +360,10 @@ mod tests {
         assert!(of_nose(json!({"face": 1})).ends_with("go together"));
         let sum = of_nose(json!({"face": 1, "barycentric": [0.2, 0.2, 0.5]}));
         assert!(sum.ends_with("sums to 0.9, not to 1"), "{sum}");
+        let beside = of_nose(json!({"face": 1, "barycentric": [0.5, -0.25, 0.75]}));
+        assert!(beside.ends_with("[0.5,-0.25,0.75] lies outside of the face: -0.25 < 0"));
+        let rounded = json!([nose(json!({"face": 1, "barycentric": [-1e-9, 0.5, 0.5]}))]);
+        assert_eq!(SPEC.read(&rounded).unwrap().0[0].place_on(2).unwrap().barycentric[0], -1e-9);
         assert!(of_nose(json!({"face": -1, "barycentric": [0, 0, 1]})).ends_with("-1 is no index"));
         let free = PointsSpec { on: None, numbers: &[] };
         let on = json!([nose(json!({"face": 1, "barycentric": [0, 0, 1]}))]);
@@ -381,5 +379,8 @@ mod tests {
         assert!(taken.fault(&inputs).unwrap().contains("\"radius\" of a number is taken"));
         const FACE: PointNumber = PointNumber { name: "face", ..RADIUS };
         assert!(PointsSpec { on: None, numbers: &[FACE] }.fault(&inputs).is_some());
+        const LOW: PointNumber = PointNumber { default: -1.0, ..RADIUS };
+        let low = PointsSpec { on: None, numbers: &[LOW] };
+        assert!(low.fault(&inputs).unwrap().contains("\"radius\": the default"));
     }
 }

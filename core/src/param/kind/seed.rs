@@ -3,8 +3,7 @@
 use serde_json::{Value as Json, json};
 
 use super::super::{Fault, Param, ParamType, Setting};
-use super::integer::parse_whole;
-use super::{Kind, Misfit, NumericRange, ParamKind};
+use super::{IntegerSpec, Kind, Misfit, ParamKind};
 use crate::data::{Data, DataType};
 
 /// The number that random choices start from. Repeat `r` of a step runs with the seed plus `r`.
@@ -19,9 +18,9 @@ pub struct SeedSpec {
 pub struct Seed(pub u64);
 
 impl SeedSpec {
-    pub(super) fn range(&self) -> NumericRange {
-        NumericRange { is_whole: true, hard: (0.0, f64::from(u32::MAX)), soft: None }
-    }
+    /// The numbers that a seed may be.
+    pub(super) const RANGE: IntegerSpec =
+        IntegerSpec { default: None, hard: (0, u32::MAX as i64), soft: None };
 }
 
 impl ParamKind for SeedSpec {
@@ -29,12 +28,12 @@ impl ParamKind for SeedSpec {
         Some(Json::from(self.default))
     }
 
-    fn parse(&self, json: &Json, _: &mut Vec<Fault>) -> Result<Setting, Misfit> {
-        parse_whole(json, (0, i64::from(u32::MAX)))
+    fn parse(&self, json: &Json, faults: &mut Vec<Fault>) -> Result<Setting, Misfit> {
+        Self::RANGE.parse(json, faults)
     }
 
     fn schema(&self) -> Json {
-        json!({ "type": "integer", "minimum": 0, "maximum": u32::MAX })
+        Self::RANGE.schema()
     }
 
     fn noun(&self) -> String {

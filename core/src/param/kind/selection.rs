@@ -9,7 +9,7 @@ use std::fmt;
 use serde_json::{Value as Json, json};
 
 use super::super::setting::shown;
-use super::super::{Fault, OptionSpec, Param, ParamSpec, ParamType, Setting, Structured};
+use super::super::{Fault, Param, ParamType, Setting, Structured};
 use super::points::unknown_input;
 use super::{Kind, Misfit, ParamKind};
 use crate::port::InputSpec;
@@ -195,24 +195,10 @@ impl ParamKind for SelectionSpec {
         vec![json!([]), json!([0]), json!([[0, 2], u32::MAX])]
     }
 
-    fn parts(&self) -> Vec<OptionSpec> {
-        Vec::new()
-    }
-
     fn summary(&self, value: &Json) -> Option<String> {
         let n = Selection::from_json(value).ok()?.len();
         let name = self.domain.name();
         Some(if n == 0 { format!("no {name}") } else { format!("{n} {name}") })
-    }
-}
-
-impl ParamSpec {
-    /// Of a selection, what is declared of it.
-    pub fn selection(&self) -> Option<SelectionSpec> {
-        match self.kind {
-            Kind::Selection(spec) => Some(spec),
-            _ => None,
-        }
     }
 }
 
@@ -230,10 +216,7 @@ impl Param<Selection> {
 
 impl ParamType for Selection {
     fn from_setting(setting: &Setting) -> Option<Self> {
-        match setting {
-            Setting::Structured(value) => value.get::<Self>().map(|shared| (*shared).clone()),
-            _ => None,
-        }
+        setting.structured()
     }
 }
 

@@ -43,7 +43,7 @@ impl ParamKind for TextSpec {
 impl ParamSpec {
     /// Whether its value is a text, whatever that looks like: `300` typed for it is no number.
     pub fn is_text(&self) -> bool {
-        matches!(self.kind, Kind::Text(_) | Kind::Expression(_))
+        self.text().is_some() || self.expression().is_some()
     }
 }
 

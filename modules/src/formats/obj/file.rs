@@ -10,7 +10,7 @@ use mve_core::Control;
 use super::bounds::{Bounds, FileScope};
 use super::cursor::Cursor;
 use super::parse::parse_with;
-use super::textures::{self, Pictures, Placed, named, placed};
+use super::textures::{self, Pictures, TextureFolder, named, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh, name_from_file, name_to_file};
 use crate::formats::plain_file::read_plain;
@@ -96,9 +96,9 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
 /// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
-    let folder = texture_folder(path);
+    let folder = folder_beside(path);
     let name = name_from_file(folder.file_name().unwrap_or_default());
-    let placed = placed(&mesh.materials, &name);
+    let placed = texture_folder(&mesh.materials, &name);
     save_with(mesh, path, &placed, control)
 }
 
@@ -113,14 +113,14 @@ pub fn save_naming(
     folder: &str,
     control: Control,
 ) -> Result<(), FileError> {
-    let placed = Placed { materials: named(&mesh.materials, folder), files: Vec::new() };
+    let placed = TextureFolder { materials: named(&mesh.materials, folder), files: Vec::new() };
     save_with(mesh, path, &placed, control)
 }
 
 fn save_with(
     mesh: &TriMesh,
     path: &Path,
-    placed: &Placed,
+    placed: &TextureFolder,
     control: Control,
 ) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
@@ -140,7 +140,7 @@ fn save_with(
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    let folder = texture_folder(path);
+    let folder = folder_beside(path);
     if !placed.files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }
@@ -156,7 +156,7 @@ fn save_with(
 }
 
 /// The folder for the pictures of a mesh that is saved at `path`.
-fn texture_folder(path: &Path) -> PathBuf {
+fn folder_beside(path: &Path) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(TEXTURE_FOLDER);
     path.with_file_name(name)

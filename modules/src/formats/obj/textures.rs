@@ -238,7 +238,7 @@ impl Pictures {
 }
 
 /// Materials as they stand in a file, and the pictures that lie in a folder beside it.
-pub(super) struct Placed {
+pub(super) struct TextureFolder {
     /// The materials; their textures are named with the folder.
     pub materials: Vec<Material>,
     /// Name and content of each file in the folder.
@@ -257,7 +257,7 @@ pub(super) fn named(materials: &[Material], folder: &str) -> Vec<Material> {
 }
 
 /// Gives each picture a file name of its own in a folder of this name.
-pub(super) fn placed(materials: &[Material], folder: &str) -> Placed {
+pub(super) fn texture_folder(materials: &[Material], folder: &str) -> TextureFolder {
     let mut materials = materials.to_vec();
     let mut files: Vec<(String, Arc<TextureImage>)> = Vec::new();
     let mut places: HashMap<*const TextureImage, usize> = HashMap::new();
@@ -271,7 +271,7 @@ pub(super) fn placed(materials: &[Material], folder: &str) -> Placed {
         });
         texture.name = path_text(&format!("{folder}/{}", files[place].0));
     }
-    Placed { materials, files }
+    TextureFolder { materials, files }
 }
 
 /// A texture's name as any system can have it for a file, but for its length.

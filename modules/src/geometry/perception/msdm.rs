@@ -21,7 +21,8 @@ use mve_core::{Cancelled, Control};
 use super::msdm2::curvature::curvatures;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};
 use super::msdm2::{
-    Carried, Level, Levels, Msdm2, Msdm2Error, OneSided, Pair, Seen, Variant, carry, one_sided_of,
+    Level, Levels, MeshCurvature, Msdm2, Msdm2Error, OneSided, Pair, ReferencePoint, Variant,
+    carry, one_sided_of,
 };
 use crate::data::TriMesh;
 
@@ -81,14 +82,14 @@ pub fn msdm(
     );
     let (of_a, of_b) = (of_a?, of_b?);
     let is_by_index = original.faces == simplified.faces && a.mesh.faces == b.mesh.faces;
-    let one_sided = |from: Seen, to: Seen, part: Control| {
+    let one_sided = |from: MeshCurvature, to: MeshCurvature, part: Control| {
         let found = one_sided(&levels, is_by_index, from, to, part)?;
         Ok::<_, Cancelled>(OneSided { size: found.size / pair.scale, ..found })
     };
-    let (a_seen, b_seen) = ((a, of_a.as_slice()), (b, of_b.as_slice()));
+    let (of_original, of_simplified) = ((a, of_a.as_slice()), (b, of_b.as_slice()));
     let (from_original, from_simplified) = rayon::join(
-        || one_sided(b_seen, a_seen, control.part(0.4, 0.7)),
-        || one_sided(a_seen, b_seen, control.part(0.7, 1.0)),
+        || one_sided(of_simplified, of_original, control.part(0.4, 0.7)),
+        || one_sided(of_original, of_simplified, control.part(0.7, 1.0)),
     );
     let both = Msdm2 {
         from_original: from_original?,
@@ -102,8 +103,8 @@ pub fn msdm(
 fn one_sided(
     levels: &Levels,
     is_by_index: bool,
-    (reference, of_reference): Seen,
-    (surface, curvature): Seen,
+    (reference, of_reference): MeshCurvature,
+    (surface, curvature): MeshCurvature,
     control: Control,
 ) -> Result<OneSided, Cancelled> {
     let carried = if is_by_index {
@@ -111,7 +112,7 @@ fn one_sided(
         let by_index = of_reference
             .iter()
             .enumerate()
-            .filter_map(|(v, &curvature)| Some(Carried { point: point(v)?, curvature }));
+            .filter_map(|(v, &curvature)| Some(ReferencePoint { point: point(v)?, curvature }));
         by_index.collect()
     } else {
         carry(reference, surface, of_reference, Variant::Published, control.part(0.0, 0.3))?

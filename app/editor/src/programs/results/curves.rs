@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::Color32;
 
-use crate::programs::results::sheet::{Sheet, Source, State};
+use crate::programs::results::sheet::{ColumnSource, Sheet, StepState};
 
 /// Quotients of the largest and smallest number for which a logarithmic axis shows more. Beyond
 /// them the smallest is a rounding error, which would take up most of the axis.
@@ -64,7 +64,7 @@ pub fn default_series(sheet: &Sheet) -> Option<usize> {
     let said = program.report.series.as_ref().and_then(|name| sheet.column(name));
     let is_name = |place: &usize| {
         let column = &sheet.columns[*place];
-        matches!(column.source, Source::Param(_))
+        matches!(column.source, ColumnSource::Param(_))
             && !column.is_number
             && n_values(sheet, *place) > 1
     };
@@ -80,9 +80,10 @@ pub fn default_x(sheet: &Sheet, series: Option<usize>) -> Option<usize> {
     let free: Vec<usize> = (0..sheet.columns.len()).filter(is_free).collect();
     let counts_faces = |place: &&usize| {
         let column = &sheet.columns[**place];
-        matches!(&column.source, Source::Output(_, name) if name == "faces" || name == "n_faces")
+        matches!(&column.source, ColumnSource::Output(_, name) if name == "faces" || name == "n_faces")
     };
-    let is_varied = |place: &&usize| matches!(sheet.columns[**place].source, Source::Param(_));
+    let is_varied =
+        |place: &&usize| matches!(sheet.columns[**place].source, ColumnSource::Param(_));
     let faces = free.iter().rev().find(counts_faces);
     faces.or_else(|| free.iter().find(is_varied)).copied().or_else(|| sheet.column("seconds"))
 }
@@ -91,7 +92,7 @@ pub fn default_x(sheet: &Sheet, series: Option<usize>) -> Option<usize> {
 pub fn default_y(sheet: &Sheet, x: usize) -> Option<usize> {
     let is_chief = |place: &usize| {
         let column = &sheet.columns[*place];
-        let is_output = matches!(column.source, Source::Output(..));
+        let is_output = matches!(column.source, ColumnSource::Output(..));
         *place != x && is_output && column.is_number && column.is_chief
     };
     let is_free = |place: &usize| *place != x && sheet.columns[*place].is_number;
@@ -108,10 +109,10 @@ fn n_values(sheet: &Sheet, column: usize) -> usize {
 /// with the number that moves along the line.
 pub fn curves(sheet: &Sheet, choice: Choice) -> Vec<Curve> {
     let params: Vec<usize> = (0..sheet.columns.len())
-        .filter(|place| matches!(sheet.columns[*place].source, Source::Param(_)))
+        .filter(|place| matches!(sheet.columns[*place].source, ColumnSource::Param(_)))
         .collect();
     let along = match sheet.columns[choice.x].source {
-        Source::Param(_) => Some(choice.x),
+        ColumnSource::Param(_) => Some(choice.x),
         _ => params
             .iter()
             .copied()
@@ -123,7 +124,7 @@ pub fn curves(sheet: &Sheet, choice: Choice) -> Vec<Curve> {
     let mut names: Vec<&str> = Vec::new();
     let mut found: HashMap<Vec<&str>, usize> = HashMap::new();
     let mut curves: Vec<Curve> = Vec::new();
-    let ended = sheet.rows.iter().enumerate().filter(|(_, row)| row.state == State::Done);
+    let ended = sheet.rows.iter().enumerate().filter(|(_, row)| row.state == StepState::Done);
     for (row, of_row) in ended {
         let text = |place: usize| of_row.cells[place].text.as_str();
         let (Some(x), Some(y)) = (sheet.number(row, choice.x), sheet.number(row, choice.y)) else {
@@ -185,17 +186,17 @@ pub fn room(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::programs::results::sheet::{Cell, Column, Row, State};
+    use crate::programs::results::sheet::{SheetCell, SheetColumn, SheetRow, StepState};
 
-    fn sheet(columns: &[(&str, Source)], rows: &[&[&str]]) -> Sheet {
-        let cell = |text: &&str| Cell { text: (*text).to_owned(), number: text.parse().ok() };
-        let rows: Vec<Row> = (0..rows.len())
+    fn sheet(columns: &[(&str, ColumnSource)], rows: &[&[&str]]) -> Sheet {
+        let cell = |text: &&str| SheetCell { text: (*text).to_owned(), number: text.parse().ok() };
+        let rows: Vec<SheetRow> = (0..rows.len())
             .map(|place| {
                 let cells = rows[place].iter().map(cell).collect();
-                Row { place, state: State::Done, cells }
+                SheetRow { place, state: StepState::Done, cells }
             })
             .collect();
-        let column = |(place, (name, source)): (usize, &(&str, Source))| Column {
+        let column = |(place, (name, source)): (usize, &(&str, ColumnSource))| SheetColumn {
             name: (*name).to_owned(),
             source: source.clone(),
             is_chief: true,
@@ -206,13 +207,13 @@ mod tests {
         Sheet { program: None, columns: columns.iter().enumerate().map(column).collect(), rows }
     }
 
-    fn param(name: &'static str) -> (&'static str, Source) {
-        (name, Source::Param(name.to_owned()))
+    fn param(name: &'static str) -> (&'static str, ColumnSource) {
+        (name, ColumnSource::Param(name.to_owned()))
     }
 
-    fn output(name: &'static str) -> (&'static str, Source) {
+    fn output(name: &'static str) -> (&'static str, ColumnSource) {
         let (node, output) = name.split_once('.').unwrap();
-        (name, Source::Output(node.to_owned(), output.to_owned()))
+        (name, ColumnSource::Output(node.to_owned(), output.to_owned()))
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::programs::ProgramPanel;
 use crate::programs::results::curves::{
     Choice, Curve, Spot, can_be_log, curves, default_series, default_x, default_y, is_wide, room,
 };
-use crate::programs::results::sheet::{Column, Sheet, Source, label};
+use crate::programs::results::sheet::{ColumnSource, Sheet, SheetColumn, label};
 use crate::programs::widgets::named;
 use crate::views::make_room;
 
@@ -114,8 +114,8 @@ impl PlotState {
     ) -> bool {
         let before = [self.x.clone(), self.y.clone(), self.series.clone()];
         ui.horizontal_wrapped(|ui| {
-            let numbers = |column: &&Column| column.is_number;
-            let params = |column: &&Column| matches!(column.source, Source::Param(_));
+            let numbers = |column: &&SheetColumn| column.is_number;
+            let params = |column: &&SheetColumn| matches!(column.source, ColumnSource::Param(_));
             pick(ui, sheet, "Plot", Some(choice.y), &numbers, &mut self.y);
             let can_be = can_be_log(curves, |spot| spot.y);
             log_switch(ui, can_be, log_y, "y", &mut self.is_log_y);
@@ -143,7 +143,7 @@ fn pick(
     sheet: &Sheet,
     what: &str,
     current: Option<usize>,
-    is_wanted: &dyn Fn(&&Column) -> bool,
+    is_wanted: &dyn Fn(&&SheetColumn) -> bool,
     chosen: &mut Option<String>,
 ) {
     make_room(ui, ROOM_OF_LIST);

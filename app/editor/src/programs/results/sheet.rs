@@ -13,7 +13,7 @@ const MOST_OF_A_NODE: usize = 4;
 
 /// What a column shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ColumnSource {
     /// Number of the repeat.
     Repeat,
     /// A parameter that is varied, by its path.
@@ -30,11 +30,11 @@ pub enum Source {
 
 /// A column of the table.
 #[derive(Clone, Debug)]
-pub struct Column {
+pub struct SheetColumn {
     /// Its name, as in `results.csv`.
     pub name: String,
     /// What it shows.
-    pub source: Source,
+    pub source: ColumnSource,
     /// Whether it is worth the room among the first columns.
     pub is_chief: bool,
     /// Whether its cells are numbers.
@@ -47,7 +47,7 @@ pub struct Column {
 
 /// A cell: what is shown, and the number that it is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cell {
+pub struct SheetCell {
     /// Its text; numbers are brief.
     pub text: String,
     /// Its number, to the last digit.
@@ -56,7 +56,7 @@ pub struct Cell {
 
 /// What became of a step so far.
 #[derive(Clone, Debug, PartialEq)]
-pub enum State {
+pub enum StepState {
     /// It has not run.
     ToDo,
     /// It runs.
@@ -69,13 +69,13 @@ pub enum State {
 
 /// A step.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct SheetRow {
     /// Its place among the steps of the program.
     pub place: usize,
     /// What became of it.
-    pub state: State,
+    pub state: StepState,
     /// A cell for each column.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<SheetCell>,
 }
 
 /// The whole table.
@@ -84,9 +84,9 @@ pub struct Sheet {
     /// The program whose steps these are.
     pub program: Option<Arc<Program>>,
     /// Its columns.
-    pub columns: Vec<Column>,
+    pub columns: Vec<SheetColumn>,
     /// A row for each step, in the order of the program. Of two steps with one id the first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SheetRow>,
 }
 
 /// Records by the id of their step.
@@ -108,14 +108,15 @@ impl Sheet {
         let found: Vec<&StepRecord> =
             steps.iter().filter_map(|(_, record)| record.map(Arc::as_ref)).collect();
         let mut columns = columns(program, &found);
-        let rows: Vec<Row> = steps
+        let rows: Vec<SheetRow> = steps
             .iter()
             .map(|(place, record)| {
                 let step = &program.steps[*place];
                 let state = state(record.map(|record| &record.status), is_running(*place));
-                let cell =
-                    |column: &Column| cell(&column.source, step, record.map(Arc::as_ref), &state);
-                Row {
+                let cell = |column: &SheetColumn| {
+                    cell(&column.source, step, record.map(Arc::as_ref), &state)
+                };
+                SheetRow {
                     place: *place,
                     cells: columns.iter().map(cell).collect(),
                     state: state.clone(),
@@ -144,7 +145,7 @@ impl Sheet {
     /// The order of rows by a column. Empty cells stand last either way, equal ones as they were.
     pub fn order(&self, column: usize, is_rising: bool) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.rows.len()).collect();
-        let empty = Cell::default();
+        let empty = SheetCell::default();
         let cell = |row: usize| self.rows[row].cells.get(column).unwrap_or(&empty);
         order.sort_by(|a, b| compare(cell(*a), cell(*b), is_rising));
         order
@@ -159,7 +160,7 @@ pub fn label(step: &Step) -> String {
     if all.is_empty() { "the map as it is".to_owned() } else { all.join(", ") }
 }
 
-fn compare(a: &Cell, b: &Cell, is_rising: bool) -> Ordering {
+fn compare(a: &SheetCell, b: &SheetCell, is_rising: bool) -> Ordering {
     let turned = |order: Ordering| if is_rising { order } else { order.reverse() };
     match (a.number, b.number) {
         _ if a.text.is_empty() || b.text.is_empty() => a.text.is_empty().cmp(&b.text.is_empty()),
@@ -170,32 +171,32 @@ fn compare(a: &Cell, b: &Cell, is_rising: bool) -> Ordering {
     }
 }
 
-fn state(status: Option<&StepStatus>, is_running: bool) -> State {
+fn state(status: Option<&StepStatus>, is_running: bool) -> StepState {
     match status {
         Some(status) => match status.reason() {
-            Some(reason) => State::Failed(reason.to_owned()),
-            None => State::Done,
+            Some(reason) => StepState::Failed(reason.to_owned()),
+            None => StepState::Done,
         },
-        None if is_running => State::Running,
-        None => State::ToDo,
+        None if is_running => StepState::Running,
+        None => StepState::ToDo,
     }
 }
 
-fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
+fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     let mut all = Vec::new();
-    let mut add = |name: String, source: Source| {
+    let mut add = |name: String, source: ColumnSource| {
         let better = program.report.measures.iter().find(|measure| measure.column == name);
         let better = better.map(|measure| measure.better);
         let (is_chief, is_number, best) = (false, false, None);
-        all.push(Column { name, source, is_chief, is_number, better, best });
+        all.push(SheetColumn { name, source, is_chief, is_number, better, best });
     };
     if program.steps.iter().any(|step| step.repeat > 0) {
-        add("repeat".to_owned(), Source::Repeat);
+        add("repeat".to_owned(), ColumnSource::Repeat);
     }
     for path in &program.varied {
-        add(path.clone(), Source::Param(path.clone()));
+        add(path.clone(), ColumnSource::Param(path.clone()));
     }
-    add("status".to_owned(), Source::Status);
+    add("status".to_owned(), ColumnSource::Status);
     let mut outputs = IndexSet::new();
     let mut times = IndexSet::new();
     for (node, record) in records.iter().flat_map(|record| &record.nodes) {
@@ -223,70 +224,79 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<Column> {
     for (node, output) in outputs {
         let name = format!("{node}.{output}");
         if !program.varied.contains(&name) {
-            add(name, Source::Output(node.clone(), output.clone()));
+            add(name, ColumnSource::Output(node.clone(), output.clone()));
         }
     }
-    add("seconds".to_owned(), Source::Seconds);
+    add("seconds".to_owned(), ColumnSource::Seconds);
     for (node, phase) in times {
         let part = phase.map_or(String::new(), |phase| format!(".{phase}"));
-        let source = Source::NodeSeconds(node.clone(), phase.cloned());
+        let source = ColumnSource::NodeSeconds(node.clone(), phase.cloned());
         add(format!("seconds.{node}{part}"), source);
     }
     all
 }
 
-fn cell(source: &Source, step: &Step, record: Option<&StepRecord>, state: &State) -> Cell {
-    let seconds = |seconds: f64| Cell { text: format!("{seconds:.3}"), number: Some(seconds) };
+fn cell(
+    source: &ColumnSource,
+    step: &Step,
+    record: Option<&StepRecord>,
+    state: &StepState,
+) -> SheetCell {
+    let seconds = |seconds: f64| SheetCell { text: format!("{seconds:.3}"), number: Some(seconds) };
     let of_node = |node: &String| record.and_then(|record| record.nodes.get(node));
     match source {
-        Source::Repeat => number(f64::from(step.repeat)),
-        Source::Param(path) => step.params.get(path).map_or_else(Cell::default, param_cell),
-        Source::Output(node, output) => {
-            let scalar = of_node(node).and_then(|node| node.scalars.get(output));
-            scalar.map_or_else(Cell::default, scalar_cell)
+        ColumnSource::Repeat => number(f64::from(step.repeat)),
+        ColumnSource::Param(path) => {
+            step.params.get(path).map_or_else(SheetCell::default, param_cell)
         }
-        Source::Seconds => record.map_or_else(Cell::default, |record| seconds(record.seconds)),
-        Source::NodeSeconds(node, phase) => {
+        ColumnSource::Output(node, output) => {
+            let scalar = of_node(node).and_then(|node| node.scalars.get(output));
+            scalar.map_or_else(SheetCell::default, scalar_cell)
+        }
+        ColumnSource::Seconds => {
+            record.map_or_else(SheetCell::default, |record| seconds(record.seconds))
+        }
+        ColumnSource::NodeSeconds(node, phase) => {
             let found = of_node(node).and_then(|node| match phase {
                 None => node.seconds,
                 Some(phase) => node.phases.get(phase).copied(),
             });
-            found.map_or_else(Cell::default, seconds)
+            found.map_or_else(SheetCell::default, seconds)
         }
-        Source::Status => {
+        ColumnSource::Status => {
             let text = match (state, record) {
-                (State::Running, _) => "running".to_owned(),
+                (StepState::Running, _) => "running".to_owned(),
                 (_, None) => "to do".to_owned(),
                 (_, Some(record)) => record.status.word().to_owned(),
             };
-            Cell { text, number: None }
+            SheetCell { text, number: None }
         }
     }
 }
 
-fn number(number: f64) -> Cell {
+fn number(number: f64) -> SheetCell {
     match number.is_nan() {
-        true => Cell::default(),
-        false => Cell { text: brief(number), number: Some(number) },
+        true => SheetCell::default(),
+        false => SheetCell { text: brief(number), number: Some(number) },
     }
 }
 
-fn param_cell(value: &Json) -> Cell {
+fn param_cell(value: &Json) -> SheetCell {
     match value.as_f64() {
         Some(exact) => number(exact),
-        None => Cell { text: brief_value(value), number: None },
+        None => SheetCell { text: brief_value(value), number: None },
     }
 }
 
-fn scalar_cell(scalar: &Scalar) -> Cell {
+fn scalar_cell(scalar: &Scalar) -> SheetCell {
     match scalar {
         Scalar::Number(value) => number(*value),
-        other => Cell { text: other.to_string(), number: None },
+        other => SheetCell { text: other.to_string(), number: None },
     }
 }
 
 /// Finds which columns hold numbers, which are worth the room, and the best of each.
-fn weigh(program: &Program, columns: &mut [Column], rows: &[Row]) {
+fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let cells = |place: usize| rows.iter().map(move |row| &row.cells[place]);
     for (place, column) in columns.iter_mut().enumerate() {
@@ -303,13 +313,13 @@ fn weigh(program: &Program, columns: &mut [Column], rows: &[Row]) {
             None => None,
         };
         column.is_chief = match &column.source {
-            Source::Output(node, _) if column.better.is_none() && !is_against => {
+            ColumnSource::Output(node, _) if column.better.is_none() && !is_against => {
                 let n = n_of_node.entry(node.clone()).or_default();
                 let is_chief = *n < MOST_OF_A_NODE && (differs || rows.len() < 2) && is_new();
                 *n += usize::from(is_chief);
                 is_chief
             }
-            Source::NodeSeconds(..) => column.better.is_some() || is_against,
+            ColumnSource::NodeSeconds(..) => column.better.is_some() || is_against,
             _ => true,
         };
     }
@@ -321,11 +331,11 @@ mod tests {
 
     #[test]
     fn empty_cells_stand_last_whichever_way_rows_are_sorted() {
-        let cell = |text: &str| Cell { text: text.to_owned(), number: text.parse().ok() };
+        let cell = |text: &str| SheetCell { text: text.to_owned(), number: text.parse().ok() };
         let texts = ["10", "", "9", "odd"];
-        let rows = texts.iter().enumerate().map(|(place, text)| Row {
+        let rows = texts.iter().enumerate().map(|(place, text)| SheetRow {
             place,
-            state: State::Done,
+            state: StepState::Done,
             cells: vec![cell(text)],
         });
         let sheet = Sheet { rows: rows.collect(), ..Sheet::default() };

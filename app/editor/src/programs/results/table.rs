@@ -9,10 +9,9 @@ use eframe::egui::{
 };
 use mve_core::Better;
 
-use crate::programs::results::sheet::{Column, Row, Sheet, State, label};
-use crate::programs::run::check;
+use crate::programs::results::sheet::{Sheet, SheetColumn, SheetRow, StepState, label};
 use crate::programs::widgets::{button_if, count, icon_button};
-use crate::programs::{Action, ProgramPanel, Scene, load_step};
+use crate::programs::{ProgramAction, ProgramPanel, ProgramScene, load_step};
 
 const ROW_HEIGHT: f32 = 20.0;
 /// A column's name stands in two lines: the node, and what of it.
@@ -47,12 +46,12 @@ struct Layout {
 
 impl ProgramPanel {
     /// Rows of steps that failed.
-    pub(in crate::programs) fn failed_rows(&self) -> impl Iterator<Item = &Row> {
-        self.sheet.rows.iter().filter(|row| matches!(row.state, State::Failed(_)))
+    pub(in crate::programs) fn failed_rows(&self) -> impl Iterator<Item = &SheetRow> {
+        self.sheet.rows.iter().filter(|row| matches!(row.state, StepState::Failed(_)))
     }
 
     /// Shows failed steps, each with its reason.
-    pub(in crate::programs) fn show_failed(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    pub(in crate::programs) fn show_failed(&self, ui: &mut Ui, actions: &mut Vec<ProgramAction>) {
         let n_failed = self.failed_rows().count();
         if n_failed == 0 {
             return;
@@ -65,7 +64,7 @@ impl ProgramPanel {
             let scroll = ScrollArea::vertical().id_salt("failed").max_height(96.0);
             scroll.auto_shrink([false, true]).show(ui, |ui| {
                 for row in self.failed_rows().take(MOST_FAILED) {
-                    let State::Failed(reason) = &row.state else { continue };
+                    let StepState::Failed(reason) = &row.state else { continue };
                     let step = self.sheet.program.as_ref().and_then(|p| p.steps.get(row.place));
                     let Some(step) = step else { continue };
                     ui.horizontal_wrapped(|ui| {
@@ -86,8 +85,8 @@ impl ProgramPanel {
     pub(in crate::programs) fn show_table(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
-        actions: &mut Vec<Action>,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
     ) {
         if self.sheet.program.is_none() {
             ui.weak("The steps stand here once the program can run.");
@@ -112,8 +111,8 @@ impl ProgramPanel {
     pub(in crate::programs) fn show_selected(
         &self,
         ui: &mut Ui,
-        scene: &Scene,
-        actions: &mut Vec<Action>,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
     ) {
         let selected = self.table.selected.as_deref();
         let mut rows = (0..self.sheet.rows.len()).filter_map(|row| {
@@ -126,10 +125,10 @@ impl ProgramPanel {
         if icon_button(ui, "Load into the map", "Load selected step into the map").clicked() {
             actions.push(load_step(step));
         }
-        let store = check::store_folder(scene.output_folder, &scene.map_file, &self.sheet_name());
+        let store = scene.store_folder(&self.sheet_name());
         let folder = store.join("steps").join(&step.id);
         let row = &self.sheet.rows[row];
-        let has_run = matches!(row.state, State::Done | State::Failed(_));
+        let has_run = matches!(row.state, StepState::Done | StepState::Failed(_));
         let open = button_if(
             ui,
             has_run,
@@ -138,10 +137,10 @@ impl ProgramPanel {
             "not run yet",
         );
         if open.clicked() {
-            actions.push(Action::OpenFile(folder));
+            actions.push(ProgramAction::OpenFile(folder));
         }
         let text = match &row.state {
-            State::Failed(reason) => format!("{} \u{2013} {reason}", label(step)),
+            StepState::Failed(reason) => format!("{} \u{2013} {reason}", label(step)),
             _ => label(step),
         };
         ui.add(eframe::egui::Label::new(&text).truncate()).on_hover_text(&text);
@@ -180,7 +179,7 @@ impl TableState {
             None => (0..sheet.rows.len()).collect(),
         };
         if self.has_failed_only {
-            rows.retain(|row| matches!(sheet.rows[*row].state, State::Failed(_)));
+            rows.retain(|row| matches!(sheet.rows[*row].state, StepState::Failed(_)));
         }
         self.layout = Some(Layout { sheet_made, columns, rows });
     }
@@ -286,7 +285,7 @@ impl TableState {
             let said = said.collect::<Vec<_>>().join(", ");
             WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, said)
         });
-        if let State::Failed(reason) = &row.state {
+        if let StepState::Failed(reason) = &row.state {
             response.clone().on_hover_text(reason);
         }
         if response.clicked() {
@@ -300,7 +299,7 @@ fn head(name: &str) -> (&str, &str) {
     name.split_once('.').unwrap_or(("", name))
 }
 
-fn about(column: &Column) -> String {
+fn about(column: &SheetColumn) -> String {
     let better = match column.better {
         Some(Better::Lower) => "\nLower is better; the best is bold.",
         Some(Better::Higher) => "\nHigher is better; the best is bold.",
@@ -313,7 +312,13 @@ fn font_of(ui: &Ui) -> FontId {
     TextStyle::Body.resolve(ui.style())
 }
 
-fn paint_head(ui: &Ui, column: &Column, rect: Rect, sorted: Option<bool>, response: &Response) {
+fn paint_head(
+    ui: &Ui,
+    column: &SheetColumn,
+    rect: Rect,
+    sorted: Option<bool>,
+    response: &Response,
+) {
     let (node, name) = head(&column.name);
     let arrow = match sorted {
         Some(true) => " \u{2b06}",
@@ -336,17 +341,24 @@ fn paint_head(ui: &Ui, column: &Column, rect: Rect, sorted: Option<bool>, respon
     painter.text(pos2(x, rect.bottom() - 12.0), align, name, font_of(ui), strong);
 }
 
-fn paint_cell(ui: &Ui, column: &Column, row: &Row, place: usize, rect: Rect, is_selected: bool) {
+fn paint_cell(
+    ui: &Ui,
+    column: &SheetColumn,
+    row: &SheetRow,
+    place: usize,
+    rect: Rect,
+    is_selected: bool,
+) {
     let cell = &row.cells[place];
     let visuals = ui.visuals();
     let is_best = cell.number.is_some() && cell.number == column.best;
     let color = match &row.state {
         _ if is_selected => visuals.selection.stroke.color,
-        State::Failed(_) => visuals.error_fg_color,
-        State::ToDo => visuals.weak_text_color(),
-        State::Running => visuals.hyperlink_color,
-        State::Done if is_best => visuals.strong_text_color(),
-        State::Done => visuals.text_color(),
+        StepState::Failed(_) => visuals.error_fg_color,
+        StepState::ToDo => visuals.weak_text_color(),
+        StepState::Running => visuals.hyperlink_color,
+        StepState::Done if is_best => visuals.strong_text_color(),
+        StepState::Done => visuals.text_color(),
     };
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let (align, x) = match column.is_number {

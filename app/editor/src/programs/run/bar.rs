@@ -5,12 +5,11 @@ use std::collections::HashSet;
 use eframe::egui::{self, Color32, ComboBox, DragValue, ProgressBar, RichText, TextEdit, Ui};
 use mve_core::{Problem, ProgramSpec, Retry, Sharing};
 
-use crate::programs::results::sheet::{State, label};
-use crate::programs::run::check;
+use crate::programs::results::sheet::{StepState, label};
 use crate::programs::run::job;
 use crate::programs::run::pace::{Pace, in_words};
 use crate::programs::widgets::{button_if, count, icon_button, named};
-use crate::programs::{Action, ProgramPanel, Scene, fresh_name};
+use crate::programs::{ProgramAction, ProgramPanel, ProgramScene, fresh_name};
 
 /// Problems and running steps that are listed; more would push the rest away.
 const MOST_LINES: usize = 6;
@@ -27,8 +26,8 @@ impl ProgramPanel {
     pub(in crate::programs) fn show_bar(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
-        actions: &mut Vec<Action>,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
     ) {
         self.show_chooser(ui, scene, actions);
         let Some(name) = self.name(scene.map).map(str::to_owned) else { return };
@@ -37,7 +36,12 @@ impl ProgramPanel {
         self.show_problems(ui, actions);
     }
 
-    fn show_chooser(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
+    fn show_chooser(
+        &mut self,
+        ui: &mut Ui,
+        scene: &ProgramScene,
+        actions: &mut Vec<ProgramAction>,
+    ) {
         let name = self.name(scene.map).map(str::to_owned);
         ui.horizontal_wrapped(|ui| {
             if let Some(name) = &name {
@@ -47,7 +51,7 @@ impl ProgramPanel {
                 let name = fresh_name(scene.map, "sweep");
                 self.choose(&name);
                 let spec = Some(ProgramSpec::default());
-                actions.push(Action::SetProgram { name, spec });
+                actions.push(ProgramAction::SetProgram { name, spec });
             }
             let Some(name) = name else { return };
             if icon_button(ui, "\u{270f}", "Rename program").clicked() {
@@ -57,26 +61,32 @@ impl ProgramPanel {
                 let copy = fresh_name(scene.map, &name);
                 self.choose(&copy);
                 let spec = scene.map.programs.get(&name).cloned();
-                actions.push(Action::SetProgram { name: copy, spec });
+                actions.push(ProgramAction::SetProgram { name: copy, spec });
             }
             if icon_button(ui, "\u{1f5d1}", "Remove program").clicked() {
                 self.chosen = None;
-                actions.push(Action::SetProgram { name: name.clone(), spec: None });
+                actions.push(ProgramAction::SetProgram { name: name.clone(), spec: None });
             }
-            let store = check::store_folder(scene.output_folder, &scene.map_file, &name);
+            let store = scene.store_folder(&name);
             let is_there = store.is_dir();
             let text = RichText::new(store.display().to_string()).weak();
             let link = ui.add_enabled(is_there, egui::Link::new(text));
             let link = link.on_disabled_hover_text("The folder of the results; a run makes it.");
             if named(link, "Open the folder of results").on_hover_text("open the folder").clicked()
             {
-                actions.push(Action::OpenFile(store));
+                actions.push(ProgramAction::OpenFile(store));
             }
         });
     }
 
     /// The name of the program: to choose another, or a field while it is renamed.
-    fn show_name(&mut self, ui: &mut Ui, scene: &Scene, name: &str, actions: &mut Vec<Action>) {
+    fn show_name(
+        &mut self,
+        ui: &mut Ui,
+        scene: &ProgramScene,
+        name: &str,
+        actions: &mut Vec<ProgramAction>,
+    ) {
         if let Some(mut new_name) = self.bar.new_name.take() {
             let field = TextEdit::singleline(&mut new_name).desired_width(160.0);
             let response = named(ui.add(field), "New name of the program");
@@ -86,7 +96,7 @@ impl ProgramPanel {
                 let to = new_name.trim().to_owned();
                 if is_free && !ui.input(|input| input.key_pressed(egui::Key::Escape)) {
                     self.chosen = Some(to.clone());
-                    actions.push(Action::RenameProgram { name: name.to_owned(), to });
+                    actions.push(ProgramAction::RenameProgram { name: name.to_owned(), to });
                 }
                 return;
             }
@@ -117,7 +127,7 @@ impl ProgramPanel {
     }
 
     /// The buttons that start and stop, and how to run.
-    fn show_runs(&mut self, ui: &mut Ui, scene: &Scene, name: &str) {
+    fn show_runs(&mut self, ui: &mut Ui, scene: &ProgramScene, name: &str) {
         ui.horizontal_wrapped(|ui| {
             match self.job.as_ref().map(|job| (job.is_paused(), job.is_stopping())) {
                 None => self.show_start(ui, scene),
@@ -155,7 +165,7 @@ impl ProgramPanel {
             if switch.on_hover_text(about).changed() {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
-            let store = check::store_folder(scene.output_folder, &scene.map_file, name);
+            let store = scene.store_folder(name);
             let report = button_if(ui, self.has_results() || store.is_dir(), "Open report", "Open report", "nothing has run yet");
             if report.clicked() {
                 self.open_report(store);
@@ -163,10 +173,10 @@ impl ProgramPanel {
         });
     }
 
-    fn show_start(&mut self, ui: &mut Ui, scene: &Scene) {
+    fn show_start(&mut self, ui: &mut Ui, scene: &ProgramScene) {
         let is_sound = self.sound_program(scene).is_some();
         let n_failed = self.failed_rows().count();
-        let n_todo = self.sheet.rows.iter().filter(|row| row.state == State::ToDo).count();
+        let n_todo = self.sheet.rows.iter().filter(|row| row.state == StepState::ToDo).count();
         let is_timing = self.how.sharing == Sharing::Timing;
         let has_work = n_todo > 0 || is_timing || self.sheet.rows.is_empty();
         let why = match (is_sound, self.being_checked.is_some()) {
@@ -248,7 +258,7 @@ impl ProgramPanel {
             return "cannot run as it stands; below are the results of before".to_owned();
         }
         let n_failed = self.failed_rows().count();
-        let n_done = rows.iter().filter(|row| row.state == State::Done).count();
+        let n_done = rows.iter().filter(|row| row.state == StepState::Done).count();
         let mut words = vec![count(rows.len(), "step")];
         words.extend((n_done > 0).then(|| format!("{n_done} done")));
         words.extend((n_failed > 0).then(|| format!("{n_failed} failed")));
@@ -276,7 +286,7 @@ impl ProgramPanel {
         }
     }
 
-    fn show_problems(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    fn show_problems(&self, ui: &mut Ui, actions: &mut Vec<ProgramAction>) {
         let Some(checked) = &self.checked else { return };
         if let Some(trouble) = &checked.trouble {
             ui.colored_label(ui.visuals().error_fg_color, trouble);
@@ -290,7 +300,7 @@ impl ProgramPanel {
     }
 }
 
-fn show_problem(ui: &mut Ui, problem: &Problem, actions: &mut Vec<Action>) {
+fn show_problem(ui: &mut Ui, problem: &Problem, actions: &mut Vec<ProgramAction>) {
     let color: Color32 = match problem.is_error() {
         true => ui.visuals().error_fg_color,
         false => ui.visuals().warn_fg_color,
@@ -303,6 +313,6 @@ fn show_problem(ui: &mut Ui, problem: &Problem, actions: &mut Vec<Action>) {
     if let Some(node) = &problem.place.node
         && response.on_hover_text("show the node").clicked()
     {
-        actions.push(Action::ShowNode(node.clone()));
+        actions.push(ProgramAction::ShowNode(node.clone()));
     }
 }

@@ -1,14 +1,14 @@
 //! Checks a program on a thread: how many steps it has, what is wrong with it, and which steps its
 //! store has already.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mve_core::{Map, Problem, Program, Registry, StepRecord, Store};
 
 /// A program of a map, to be checked.
 #[derive(Clone)]
-pub struct Subject {
+pub struct ProgramSubject {
     /// The map.
     pub map: Arc<Map>,
     /// Name of the program.
@@ -23,7 +23,7 @@ pub struct Subject {
     pub store: PathBuf,
 }
 
-impl Subject {
+impl ProgramSubject {
     /// Whether a check of one answers for the other: where nodes are drawn does not matter.
     pub fn asks_the_same_as(&self, other: &Self) -> bool {
         let same_map = Arc::ptr_eq(&self.map, &other.map)
@@ -42,7 +42,7 @@ impl Subject {
 /// What a check found.
 pub struct ProgramCheck {
     /// What was checked.
-    pub subject: Subject,
+    pub subject: ProgramSubject,
     /// The program, if it can run.
     pub program: Option<Arc<Program>>,
     /// What is wrong with it, and what is odd about it.
@@ -54,8 +54,8 @@ pub struct ProgramCheck {
 }
 
 /// Checks a program, and looks into its store without changing it.
-pub fn check(subject: Subject) -> ProgramCheck {
-    let Subject { map, name, folder, map_file, registry, store } = &subject;
+pub fn check(subject: ProgramSubject) -> ProgramCheck {
+    let ProgramSubject { map, name, folder, map_file, registry, store } = &subject;
     let mut problems: Vec<Problem> = map.problems().to_vec();
     let mut program = None;
     match Program::new(map, name, registry, folder) {
@@ -79,24 +79,4 @@ pub fn check(subject: Subject) -> ProgramCheck {
         _ => {}
     }
     ProgramCheck { subject, program, problems, records, trouble }
-}
-
-/// The folder of a program's results: the one that `mve program` takes by itself.
-pub fn store_folder(output_folder: &Path, map_file: &str, program: &str) -> PathBuf {
-    let stem = Path::new(map_file).file_stem().map_or("map".into(), |stem| stem.to_string_lossy());
-    let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
-    let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
-    output_folder.join(folder)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_go_where_the_command_puts_them() {
-        let folder = |file, program| store_folder(Path::new("mve-out"), file, program);
-        assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
-        assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
-    }
 }

@@ -13,7 +13,7 @@ use mve_core::{
 };
 use mve_report::{Format, Report};
 
-use crate::programs::{Message, Wake};
+use crate::programs::{ProgramMessage, Wake};
 
 /// The report's name in a store, as `mve program` has it.
 pub const PAGE: &str = "report.html";
@@ -69,7 +69,7 @@ pub struct News {
 }
 
 /// A program under way.
-pub struct Job {
+pub struct ProgramJob {
     /// What runs.
     pub program: Arc<Program>,
     /// How.
@@ -78,13 +78,13 @@ pub struct Job {
     shared: Arc<(Mutex<News>, Condvar)>,
 }
 
-impl Job {
-    /// Starts to run a program into a folder. The last message is [`Message::Finished`].
+impl ProgramJob {
+    /// Starts to run a program into a folder. The last message is [`ProgramMessage::Finished`].
     pub fn start(
         program: Arc<Program>,
         folder: PathBuf,
         how: How,
-        outbox: Sender<Message>,
+        outbox: Sender<ProgramMessage>,
         wake: Wake,
     ) -> Self {
         let job = Self { program, how, cancel: CancelToken::new(), shared: Arc::default() };
@@ -98,7 +98,7 @@ impl Job {
                 (outcome, report)
             });
             // The window may be gone; then nobody needs to know.
-            let _ = outbox.send(Message::Finished(outcome));
+            let _ = outbox.send(ProgramMessage::Finished(outcome));
             wake();
         });
         job
@@ -142,7 +142,7 @@ impl Job {
     }
 }
 
-impl Drop for Job {
+impl Drop for ProgramJob {
     fn drop(&mut self) {
         self.stop();
     }

@@ -4,10 +4,10 @@ use eframe::egui::{self, DragValue, Id, RichText, Ui};
 use mve_core::{ParamSpec, ProgramSpec, chosen};
 use serde_json::Value as Json;
 
-use crate::programs::Scene;
+use crate::programs::ProgramScene;
 use crate::programs::setup::declare::{Declared, current, declared, paths, second};
-use crate::programs::setup::edit::{Axis, Edit, axis_of, is_even, n_rows};
-use crate::programs::setup::generate::{self, Range, Spacing};
+use crate::programs::setup::edit::{Axis, ProgramEdit, axis_of, is_even, n_rows};
+use crate::programs::setup::generate::{self, Progression, Range};
 use crate::programs::widgets::{count, named, small_button};
 
 /// A list to be made.
@@ -33,7 +33,7 @@ struct DraggedRow {
 }
 
 /// The edit that varies one more parameter, or gives one that is varied one more value.
-pub fn vary(path: &str, scene: &Scene, spec: &ProgramSpec) -> Edit {
+pub fn vary(path: &str, scene: &ProgramScene, spec: &ProgramSpec) -> ProgramEdit {
     let declared = declared(scene.map, scene.registry, path);
     match axis_of(spec, path) {
         Some(axis) => add_value(scene, axis, &spec.axes[axis]),
@@ -41,25 +41,25 @@ pub fn vary(path: &str, scene: &Scene, spec: &ProgramSpec) -> Edit {
             let first = current(scene.map, scene.registry, path);
             let other = second(&declared, &first, &scene.folder);
             let values = if first == other { vec![first] } else { vec![first, other] };
-            Edit::AddAxis { path: path.to_owned(), values }
+            ProgramEdit::AddAxis { path: path.to_owned(), values }
         }
     }
 }
 
 /// The edit that adds a row to an axis: a value that goes on from the last ones where that makes
 /// sense, else the same once more.
-pub fn add_value(scene: &Scene, place: usize, axis: &Axis) -> Edit {
+pub fn add_value(scene: &ProgramScene, place: usize, axis: &Axis) -> ProgramEdit {
     let row = n_rows(axis).saturating_sub(1);
-    let again = Edit::AddRow { axis: place, row };
+    let again = ProgramEdit::AddRow { axis: place, row };
     let Some((path, list)) = axis.first().filter(|_| axis.len() == 1) else { return again };
     let declared = declared(scene.map, scene.registry, path);
     let Some(value) = next_value(scene, &declared, list) else { return again };
     let values = list.iter().cloned().chain([value]).collect();
-    Edit::SetList { axis: place, path: path.clone(), values }
+    ProgramEdit::SetList { axis: place, path: path.clone(), values }
 }
 
 /// A value that goes on from a list and is not in it.
-fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json> {
+fn next_value(scene: &ProgramScene, declared: &Declared, list: &[Json]) -> Option<Json> {
     let options = declared.options();
     if !options.is_empty() {
         let is_free = |id: &Json| list.iter().all(|known| !names(known, id));
@@ -71,7 +71,7 @@ fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json>
         ([y, x], Some(spec)) if x != y => {
             let is_geometric = x * y > 0.0 && !(0.7..1.5).contains(&(y / x));
             let next = if is_geometric { y * y / x } else { y + (y - x) };
-            let range = Range { from: next, to: next, count: 1, spacing: Spacing::Linear };
+            let range = Range { from: next, to: next, count: 1, spacing: Progression::Arithmetic };
             range.values(spec).pop()?
         }
         _ => second(declared, last, &scene.folder),
@@ -80,13 +80,13 @@ fn next_value(scene: &Scene, declared: &Declared, list: &[Json]) -> Option<Json>
 }
 
 /// The edit that lets a parameter advance with those of an axis.
-pub fn join(scene: &Scene, axis: usize, path: String) -> Edit {
+pub fn join(scene: &ProgramScene, axis: usize, path: String) -> ProgramEdit {
     let value = current(scene.map, scene.registry, &path);
-    Edit::JoinAxis { axis, path, value }
+    ProgramEdit::JoinAxis { axis, path, value }
 }
 
 /// A menu of the parameters that a program does not vary yet, node by node.
-pub fn pick_path(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec) -> Option<String> {
+pub fn pick_path(ui: &mut Ui, scene: &ProgramScene, spec: &ProgramSpec) -> Option<String> {
     let mut picked = None;
     let all = paths(scene.map, scene.registry);
     for node in scene.map.nodes.keys() {
@@ -120,7 +120,13 @@ pub fn pick_path(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec) -> Option<Strin
 }
 
 /// The line above an axis's table.
-pub fn show_head(ui: &mut Ui, place: usize, axis: &Axis, n_axes: usize, edits: &mut Vec<Edit>) {
+pub fn show_head(
+    ui: &mut Ui,
+    place: usize,
+    axis: &Axis,
+    n_axes: usize,
+    edits: &mut Vec<ProgramEdit>,
+) {
     ui.horizontal(|ui| {
         ui.strong(format!("Axis {}", place + 1));
         ui.weak(count(n_rows(axis), "value"));
@@ -129,24 +135,24 @@ pub fn show_head(ui: &mut Ui, place: usize, axis: &Axis, n_axes: usize, edits: &
             let even_out =
                 named(ui.small_button("Even out"), &format!("Even out axis {}", place + 1));
             if even_out.on_hover_text("short lists repeat their last value").clicked() {
-                edits.push(Edit::EvenOut { axis: place });
+                edits.push(ProgramEdit::EvenOut { axis: place });
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if small_button(ui, "\u{1f5d1}", &format!("Remove axis {}", place + 1)).clicked() {
-                edits.push(Edit::RemoveAxis { axis: place });
+                edits.push(ProgramEdit::RemoveAxis { axis: place });
             }
             let is_last = place + 1 == n_axes;
             ui.add_enabled_ui(!is_last, |ui| {
                 let name = format!("Move axis {} down: it varies faster", place + 1);
                 if small_button(ui, "\u{2b07}", &name).clicked() {
-                    edits.push(Edit::MoveAxis { from: place, to: place + 1 });
+                    edits.push(ProgramEdit::MoveAxis { from: place, to: place + 1 });
                 }
             });
             ui.add_enabled_ui(place > 0, |ui| {
                 let name = format!("Move axis {} up: it varies more slowly", place + 1);
                 if small_button(ui, "\u{2b06}", &name).clicked() {
-                    edits.push(Edit::MoveAxis { from: place, to: place - 1 });
+                    edits.push(ProgramEdit::MoveAxis { from: place, to: place - 1 });
                 }
             });
         });
@@ -154,7 +160,7 @@ pub fn show_head(ui: &mut Ui, place: usize, axis: &Axis, n_axes: usize, edits: &
 }
 
 /// What a row is dragged by; another row that is dropped on it takes its place.
-pub fn show_handle(ui: &mut Ui, axis: usize, row: usize, edits: &mut Vec<Edit>) {
+pub fn show_handle(ui: &mut Ui, axis: usize, row: usize, edits: &mut Vec<ProgramEdit>) {
     let id = Id::new(("row", axis, row));
     let dragged = DraggedRow { axis, row };
     let handle = ui.dnd_drag_source(id, dragged, |ui| {
@@ -173,27 +179,33 @@ pub fn show_handle(ui: &mut Ui, axis: usize, row: usize, edits: &mut Vec<Edit>) 
         && let Some(dropped) = response.dnd_release_payload::<DraggedRow>()
         && dropped.row != row
     {
-        edits.push(Edit::MoveRow { axis, from: dropped.row, to: row });
+        edits.push(ProgramEdit::MoveRow { axis, from: dropped.row, to: row });
     }
 }
 
 /// The buttons behind a row.
-pub fn show_row_buttons(ui: &mut Ui, axis: usize, row: usize, n: usize, edits: &mut Vec<Edit>) {
+pub fn show_row_buttons(
+    ui: &mut Ui,
+    axis: usize,
+    row: usize,
+    n: usize,
+    edits: &mut Vec<ProgramEdit>,
+) {
     let of = format!("value {} of axis {}", row + 1, axis + 1);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         ui.add_enabled_ui(row > 0, |ui| {
             if small_button(ui, "\u{2b06}", &format!("Move {of} up")).clicked() {
-                edits.push(Edit::MoveRow { axis, from: row, to: row - 1 });
+                edits.push(ProgramEdit::MoveRow { axis, from: row, to: row - 1 });
             }
         });
         ui.add_enabled_ui(row + 1 < n, |ui| {
             if small_button(ui, "\u{2b07}", &format!("Move {of} down")).clicked() {
-                edits.push(Edit::MoveRow { axis, from: row, to: row + 1 });
+                edits.push(ProgramEdit::MoveRow { axis, from: row, to: row + 1 });
             }
         });
         if small_button(ui, "\u{2716}", &format!("Remove {of}")).clicked() {
-            edits.push(Edit::RemoveRow { axis, row });
+            edits.push(ProgramEdit::RemoveRow { axis, row });
         }
     });
 }
@@ -226,15 +238,20 @@ pub fn range_of(list: &[Json]) -> Range {
     let from = numbers.first().copied().unwrap_or(1.0);
     let to = numbers.last().copied().filter(|to| *to != from).unwrap_or(from * 10.0);
     let spacing = match from * to > 0.0 && (to / from > 5.0 || from / to > 5.0) {
-        true => Spacing::Geometric,
-        false => Spacing::Linear,
+        true => Progression::Geometric,
+        false => Progression::Arithmetic,
     };
     Range { from, to, count: numbers.len().max(5), spacing }
 }
 
 impl Draft {
     /// Shows the form of a list to be made; its values, once they are wanted.
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, spec: &ParamSpec) -> Option<Vec<Json>> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        scene: &ProgramScene,
+        spec: &ParamSpec,
+    ) -> Option<Vec<Json>> {
         let values = match self {
             Self::Range(range) => {
                 show_range(ui, range);
@@ -288,14 +305,14 @@ fn show_range(ui: &mut Ui, range: &mut Range) {
         let steps = DragValue::new(&mut range.count).range(1..=generate::MOST_VALUES).speed(0.1);
         named(ui.add(steps), "How many");
         ui.label("values");
-        let mut spacing = |spacing: Spacing, name: &str, about: &str| {
+        let mut spacing = |spacing: Progression, name: &str, about: &str| {
             let choice = ui.selectable_label(range.spacing == spacing, name);
             if choice.on_hover_text(about).clicked() {
                 range.spacing = spacing;
             }
         };
-        spacing(Spacing::Linear, "linear", "equal differences");
-        spacing(Spacing::Geometric, "geometric", "equal quotients; ends of one sign");
+        spacing(Progression::Arithmetic, "linear", "equal differences");
+        spacing(Progression::Geometric, "geometric", "equal quotients; ends of one sign");
     });
 }
 

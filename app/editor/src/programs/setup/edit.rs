@@ -1,7 +1,7 @@
 //! Edits of a program, as data: what an edit does not name stays as the file says it.
 //!
 //! An axis whose lists differ in length, which only a file can say, keeps them until a row of it is
-//! added, removed or moved, or [`Edit::EvenOut`] asks for it.
+//! added, removed or moved, or [`ProgramEdit::EvenOut`] asks for it.
 
 use indexmap::IndexMap;
 use mve_core::ProgramSpec;
@@ -13,7 +13,7 @@ pub type Axis = IndexMap<String, Vec<Json>>;
 /// One change of a program. Places count from 0; one that is not there changes nothing.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // The fields are what their names say, in every variant.
-pub enum Edit {
+pub enum ProgramEdit {
     /// A parameter varies on an axis of its own.
     AddAxis {
         path: String,
@@ -96,7 +96,7 @@ pub enum Edit {
     },
 }
 
-impl Edit {
+impl ProgramEdit {
     /// Changes a program.
     pub fn apply(self, spec: &mut ProgramSpec) {
         match self {
@@ -243,7 +243,7 @@ mod tests {
         .unwrap()
     }
 
-    fn after(edit: Edit) -> ProgramSpec {
+    fn after(edit: ProgramEdit) -> ProgramSpec {
         let mut spec = spec();
         edit.apply(&mut spec);
         spec
@@ -251,24 +251,24 @@ mod tests {
 
     #[test]
     fn rows_of_an_axis_move_as_one() {
-        let moved = after(Edit::MoveRow { axis: 0, from: 0, to: 2 });
+        let moved = after(ProgramEdit::MoveRow { axis: 0, from: 0, to: 2 });
         assert_eq!(json!(moved.axes[0]), json!({"a.x": [2, 3, 1], "a.y": ["q", "r", "p"]}));
-        let removed = after(Edit::RemoveRow { axis: 0, row: 1 });
+        let removed = after(ProgramEdit::RemoveRow { axis: 0, row: 1 });
         assert_eq!(json!(removed.axes[0]), json!({"a.x": [1, 3], "a.y": ["p", "r"]}));
-        let added = after(Edit::AddRow { axis: 0, row: 0 });
+        let added = after(ProgramEdit::AddRow { axis: 0, row: 0 });
         assert_eq!(json!(added.axes[0]["a.x"]), json!([1, 1, 2, 3]));
     }
 
     #[test]
     fn the_last_value_and_the_last_parameter_take_the_axis_with_them() {
-        assert_eq!(after(Edit::RemoveRow { axis: 1, row: 0 }).axes.len(), 1);
-        assert_eq!(after(Edit::RemoveParam { axis: 1, path: "b.z".into() }).axes.len(), 1);
-        assert_eq!(after(Edit::RemoveParam { axis: 0, path: "a.y".into() }).axes.len(), 2);
+        assert_eq!(after(ProgramEdit::RemoveRow { axis: 1, row: 0 }).axes.len(), 1);
+        assert_eq!(after(ProgramEdit::RemoveParam { axis: 1, path: "b.z".into() }).axes.len(), 1);
+        assert_eq!(after(ProgramEdit::RemoveParam { axis: 0, path: "a.y".into() }).axes.len(), 2);
     }
 
     #[test]
     fn a_generated_list_takes_the_others_along() {
-        let set = |values| Edit::SetList { axis: 0, path: "a.x".into(), values };
+        let set = |values| ProgramEdit::SetList { axis: 0, path: "a.x".into(), values };
         let longer = after(set(vec![json!(0); 5]));
         assert_eq!(json!(longer.axes[0]["a.y"]), json!(["p", "q", "r", "r", "r"]));
         let shorter = after(set(vec![json!(0)]));
@@ -279,34 +279,35 @@ mod tests {
     fn uneven_lists_stay_until_their_rows_change() {
         let mut uneven: ProgramSpec =
             serde_json::from_value(json!({"axes": [{"a.x": [1, 2], "a.y": [1]}]})).unwrap();
-        Edit::SetValue { axis: 0, path: "a.x".into(), row: 1, value: json!(7) }.apply(&mut uneven);
+        ProgramEdit::SetValue { axis: 0, path: "a.x".into(), row: 1, value: json!(7) }
+            .apply(&mut uneven);
         assert_eq!(json!(uneven.axes[0]), json!({"a.x": [1, 7], "a.y": [1]}));
-        Edit::EvenOut { axis: 0 }.apply(&mut uneven);
+        ProgramEdit::EvenOut { axis: 0 }.apply(&mut uneven);
         assert_eq!(json!(uneven.axes[0]), json!({"a.x": [1, 7], "a.y": [1, 1]}));
     }
 
-    fn edits() -> impl Strategy<Value = Edit> {
+    fn edits() -> impl Strategy<Value = ProgramEdit> {
         let path = prop_oneof![Just("a.x"), Just("a.y"), Just("b.z"), Just("c.w")];
         let path = path.prop_map(str::to_owned);
         let values = prop::collection::vec((0..9).prop_map(Json::from), 0..5);
         let place = 0..5_usize;
         let all = (path, values, place.clone(), place.clone(), place, 0..15);
         all.prop_map(|(path, values, axis, from, to, kind)| match kind {
-            0 => Edit::AddAxis { path, values },
-            1 => Edit::RemoveAxis { axis },
-            2 => Edit::MoveAxis { from, to },
-            3 => Edit::JoinAxis { axis, path, value: json!(0) },
-            4 => Edit::RemoveParam { axis, path },
-            5 => Edit::SetList { axis, path, values },
-            6 => Edit::SetValue { axis, path, row: from, value: json!(8) },
-            7 => Edit::AddRow { axis, row: from },
-            8 => Edit::RemoveRow { axis, row: from },
-            9 => Edit::MoveRow { axis, from, to },
-            10 => Edit::EvenOut { axis },
-            11 => Edit::AddStep { step: IndexMap::from_iter([(path, json!(1))]) },
-            12 => Edit::RemoveStep { step: axis },
-            13 => Edit::SetInStep { step: axis, path, value: json!(2) },
-            _ => Edit::SetRepeats { repeats: axis as u32 },
+            0 => ProgramEdit::AddAxis { path, values },
+            1 => ProgramEdit::RemoveAxis { axis },
+            2 => ProgramEdit::MoveAxis { from, to },
+            3 => ProgramEdit::JoinAxis { axis, path, value: json!(0) },
+            4 => ProgramEdit::RemoveParam { axis, path },
+            5 => ProgramEdit::SetList { axis, path, values },
+            6 => ProgramEdit::SetValue { axis, path, row: from, value: json!(8) },
+            7 => ProgramEdit::AddRow { axis, row: from },
+            8 => ProgramEdit::RemoveRow { axis, row: from },
+            9 => ProgramEdit::MoveRow { axis, from, to },
+            10 => ProgramEdit::EvenOut { axis },
+            11 => ProgramEdit::AddStep { step: IndexMap::from_iter([(path, json!(1))]) },
+            12 => ProgramEdit::RemoveStep { step: axis },
+            13 => ProgramEdit::SetInStep { step: axis, path, value: json!(2) },
+            _ => ProgramEdit::SetRepeats { repeats: axis as u32 },
         })
     }
 

@@ -12,9 +12,9 @@ pub const MOST_VALUES: usize = 1000;
 
 /// How the numbers of a range follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spacing {
+pub enum Progression {
     /// With equal differences.
-    Linear,
+    Arithmetic,
     /// With equal quotients; needs ends of one sign.
     Geometric,
 }
@@ -29,7 +29,7 @@ pub struct Range {
     /// How many there are.
     pub count: usize,
     /// How they follow each other.
-    pub spacing: Spacing,
+    pub spacing: Progression,
 }
 
 impl Range {
@@ -38,7 +38,7 @@ impl Range {
         let Self { from, to, count, spacing } = *self;
         let is_sound = from.is_finite()
             && to.is_finite()
-            && (spacing == Spacing::Linear || (from * to > 0.0 && (to / from).is_finite()));
+            && (spacing == Progression::Arithmetic || (from * to > 0.0 && (to / from).is_finite()));
         if !is_sound || count == 0 || count > MOST_VALUES {
             return Vec::new();
         }
@@ -49,8 +49,8 @@ impl Range {
                 // The ends are what was typed, to the last bit.
                 _ if place == 0 => from,
                 _ if place + 1 == count => to,
-                Spacing::Linear => from + (to - from) * share,
-                Spacing::Geometric => from * (to / from).powf(share),
+                Progression::Arithmetic => from + (to - from) * share,
+                Progression::Geometric => from * (to / from).powf(share),
             }
         };
         (0..count).map(number).collect()
@@ -124,40 +124,43 @@ mod tests {
 
     use super::*;
 
-    fn range(from: f64, to: f64, count: usize, spacing: Spacing) -> Range {
+    fn range(from: f64, to: f64, count: usize, spacing: Progression) -> Range {
         Range { from, to, count, spacing }
     }
 
     #[test]
     fn ranges_include_both_ends() {
-        let linear = range(0.0, 1.0, 5, Spacing::Linear).numbers();
+        let linear = range(0.0, 1.0, 5, Progression::Arithmetic).numbers();
         assert_eq!(linear, [0.0, 0.25, 0.5, 0.75, 1.0]);
         let faces = Param::integer("n", "", 1).between((1, 100_000)).spec();
-        let geometric = range(1000.0, 10.0, 5, Spacing::Geometric).values(&faces);
+        let geometric = range(1000.0, 10.0, 5, Progression::Geometric).values(&faces);
         assert_eq!(json!(geometric), json!([1000, 316, 100, 32, 10]));
     }
 
     #[test]
     fn values_are_tidy_within_range_and_each_once() {
         let number = Param::number("x", "", 0.0).within((0.0, 0.25)).spec();
-        let values = range(0.0, 0.3, 4, Spacing::Linear).values(&number);
+        let values = range(0.0, 0.3, 4, Progression::Arithmetic).values(&number);
         assert_eq!(json!(values), json!([0.0, 0.1, 0.2, 0.25]));
         let whole = Param::integer("n", "", 0).between((0, 9)).spec();
-        assert_eq!(json!(range(1.0, 2.0, 9, Spacing::Linear).values(&whole)), json!([1, 2]));
+        assert_eq!(
+            json!(range(1.0, 2.0, 9, Progression::Arithmetic).values(&whole)),
+            json!([1, 2])
+        );
     }
 
     #[test]
     fn there_are_no_values_of_what_is_no_range() {
         for bad in [
-            range(0.0, 1.0, 3, Spacing::Geometric),
-            range(-1.0, 1.0, 3, Spacing::Geometric),
-            range(f64::NAN, 1.0, 3, Spacing::Linear),
-            range(0.0, 1.0, 0, Spacing::Linear),
-            range(0.0, 1.0, MOST_VALUES + 1, Spacing::Linear),
+            range(0.0, 1.0, 3, Progression::Geometric),
+            range(-1.0, 1.0, 3, Progression::Geometric),
+            range(f64::NAN, 1.0, 3, Progression::Arithmetic),
+            range(0.0, 1.0, 0, Progression::Arithmetic),
+            range(0.0, 1.0, MOST_VALUES + 1, Progression::Arithmetic),
         ] {
             assert!(bad.numbers().is_empty(), "{bad:?}");
         }
-        assert_eq!(range(3.0, 4.0, 1, Spacing::Linear).numbers(), [3.0]);
+        assert_eq!(range(3.0, 4.0, 1, Progression::Arithmetic).numbers(), [3.0]);
     }
 
     #[test]

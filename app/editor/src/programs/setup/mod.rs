@@ -16,9 +16,9 @@ use crate::programs::setup::axis::{
     show_row_buttons, show_title, vary,
 };
 use crate::programs::setup::declare::{Declared, declared};
-use crate::programs::setup::edit::{Axis, Edit, axis_of, n_rows};
+use crate::programs::setup::edit::{Axis, ProgramEdit, axis_of, n_rows};
 use crate::programs::widgets::{drop_zone, icon_button, named, small_button};
-use crate::programs::{Action, Scene};
+use crate::programs::{ProgramAction, ProgramScene};
 
 /// Rows of an axis beyond which it scrolls by itself.
 const MOST_ROWS: usize = 14;
@@ -45,10 +45,10 @@ impl SetupState {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
+        scene: &ProgramScene,
         spec: &ProgramSpec,
-        actions: &mut Vec<Action>,
-    ) -> Vec<Edit> {
+        actions: &mut Vec<ProgramAction>,
+    ) -> Vec<ProgramEdit> {
         let mut edits = Vec::new();
         let frame = Frame::new().inner_margin(4);
         let dropped = drop_zone(ui, frame, |ui| {
@@ -79,11 +79,11 @@ impl SetupState {
     fn show_axis(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
+        scene: &ProgramScene,
         spec: &ProgramSpec,
         (place, axis): (usize, &Axis),
-        edits: &mut Vec<Edit>,
-        actions: &mut Vec<Action>,
+        edits: &mut Vec<ProgramEdit>,
+        actions: &mut Vec<ProgramAction>,
     ) {
         let frame = Frame::group(ui.style()).inner_margin(6);
         let dropped = drop_zone(ui, frame, |ui| {
@@ -134,10 +134,10 @@ impl SetupState {
     fn show_names(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
+        scene: &ProgramScene,
         (place, axis): (usize, &Axis),
-        edits: &mut Vec<Edit>,
-        actions: &mut Vec<Action>,
+        edits: &mut Vec<ProgramEdit>,
+        actions: &mut Vec<ProgramAction>,
     ) {
         ui.label("");
         for (path, list) in axis {
@@ -154,7 +154,7 @@ impl SetupState {
                     if matches!(declared, Declared::Module(_)) { "the module itself" } else { doc };
                 if ui.add(label).on_hover_text(doc).clicked() {
                     let node = path.split('.').next().unwrap_or_default();
-                    actions.push(Action::ShowNode(node.to_owned()));
+                    actions.push(ProgramAction::ShowNode(node.to_owned()));
                 }
                 let name = format!("Make values of {path}");
                 if can_generate(&declared) && small_button(ui, "\u{2699}", &name).clicked() {
@@ -162,7 +162,7 @@ impl SetupState {
                 }
                 let name = format!("Remove {path} from the axis");
                 if axis.len() > 1 && small_button(ui, "\u{2716}", &name).clicked() {
-                    edits.push(Edit::RemoveParam { axis: place, path: path.clone() });
+                    edits.push(ProgramEdit::RemoveParam { axis: place, path: path.clone() });
                 }
             });
         }
@@ -173,10 +173,10 @@ impl SetupState {
     fn show_row(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
+        scene: &ProgramScene,
         (place, axis): (usize, &Axis),
         row: usize,
-        edits: &mut Vec<Edit>,
+        edits: &mut Vec<ProgramEdit>,
     ) {
         show_handle(ui, place, row, edits);
         for (path, list) in axis {
@@ -189,7 +189,12 @@ impl SetupState {
             ui.horizontal(|ui| {
                 let id = Id::new(("value", place, path, row));
                 if let Some(value) = value::field(ui, id, &name, &declared, json) {
-                    edits.push(Edit::SetValue { axis: place, path: path.clone(), row, value });
+                    edits.push(ProgramEdit::SetValue {
+                        axis: place,
+                        path: path.clone(),
+                        row,
+                        value,
+                    });
                 }
                 let more = format!("Parameters of {name}");
                 if !declared.nested(json).is_empty()
@@ -211,18 +216,18 @@ impl SetupState {
 
     fn open_generator(
         &mut self,
-        scene: &Scene,
+        scene: &ProgramScene,
         axis: usize,
         path: &str,
         declared: &Declared,
         list: &[Json],
-        edits: &mut Vec<Edit>,
+        edits: &mut Vec<ProgramEdit>,
     ) {
         let Some(spec) = declared.spec() else { return };
         if !spec.options().is_empty() {
             // There is nothing to ask: all names, those that are there already as they are.
             let values = every(declared, list);
-            edits.push(Edit::SetList { axis, path: path.to_owned(), values });
+            edits.push(ProgramEdit::SetList { axis, path: path.to_owned(), values });
             return;
         }
         let draft = if spec.input_file().is_some() {
@@ -244,9 +249,9 @@ impl SetupState {
     fn show_opened(
         &mut self,
         ui: &mut Ui,
-        scene: &Scene,
+        scene: &ProgramScene,
         (place, axis): (usize, &Axis),
-        edits: &mut Vec<Edit>,
+        edits: &mut Vec<ProgramEdit>,
     ) {
         let is_here = match &self.opened {
             Some(Opened::Nested { axis, .. } | Opened::Generator { axis, .. }) => *axis == place,
@@ -265,7 +270,7 @@ impl SetupState {
                 let id = Id::new(("nested", place, &*path, *row));
                 if let Some(value) = value::nested(ui, id, &name, &declared, json) {
                     let (path, row) = (path.clone(), *row);
-                    edits.push(Edit::SetValue { axis: place, path, row, value });
+                    edits.push(ProgramEdit::SetValue { axis: place, path, row, value });
                 }
                 stays
             }
@@ -274,7 +279,7 @@ impl SetupState {
                 let declared = declared(scene.map, scene.registry, path);
                 let Some(spec) = declared.spec() else { return false };
                 let Some(values) = draft.show(ui, scene, spec) else { return stays };
-                edits.push(Edit::SetList { axis: place, path: path.clone(), values });
+                edits.push(ProgramEdit::SetList { axis: place, path: path.clone(), values });
                 false
             }
         });

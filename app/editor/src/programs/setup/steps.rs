@@ -5,9 +5,9 @@ use indexmap::{IndexMap, IndexSet};
 use mve_core::ProgramSpec;
 use serde_json::Value as Json;
 
-use crate::programs::Scene;
+use crate::programs::ProgramScene;
 use crate::programs::setup::declare::{current, declared, paths};
-use crate::programs::setup::edit::Edit;
+use crate::programs::setup::edit::ProgramEdit;
 use crate::programs::setup::value;
 use crate::programs::widgets::{count, icon_button, named, small_button};
 
@@ -15,7 +15,7 @@ use crate::programs::widgets::{count, icon_button, named, small_button};
 const FIRST_LIMIT: f64 = 60.0;
 
 /// Shows the explicit steps: a row each, a column for each parameter that some step sets.
-pub fn show(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec, edits: &mut Vec<Edit>) {
+pub fn show(ui: &mut Ui, scene: &ProgramScene, spec: &ProgramSpec, edits: &mut Vec<ProgramEdit>) {
     let title = match spec.steps.len() {
         0 => "Explicit steps".to_owned(),
         n => format!("{} besides the axes", count(n, "explicit step")),
@@ -38,13 +38,13 @@ pub fn show(ui: &mut Ui, scene: &Scene, spec: &ProgramSpec, edits: &mut Vec<Edit
             });
         });
         if icon_button(ui, "\u{2795} Step", "Add step").clicked() {
-            edits.push(Edit::AddStep { step: next_step(scene, spec) });
+            edits.push(ProgramEdit::AddStep { step: next_step(scene, spec) });
         }
     });
 }
 
 /// What a new step sets: what the last one did, or the first value of every axis.
-fn next_step(scene: &Scene, spec: &ProgramSpec) -> IndexMap<String, Json> {
+fn next_step(scene: &ProgramScene, spec: &ProgramSpec) -> IndexMap<String, Json> {
     if let Some(last) = spec.steps.last() {
         return last.clone();
     }
@@ -62,11 +62,11 @@ fn next_step(scene: &Scene, spec: &ProgramSpec) -> IndexMap<String, Json> {
 
 fn show_step(
     ui: &mut Ui,
-    scene: &Scene,
+    scene: &ProgramScene,
     columns: &IndexSet<&String>,
     (place, step): (usize, &IndexMap<String, Json>),
     n_steps: usize,
-    edits: &mut Vec<Edit>,
+    edits: &mut Vec<ProgramEdit>,
 ) {
     ui.weak(format!("{}", place + 1));
     for path in columns.iter().map(|path| (*path).clone()) {
@@ -76,17 +76,17 @@ fn show_step(
                 let declared = declared(scene.map, scene.registry, &path);
                 let id = Id::new(("step", place, &path));
                 if let Some(value) = value::field(ui, id, &name, &declared, json) {
-                    edits.push(Edit::SetInStep { step: place, path: path.clone(), value });
+                    edits.push(ProgramEdit::SetInStep { step: place, path: path.clone(), value });
                 }
                 let leave = format!("Leave {name} as the map has it");
                 if step.len() > 1 && small_button(ui, "\u{2716}", &leave).clicked() {
-                    edits.push(Edit::LeaveInStep { step: place, path });
+                    edits.push(ProgramEdit::LeaveInStep { step: place, path });
                 }
             }
             None => {
                 if small_button(ui, "as the map", &format!("Set {name}")).clicked() {
                     let value = current(scene.map, scene.registry, &path);
-                    edits.push(Edit::SetInStep { step: place, path, value });
+                    edits.push(ProgramEdit::SetInStep { step: place, path, value });
                 }
             }
         });
@@ -97,11 +97,11 @@ fn show_step(
 
 fn show_buttons(
     ui: &mut Ui,
-    scene: &Scene,
+    scene: &ProgramScene,
     step: &IndexMap<String, Json>,
     place: usize,
     n_steps: usize,
-    edits: &mut Vec<Edit>,
+    edits: &mut Vec<ProgramEdit>,
 ) {
     let of = format!("step {}", place + 1);
     ui.horizontal(|ui| {
@@ -110,29 +110,29 @@ fn show_buttons(
             for path in paths(scene.map, scene.registry) {
                 if !step.contains_key(&path) && ui.button(path.as_str()).clicked() {
                     let value = current(scene.map, scene.registry, &path);
-                    edits.push(Edit::SetInStep { step: place, path, value });
+                    edits.push(ProgramEdit::SetInStep { step: place, path, value });
                 }
             }
         });
         named(button.response, &format!("Set another parameter in {of}"));
         ui.add_enabled_ui(place > 0, |ui| {
             if small_button(ui, "\u{2b06}", &format!("Move {of} up")).clicked() {
-                edits.push(Edit::MoveStep { from: place, to: place - 1 });
+                edits.push(ProgramEdit::MoveStep { from: place, to: place - 1 });
             }
         });
         ui.add_enabled_ui(place + 1 < n_steps, |ui| {
             if small_button(ui, "\u{2b07}", &format!("Move {of} down")).clicked() {
-                edits.push(Edit::MoveStep { from: place, to: place + 1 });
+                edits.push(ProgramEdit::MoveStep { from: place, to: place + 1 });
             }
         });
         if small_button(ui, "\u{2716}", &format!("Remove {of}")).clicked() {
-            edits.push(Edit::RemoveStep { step: place });
+            edits.push(ProgramEdit::RemoveStep { step: place });
         }
     });
 }
 
 /// Shows what holds for all steps.
-pub fn show_limits(ui: &mut Ui, spec: &ProgramSpec, edits: &mut Vec<Edit>) {
+pub fn show_limits(ui: &mut Ui, spec: &ProgramSpec, edits: &mut Vec<ProgramEdit>) {
     ui.horizontal_wrapped(|ui| {
         ui.label("repeats").on_hover_text("how often each step runs, with seeds that differ");
         let before = spec.repeats.unwrap_or(1);
@@ -140,7 +140,7 @@ pub fn show_limits(ui: &mut Ui, spec: &ProgramSpec, edits: &mut Vec<Edit>) {
         let drag = DragValue::new(&mut repeats).range(1..=10_000).clamp_existing_to_range(false);
         named(ui.add(drag.speed(0.05)), "Repeats");
         if repeats != before {
-            edits.push(Edit::SetRepeats { repeats });
+            edits.push(ProgramEdit::SetRepeats { repeats });
         }
         ui.add_space(12.0);
         let mut is_limited = spec.time_limit.is_some();
@@ -149,14 +149,14 @@ pub fn show_limits(ui: &mut Ui, spec: &ProgramSpec, edits: &mut Vec<Edit>) {
             .on_hover_text("a step that takes longer is stopped and counts as failed")
             .changed()
         {
-            edits.push(Edit::SetTimeLimit { seconds: is_limited.then_some(FIRST_LIMIT) });
+            edits.push(ProgramEdit::SetTimeLimit { seconds: is_limited.then_some(FIRST_LIMIT) });
         }
         let Some(before) = spec.time_limit else { return };
         let mut seconds = before;
         let drag = DragValue::new(&mut seconds).range(0.001..=1e8).clamp_existing_to_range(false);
         named(ui.add(drag.speed((before / 50.0).max(0.01)).suffix(" s")), "Time limit in seconds");
         if seconds.to_bits() != before.to_bits() {
-            edits.push(Edit::SetTimeLimit { seconds: Some(seconds) });
+            edits.push(ProgramEdit::SetTimeLimit { seconds: Some(seconds) });
         }
     });
 }

@@ -4,7 +4,7 @@ use eframe::egui::{self, Id, Ui};
 use mve_core::{ParamSpec, brief_value, chosen, with_param};
 use serde_json::Value as Json;
 
-use crate::forms::{CELL_WIDTH, Field, FormEvent, Look, line, pick};
+use crate::forms::{CELL_WIDTH, FieldPlace, FormEvent, ParamField, line, pick};
 use crate::programs::setup::declare::{Declared, default_of};
 use crate::programs::widgets::{named, small_button};
 
@@ -26,9 +26,10 @@ pub fn field(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json)
     if !is_drawn(spec, value) {
         return raw(ui, id, name, value);
     }
-    let (mut events, look) = (Vec::new(), Look::Cell);
+    let (mut events, place) = (Vec::new(), FieldPlace::Cell);
     let name = name.to_owned();
-    Field { spec, name, path: "", given: Some(value), look, events: &mut events }.show(ui, id);
+    ParamField { spec, name, path: "", given: Some(value), place, events: &mut events }
+        .show(ui, id);
     events.into_iter().find_map(|event| match event {
         FormEvent::Set { value, .. } => value,
         _ => None,

@@ -9,24 +9,24 @@ use mve_modules::picture::color_map::Outside;
 
 use super::arrays::coarse::{Coarse, coarse};
 use super::arrays::edges::{Edges, edges};
-use super::arrays::{Arrays, Shading, Sharing, arrays};
+use super::arrays::{Arrays, CornerSharing, Shading, arrays};
 use super::gpu::buffers::{AttributeBuffers, LineBuffer, SurfaceBuffers};
 use super::gpu::target::{FINE, Target};
-use super::gpu::texture::Texture;
+use super::gpu::texture::GpuTexture;
 use super::gpu::{Cursor, Drawing, Gpu, MOST_LINE_SETS, Uniforms};
 use super::lines::{LineChoice, MeshLines};
-use super::look::coloring::{Attribute, Reading, Source, Spacing, Values, attribute};
+use super::look::coloring::{Attribute, ColorSource, Reading, Spacing, Values, attribute};
 use super::look::settings::{BackFaces, MeshSettings};
 use super::look::texture::{Pictures, TextureSource, pictures};
 use crate::views::camera::{Bounds, Camera, Projection};
-use crate::views::slot::{Same, Slot};
+use crate::views::memo::{Memo, Same};
 
 /// What arrays are made for.
 #[derive(Clone, Debug, PartialEq)]
 struct Recipe {
     crease_angle_rad: f32,
-    sharing: Sharing,
-    source: Source,
+    sharing: CornerSharing,
+    source: ColorSource,
     spacing: Spacing,
 }
 
@@ -67,13 +67,13 @@ impl Product {
 }
 
 /// Textures on the GPU, and what is wrong with some of them; or why there are none.
-type Textures = Result<(Texture, Option<String>), String>;
+type Textures = Result<(GpuTexture, Option<String>), String>;
 
 /// The colors that a picture uses; the numbers change with the content.
 #[derive(Clone, Copy)]
 pub struct Colors<'a> {
     /// Of values.
-    pub table: (&'a Texture, u64),
+    pub table: (&'a GpuTexture, u64),
     /// The range, in numbers that colors follow.
     pub range: [f64; 2],
 }
@@ -107,18 +107,18 @@ struct DrawingKey {
 ///
 /// What is made in the background is uploaded there, too, where the GPU can be shared by threads;
 /// so a window does not wait for the bytes of a large mesh.
-pub struct Item {
+pub struct MeshItem {
     /// The mesh.
     pub mesh: Arc<TriMesh>,
     /// `None` for a mesh without a face that can be drawn.
-    products: Slot<Recipe, Option<Product>>,
+    products: Memo<Recipe, Option<Product>>,
     /// What was uploaded.
-    prepared: Slot<Same<Option<Product>>, Preparation>,
-    edges: Slot<Same<Arrays>, Edges>,
+    prepared: Memo<Same<Option<Product>>, Preparation>,
+    edges: Memo<Same<Arrays>, Edges>,
     /// Each kind of lines that there is, and whether it is shown.
     lines: Vec<(LineChoice, MeshLines)>,
-    pictures: Slot<TextureSource, Result<Pictures, String>>,
-    textures: Slot<Same<Result<Pictures, String>>, Textures>,
+    pictures: Memo<TextureSource, Result<Pictures, String>>,
+    textures: Memo<Same<Result<Pictures, String>>, Textures>,
     target: Option<Target>,
     drawn: Option<DrawingKey>,
     /// Samples a pixel that it was drawn with.
@@ -129,17 +129,17 @@ pub struct Item {
     pub n_drawn: u64,
 }
 
-impl Item {
+impl MeshItem {
     /// A mesh of which nothing is prepared.
     pub fn new(mesh: Arc<TriMesh>) -> Self {
         Self {
             mesh,
-            products: Slot::default(),
-            prepared: Slot::default(),
-            edges: Slot::default(),
+            products: Memo::default(),
+            prepared: Memo::default(),
+            edges: Memo::default(),
             lines: Vec::new(),
-            pictures: Slot::default(),
-            textures: Slot::default(),
+            pictures: Memo::default(),
+            textures: Memo::default(),
             target: None,
             drawn: None,
             samples: 0,
@@ -153,7 +153,7 @@ impl Item {
         &mut self,
         context: &egui::Context,
         gpu: &Gpu,
-        (source, texture): (Source, Option<TextureSource>),
+        (source, texture): (ColorSource, Option<TextureSource>),
         (settings, lines): (&MeshSettings, &[LineChoice]),
     ) {
         let wanted = Recipe {
@@ -229,7 +229,7 @@ impl Item {
         source: Option<TextureSource>,
     ) {
         let Some(source) = source else {
-            (self.pictures, self.textures) = (Slot::default(), Slot::default());
+            (self.pictures, self.textures) = (Memo::default(), Memo::default());
             return;
         };
         let (job, most) = (source.clone(), gpu.max_texture_side());
@@ -239,7 +239,7 @@ impl Item {
             let upload = move || {
                 let (device, queue, pictures) = job;
                 let pictures = pictures.as_ref().as_ref().map_err(String::clone)?;
-                let texture = Texture::of_pictures(&device, &queue, pictures);
+                let texture = GpuTexture::of_pictures(&device, &queue, pictures);
                 Ok((texture, pictures.problem.clone()))
             };
             gpu.upload(&mut self.textures, context, Same(pictures), upload);

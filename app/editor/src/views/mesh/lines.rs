@@ -9,7 +9,7 @@ use super::arrays::Arrays;
 use super::arrays::edges::Edges;
 use super::gpu::Gpu;
 use super::gpu::buffers::LineBuffer;
-use crate::views::slot::{Same, Slot};
+use crate::views::memo::{Memo, Same};
 
 /// One kind of lines, for all meshes.
 #[derive(Debug)]
@@ -43,9 +43,9 @@ pub struct LineChoice {
 /// The lines of one kind of one mesh: looked for and uploaded when they are first shown.
 #[derive(Default)]
 pub struct MeshLines {
-    indices: Slot<Same<Edges>, LineIndices>,
+    indices: Memo<Same<Edges>, LineIndices>,
     /// `None` when they are more than the GPU takes.
-    buffer: Slot<Same<LineIndices>, Option<LineBuffer>>,
+    buffer: Memo<Same<LineIndices>, Option<LineBuffer>>,
 }
 
 impl MeshLines {
@@ -62,7 +62,7 @@ impl MeshLines {
         self.indices.want(context, Same(Arc::clone(edges)), find);
         if let Some(indices) = self.indices.latest() {
             let (device, job) = (gpu.device().clone(), Arc::clone(&indices));
-            let upload = move || LineBuffer::new(&device, &job).ok();
+            let upload = move || LineBuffer::new(&device, &job.pairs[..job.n_indices]).ok();
             gpu.upload(&mut self.buffer, context, Same(indices), upload);
         }
     }

@@ -7,7 +7,7 @@ use eframe::egui::{self, Color32, Pos2, Rect, Vec2, vec2};
 use glam::DVec2;
 use mve_modules::data::{Images, TriMesh};
 
-use super::item::Item;
+use super::item::MeshItem;
 use super::layout::Tile;
 use super::look::coloring::Values;
 use super::look::settings::{Arrangement, MeshSettings};
@@ -84,7 +84,7 @@ pub struct MeshScene<'a> {
     /// The meshes.
     pub meshes: &'a [MeshInput],
     /// Their states, in the same order.
-    pub items: &'a [Item],
+    pub items: &'a [MeshItem],
     /// Where their pictures are.
     pub tiles: &'a [Tile],
     /// What pointer and keys do with the pictures; two over each other are one here.
@@ -112,7 +112,7 @@ impl MeshScene<'_> {
     }
 
     /// The item that is seen at a place of a picture.
-    pub fn visible_item(&self, tile: usize, place: Pos2) -> &Item {
+    pub fn visible_item(&self, tile: usize, place: Pos2) -> &MeshItem {
         let is_wipe = self.settings.arrangement == Arrangement::Wipe && self.tiles.len() == 2;
         let rect = self.tiles[tile].rect;
         let is_right = place.x > rect.left() + self.settings.balance * rect.width();

@@ -10,12 +10,12 @@ use mve_modules::data::{Field, Images, TriMesh};
 
 use super::gpu::Gpu;
 use super::gpu::target::FINE;
-use super::gpu::texture::Texture;
+use super::gpu::texture::GpuTexture;
 use super::hand::navigation::{by_keys, by_pointer};
-use super::item::{Colors, Item, Viewport};
+use super::item::{Colors, MeshItem, Viewport};
 use super::layout::{Tile, layout, part_of};
 use super::look::coloring::{
-    ColorBy, PinnedField, ScaleSettings, Source, Values, number_layers, source_of,
+    ColorBy, ColorSource, PinnedField, ScaleSettings, Values, number_layers, source_of,
 };
 use super::look::label_layers;
 use super::look::settings::{Arrangement, MeshSettings, Offers, controls};
@@ -25,7 +25,7 @@ use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
-use crate::views::slot::Same;
+use crate::views::memo::Same;
 use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
@@ -36,14 +36,14 @@ pub struct MeshView {
     pub camera: Camera,
     /// What is shown and how.
     pub settings: MeshSettings,
-    items: Vec<Item>,
+    items: Vec<MeshItem>,
     /// What was fitted last into which aspect, and whether the user has moved since.
     fitted: Option<(Bounds, f64)>,
     has_moved: bool,
     /// When the camera moved last, by the clock of the window.
     moved_secs: Option<f64>,
     /// The color scale on the GPU, and how often there was another one.
-    table: Option<(ScaleSettings, Texture, u64)>,
+    table: Option<(ScaleSettings, GpuTexture, u64)>,
     overlays: Overlays,
 }
 
@@ -85,7 +85,7 @@ impl ValueView for MeshView {
     }
 
     fn is_busy(&self) -> bool {
-        self.items.iter().any(Item::is_busy)
+        self.items.iter().any(MeshItem::is_busy)
     }
 }
 
@@ -128,10 +128,12 @@ impl MeshView {
         let lines = self.overlays.lines(&mut self.settings);
         for (item, input) in self.items.iter_mut().zip(meshes) {
             let source = source_of(&item.mesh, &self.settings.color_by, fields);
-            let source = source.unwrap_or(Source::Plain);
+            let source = source.unwrap_or(ColorSource::Plain);
             let texture = match source {
-                Source::Materials => Some(TextureSource::Materials(Same(Arc::clone(&input.mesh)))),
-                Source::Picture => pinned_picture(&self.settings.color_by, pictures),
+                ColorSource::Materials => {
+                    Some(TextureSource::Materials(Same(Arc::clone(&input.mesh))))
+                }
+                ColorSource::Picture => pinned_picture(&self.settings.color_by, pictures),
                 _ => None,
             };
             item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
@@ -147,7 +149,7 @@ impl MeshView {
         for input in meshes {
             let at = known.iter().position(|item| Arc::ptr_eq(&item.mesh, &input.mesh));
             let item = at.map(|at| known.swap_remove(at));
-            self.items.push(item.unwrap_or_else(|| Item::new(Arc::clone(&input.mesh))));
+            self.items.push(item.unwrap_or_else(|| MeshItem::new(Arc::clone(&input.mesh))));
         }
         for at in &mut self.settings.pair {
             *at = (*at).min(meshes.len().saturating_sub(1));
@@ -214,14 +216,14 @@ impl MeshView {
         }
         let is_dark = ui.visuals().dark_mode;
         paint_background(&ui.painter_at(whole), whole, is_dark);
-        let values: Vec<Arc<Values>> = self.items.iter().filter_map(Item::values).collect();
+        let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
         for tile in &mut tiles {
             tile.rect = tile.rect.round_to_pixels(ui.pixels_per_point());
         }
         let is_overlaid = self.settings.arrangement != Arrangement::SideBySide && tiles.len() == 2;
-        let bounds = self.items.iter().filter_map(Item::bounds).reduce(Bounds::with);
+        let bounds = self.items.iter().filter_map(MeshItem::bounds).reduce(Bounds::with);
         let responses = self.responses(ui, meshes, &tiles, is_overlaid);
         let is_moving = match (bounds, tiles.first()) {
             (Some(bounds), Some(tile)) => self.navigate(ui, &responses, tile.rect, &bounds, is_fit),
@@ -349,7 +351,7 @@ impl MeshView {
             let number = self.table.as_ref().map_or(0, |(.., number)| number + 1);
             self.table = Some((
                 scale,
-                Texture::of_colors(gpu.device(), gpu.queue(), &scale.table()),
+                GpuTexture::of_colors(gpu.device(), gpu.queue(), &scale.table()),
                 number,
             ));
         }

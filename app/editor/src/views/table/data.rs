@@ -43,7 +43,7 @@ impl Table {
     /// The rows in the order of a column. Numbers come before texts, texts with numbers in them
     /// in the order of the numbers; rows that are equal keep their order. What is not a number,
     /// and empty cells, come last in both directions.
-    pub fn order_by(&self, column: usize, direction: Direction) -> Vec<usize> {
+    pub fn order_by(&self, column: usize, direction: SortOrder) -> Vec<usize> {
         let mut rows: Vec<usize> = (0..self.rows.len()).collect();
         rows.sort_by(|&a, &b| {
             let (a, b) = (self.cell(a, column), self.cell(b, column));
@@ -53,7 +53,7 @@ impl Table {
                 _ => Ordering::Equal,
             });
             match direction {
-                Direction::Down if rank(a) < LAST && rank(b) < LAST => by_content.reverse(),
+                SortOrder::Down if rank(a) < LAST && rank(b) < LAST => by_content.reverse(),
                 _ => by_content,
             }
         });
@@ -86,7 +86,7 @@ pub fn title_of(column: &Column) -> String {
 
 /// Which end of a sorted column comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub enum SortOrder {
     /// The least.
     Up,
     /// The greatest.
@@ -192,17 +192,17 @@ mod tests {
             text("10"),
             number(f64::INFINITY),
         ]);
-        assert_eq!(table.order_by(0, Direction::Up), [5, 2, 6, 7, 4, 0, 1, 3]);
-        assert_eq!(table.order_by(0, Direction::Down), [0, 4, 7, 6, 2, 5, 1, 3]);
-        assert_eq!(table.order_by(9, Direction::Up), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(table.order_by(0, SortOrder::Up), [5, 2, 6, 7, 4, 0, 1, 3]);
+        assert_eq!(table.order_by(0, SortOrder::Down), [0, 4, 7, 6, 2, 5, 1, 3]);
+        assert_eq!(table.order_by(9, SortOrder::Up), [0, 1, 2, 3, 4, 5, 6, 7]);
     }
 
     #[test]
     fn equal_rows_keep_their_order_in_both_directions() {
         let cells = [3.0, 0.0, 3.0, -0.0].map(|x| Some(Scalar::Number(x)));
         let table = column_of(cells.to_vec());
-        assert_eq!(table.order_by(0, Direction::Up), [1, 3, 0, 2]);
-        assert_eq!(table.order_by(0, Direction::Down), [0, 2, 1, 3]);
+        assert_eq!(table.order_by(0, SortOrder::Up), [1, 3, 0, 2]);
+        assert_eq!(table.order_by(0, SortOrder::Down), [0, 2, 1, 3]);
     }
 
     #[test]

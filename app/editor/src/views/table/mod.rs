@@ -4,5 +4,5 @@ mod data;
 mod plot;
 mod view;
 
-pub use data::{Column, Direction, Table};
+pub use data::{Column, SortOrder, Table};
 pub use view::TableView;

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Layout, vec2};
 use mve_core::Scalar;
 
-use super::data::{Column, Direction, Table, cell_text, title_of};
+use super::data::{Column, SortOrder, Table, cell_text, title_of};
 use super::plot::TablePlot;
 use crate::views::number::count_text;
 
 /// The column that rows are sorted by; `None` leaves them as they are.
-type Sort = Option<(usize, Direction)>;
+type Sort = Option<(usize, SortOrder)>;
 
 /// The state of one table on the screen.
 #[derive(Default)]
@@ -95,8 +95,8 @@ impl TableView {
         ui.horizontal(|ui| {
             for (at, (column, &width)) in table.columns.iter().zip(widths).enumerate() {
                 let mark = match self.sort {
-                    Some((by, Direction::Up)) if by == at => " ⏶",
-                    Some((by, Direction::Down)) if by == at => " ⏷",
+                    Some((by, SortOrder::Up)) if by == at => " ⏶",
+                    Some((by, SortOrder::Down)) if by == at => " ⏷",
                     _ => "",
                 };
                 let text = egui::RichText::new(title_of(column) + mark).strong();
@@ -110,9 +110,9 @@ impl TableView {
                 if response.on_hover_text("Sort; again for the other way, again for none").clicked()
                 {
                     self.sort = match self.sort {
-                        Some((by, Direction::Up)) if by == at => Some((at, Direction::Down)),
-                        Some((by, Direction::Down)) if by == at => None,
-                        _ => Some((at, Direction::Up)),
+                        Some((by, SortOrder::Up)) if by == at => Some((at, SortOrder::Down)),
+                        Some((by, SortOrder::Down)) if by == at => None,
+                        _ => Some((at, SortOrder::Up)),
                     };
                 }
             }

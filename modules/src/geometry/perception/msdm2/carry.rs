@@ -4,7 +4,7 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 use super::{MAX_LEVELS, Variant};
 use crate::geometry::distance::bvh::Walker;
 use crate::mesh::morton::morton_order;
@@ -14,30 +14,30 @@ const CHUNK: usize = 256;
 
 /// What a vertex of the degraded mesh gets from the reference.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::geometry) struct Carried {
+pub(in crate::geometry) struct ReferencePoint {
     /// The nearest point.
     pub point: DVec3,
     /// The curvature of the reference, a level each.
     pub curvature: [f64; MAX_LEVELS],
 }
 
-impl Carried {
+impl ReferencePoint {
     /// Of a vertex that is nowhere.
     pub const NONE: Self = Self { point: DVec3::NAN, curvature: [f64::NAN; MAX_LEVELS] };
 }
 
 /// Carries the curvature of the reference to the vertices of the degraded mesh.
 pub(in crate::geometry) fn carry(
-    reference: &Surface,
-    degraded: &Surface,
+    reference: &CurvatureMesh,
+    degraded: &CurvatureMesh,
     curvature: &[[f64; MAX_LEVELS]],
     variant: Variant,
     control: Control,
-) -> Result<Vec<Carried>, Cancelled> {
+) -> Result<Vec<ReferencePoint>, Cancelled> {
     let positions = &degraded.mesh.positions;
     let order = morton_order(positions, control.part(0.0, 0.1))?;
     let steps = control.part(0.1, 1.0).steps(order.len().div_ceil(CHUNK));
-    let found: Vec<Vec<Carried>> = order
+    let found: Vec<Vec<ReferencePoint>> = order
         .par_chunks(CHUNK)
         .map(|chunk| {
             let mut walker = reference.bvh.walker();
@@ -49,7 +49,7 @@ pub(in crate::geometry) fn carry(
             Ok(carried)
         })
         .collect::<Result<_, Cancelled>>()?;
-    let mut carried = vec![Carried::NONE; order.len()];
+    let mut carried = vec![ReferencePoint::NONE; order.len()];
     for (&v, found) in order.iter().zip(found.into_iter().flatten()) {
         carried[v as usize] = found;
     }
@@ -59,12 +59,12 @@ pub(in crate::geometry) fn carry(
 /// Carries the curvature of the reference to one point.
 pub(in crate::geometry) fn carry_to(
     position: DVec3,
-    reference: &Surface,
+    reference: &CurvatureMesh,
     curvature: &[[f64; MAX_LEVELS]],
     variant: Variant,
     walker: &mut Walker,
-) -> Carried {
-    let Some(hit) = walker.closest(position) else { return Carried::NONE };
+) -> ReferencePoint {
+    let Some(hit) = walker.closest(position) else { return ReferencePoint::NONE };
     let point = reference.bvh.closest_point(position, &hit);
     let from = match variant {
         // The vertex itself, though it may lie off the surface: so does the published program.
@@ -79,7 +79,7 @@ pub(in crate::geometry) fn carry_to(
             *sum += weight * term;
         }
     }
-    Carried { point, curvature: mixed }
+    ReferencePoint { point, curvature: mixed }
 }
 
 /// The areas between the point and each side, over their sum: for a point of the triangle its

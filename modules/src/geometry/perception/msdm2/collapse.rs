@@ -10,6 +10,8 @@
 //! What is approximated: spheres and windows end at the neighbors of their center, so a price is
 //! that of the metric where edges are longer than 2 % of the mesh; vertices of more than
 //! 64 faces (`MOST_FACES`) count as unchanged, and a collapse into one comes last.
+//!
+//! The corners of a face may merge as well as the ends of an edge.
 
 use std::f64::consts::PI;
 
@@ -20,9 +22,9 @@ use rayon::prelude::*;
 use super::bend::{Bend, normal, turn_rad};
 use super::carry::carry_to;
 use super::curvature::curvatures;
-use super::surface::{Surface, common_scale};
+use super::curvature_mesh::{CurvatureMesh, common_scale};
 use super::window::{Sample, Sums};
-use super::{Carried, Levels, MAX_LEVELS, Msdm2Error, Variant, half_as_wide};
+use super::{Levels, MAX_LEVELS, Msdm2Error, ReferencePoint, Variant, half_as_wide};
 use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::collapse::{Batch, Collapse, Proposal, WorkingMesh};
@@ -48,7 +50,7 @@ pub enum Counting {
 /// The state of the prices. Ids of vertices are those of the input.
 #[derive(Debug)]
 pub struct CollapsePrices {
-    reference: Surface,
+    reference: CurvatureMesh,
     curvature: Vec<[f64; MAX_LEVELS]>,
     levels: Levels,
     scale: f64,
@@ -98,10 +100,23 @@ struct StarEdge {
 #[derive(Clone, Copy)]
 struct Merge {
     kept: VertexId,
-    /// `None` once it has been made.
-    gone: Option<VertexId>,
+    /// Who merges into it; nobody once it has been made.
+    gone: [Option<VertexId>; 2],
     /// Where it goes, in scaled units.
     position: DVec3,
+}
+
+impl Merge {
+    /// Whether a vertex merges into `kept`.
+    fn takes(&self, vertex: VertexId) -> bool {
+        self.gone.contains(&Some(vertex))
+    }
+
+    /// The vertices that a vertex stands for once it is made.
+    fn parts(self, vertex: VertexId) -> impl Iterator<Item = VertexId> {
+        let [second, third] = self.gone.map(|gone| gone.filter(|_| vertex == self.kept));
+        [Some(vertex), second, third].into_iter().flatten()
+    }
 }
 
 impl CollapsePrices {
@@ -117,7 +132,7 @@ impl CollapsePrices {
     ) -> Result<Self, Msdm2Error> {
         let scale = common_scale([mesh, mesh]);
         let (side, variant) = (MeshRole::Original, Variant::Published);
-        let reference = Surface::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
+        let reference = CurvatureMesh::new(mesh, side, scale, variant, control.part(0.0, 0.6))?;
         let levels = Levels::new(reference.longest_side, n_levels);
         let curvature = curvatures(&reference, &levels, control.part(0.6, 1.0))?;
         let known = |(&point, &own): (&DVec3, &[f64; MAX_LEVELS])| {
@@ -139,22 +154,23 @@ impl CollapsePrices {
     }
 
     fn price_of(&self, mesh: &WorkingMesh, proposal: &Proposal, star: &mut Star) -> f64 {
-        let [kept, gone] = [proposal.contraction.kept, proposal.contraction.gone];
-        let length_sq = self.position(mesh, kept).distance_squared(self.position(mesh, gone));
+        let contraction = &proposal.contraction;
+        let length_sq = contraction.length_squared(|v| self.position(mesh, v));
         let tie = TIE * length_sq / (self.levels.size * self.levels.size);
         let position = proposal.position * self.scale;
-        let merge = Merge { kept, gone: Some(gone), position };
+        let gone = [Some(contraction.gone), contraction.also_gone];
+        let merge = Merge { kept: contraction.kept, gone, position };
         if !self.look(mesh, merge, star) {
             return f64::INFINITY;
         }
         let cube = |local: f64| local * local * local;
-        let [kept, gone] = [kept, gone].map(|v| self.known(mesh, v));
-        let merged = &star.members[0];
-        let mut change = match self.counting {
-            Counting::Once => cube(merged.local),
-            Counting::Merged => (kept.n + gone.n) * cube(merged.local),
+        let before = || contraction.vertices().map(|v| self.known(mesh, v));
+        let n = match self.counting {
+            Counting::Once => 1.0,
+            Counting::Merged => before().map(|vertex| vertex.n).sum(),
         };
-        change -= kept.n * cube(kept.local) + gone.n * cube(gone.local);
+        let mut change = n * cube(star.members[0].local);
+        change -= before().map(|vertex| vertex.n * cube(vertex.local)).sum::<f64>();
         for member in &star.members[1..] {
             let before = self.known(mesh, member.vertex);
             change += before.n * (cube(member.local) - cube(before.local));
@@ -166,7 +182,7 @@ impl CollapsePrices {
     pub fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
         let mut star = Star::default();
         let position = collapse.position * self.scale;
-        let merge = Merge { kept: collapse.kept, gone: None, position };
+        let merge = Merge { kept: collapse.kept, gone: [None; 2], position };
         let [kept, gone] = [collapse.kept, collapse.gone].map(|v| mesh.input_vertex(v).idx());
         if self.counting == Counting::Merged {
             self.vertices[kept].n += self.vertices[gone].n;
@@ -226,18 +242,18 @@ impl CollapsePrices {
     /// Lists the merged vertex and its neighbors; `false` where they are too many.
     fn find_members(&self, mesh: &WorkingMesh, merge: Merge, star: &mut Star) -> bool {
         let carried = self.carry(merge.position);
-        let Merge { kept, gone, position } = merge;
+        let Merge { kept, position, .. } = merge;
         let known = self.known(mesh, kept);
         star.members.clear();
         star.edges.clear();
         let sample = Sample::new(position, known.sample.own, &carried);
         star.members.push(Member { vertex: kept, edges: (0, 0), sample, local: 0.0 });
         let mut n_faces = 0;
-        for face in [Some(kept), gone].into_iter().flatten().flat_map(|v| mesh.faces_around(v)) {
+        for face in merge.parts(kept).flat_map(|v| mesh.faces_around(v)) {
             n_faces += 1;
             for vertex in mesh.face(face).into_iter().flatten() {
                 let is_known = star.members.iter().any(|member| member.vertex == vertex);
-                if !is_known && Some(vertex) != gone {
+                if !is_known && !merge.takes(vertex) {
                     let VertexRecord { sample, local, .. } = *self.known(mesh, vertex);
                     star.members.push(Member { vertex, edges: (0, 0), sample, local });
                 }
@@ -249,7 +265,7 @@ impl CollapsePrices {
         true
     }
 
-    fn carry(&self, point: DVec3) -> Carried {
+    fn carry(&self, point: DVec3) -> ReferencePoint {
         let mut walker = self.reference.bvh.walker();
         carry_to(point, &self.reference, &self.curvature, Variant::Published, &mut walker)
     }
@@ -263,18 +279,17 @@ impl CollapsePrices {
         edges: &mut Vec<StarEdge>,
     ) -> (usize, usize) {
         let first = edges.len();
-        let Merge { kept, gone, position } = merge;
-        let also = gone.filter(|_| vertex == kept);
+        let Merge { kept, position, .. } = merge;
         let limit = if vertex == kept { 2 * MOST_FACES } else { MOST_FACES };
         let place = |v: VertexId| if v == kept { position } else { self.position(mesh, v) };
-        let faces = [Some(vertex), also].into_iter().flatten().flat_map(|v| mesh.faces_around(v));
+        let faces = merge.parts(vertex).flat_map(|v| mesh.faces_around(v));
         for (n, face) in faces.enumerate() {
             if n >= limit {
                 edges.truncate(first);
                 break;
             }
             let Some(corners) = mesh.face(face) else { continue };
-            let corners = corners.map(|v| if Some(v) == gone { kept } else { v });
+            let corners = corners.map(|v| if merge.takes(v) { kept } else { v });
             let [a, b, c] = corners;
             if a == b || b == c || c == a {
                 continue;

@@ -15,13 +15,13 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::bend::Bend;
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 use super::walk::Walk;
 use super::{CHUNK, Levels, MAX_LEVELS};
 
 /// The mean of the two principal magnitudes at every vertex and level, times `size`: dimensionless.
 pub(in crate::geometry) fn curvatures(
-    surface: &Surface,
+    surface: &CurvatureMesh,
     levels: &Levels,
     control: Control,
 ) -> Result<Vec<[f64; MAX_LEVELS]>, Cancelled> {
@@ -42,7 +42,7 @@ pub(in crate::geometry) fn curvatures(
 }
 
 fn curvature(
-    surface: &Surface,
+    surface: &CurvatureMesh,
     levels: &Levels,
     vertex: u32,
     walk: &mut Walk,

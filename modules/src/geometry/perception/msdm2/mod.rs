@@ -28,7 +28,7 @@ pub mod collapse;
 #[cfg(test)]
 mod collapse_tests;
 pub(super) mod curvature;
-pub(super) mod surface;
+pub(super) mod curvature_mesh;
 #[cfg(test)]
 mod tests;
 pub(super) mod walk;
@@ -37,8 +37,8 @@ pub(super) mod window;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-pub(super) use carry::{Carried, carry};
-use surface::{Surface, common_scale};
+pub(super) use carry::{ReferencePoint, carry};
+use curvature_mesh::{CurvatureMesh, common_scale};
 use window::{Kernel, Moments, Windows, local_values};
 
 use crate::data::{Domain, FaceId, Field, TriMesh};
@@ -164,8 +164,8 @@ impl Levels {
 
 /// Both meshes, ready, and the scale that they are in.
 pub(super) struct Pair {
-    pub original: Surface,
-    pub simplified: Surface,
+    pub original: CurvatureMesh,
+    pub simplified: CurvatureMesh,
     pub scale: f64,
 }
 
@@ -177,7 +177,7 @@ impl Pair {
         control: Control,
     ) -> Result<Self, Msdm2Error> {
         let scale = common_scale([original, simplified]);
-        let ready = |mesh, side, part| Surface::new(mesh, side, scale, variant, part);
+        let ready = |mesh, side, part| CurvatureMesh::new(mesh, side, scale, variant, part);
         let (original, simplified) = rayon::join(
             || ready(original, MeshRole::Original, control.part(0.0, 0.5)),
             || ready(simplified, MeshRole::Simplified, control.part(0.5, 1.0)),
@@ -198,7 +198,7 @@ pub fn msdm2(
 ) -> Result<Msdm2, Msdm2Error> {
     let pair = Pair::new(original, simplified, options.variant, control.part(0.0, 0.2))?;
     let (a, b) = (&pair.original, &pair.simplified);
-    let levels_of = |surface: &Surface| match options.variant {
+    let levels_of = |surface: &CurvatureMesh| match options.variant {
         Variant::Published => Levels::new(surface.longest_side, options.n_levels),
         Variant::Mended => Levels::new(rod_length(&a.mesh), options.n_levels),
     };
@@ -238,11 +238,11 @@ pub fn msdm2(
 }
 
 /// A mesh with its curvature at each vertex.
-pub(super) type Seen<'a> = (&'a Surface, &'a [[f64; MAX_LEVELS]]);
+pub(super) type MeshCurvature<'a> = (&'a CurvatureMesh, &'a [[f64; MAX_LEVELS]]);
 
 /// The value over the vertices of the second mesh, with the first as the reference.
 fn one_sided(
-    [(reference, of_reference), (degraded, of_degraded)]: [Seen; 2],
+    [(reference, of_reference), (degraded, of_degraded)]: [MeshCurvature; 2],
     levels: &Levels,
     (variant, scale): (Variant, f64),
     control: Control,

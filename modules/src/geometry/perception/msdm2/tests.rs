@@ -99,7 +99,7 @@ fn take_their_faces(
     table: &str,
     pair: &Pair,
     curvature: &[[f64; MAX_LEVELS]],
-    carried: &mut [Carried],
+    carried: &mut [ReferencePoint],
 ) -> usize {
     let mut n_other = 0;
     for row in rows(table) {
@@ -129,7 +129,7 @@ fn the_curvature_of_a_crease() {
         &[[0, 1, 2], [1, 0, 3]],
     );
     let (control, variant) = (Control::none(), Variant::Published);
-    let surface = Surface::new(&mesh, MeshRole::Original, 1.0, variant, control).unwrap();
+    let surface = CurvatureMesh::new(&mesh, MeshRole::Original, 1.0, variant, control).unwrap();
     let levels = Levels::new(surface.longest_side, 3);
     let found = curvature::curvatures(&surface, &levels, control).unwrap();
     for (at, level) in levels.iter().enumerate() {
@@ -138,7 +138,8 @@ fn the_curvature_of_a_crease() {
         assert_eq!(found[2][at], 0.0);
     }
     // Half of the disc is there at the end of the edge: two right angles of four.
-    let surface = Surface::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, control).unwrap();
+    let surface =
+        CurvatureMesh::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, control).unwrap();
     let mended = curvature::curvatures(&surface, &levels, control).unwrap();
     assert!(is_close(mended[0][0], 2.0 * found[0][0], 1e-12));
 }
@@ -163,7 +164,8 @@ fn mended_turns_do_not_fold_back() {
         let faces = if turned { [[1, 0, 3], [0, 1, 2]] } else { [[0, 1, 2], [1, 0, 3]] };
         let mesh = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -y, -z]], &faces);
         let surface =
-            Surface::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, Control::none()).unwrap();
+            CurvatureMesh::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, Control::none())
+                .unwrap();
         surface.bends[0].0[0]
     };
     for turned in [false, true] {
@@ -175,7 +177,8 @@ fn mended_turns_do_not_fold_back() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
     let mesh = mesh_of(&corners, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
     let surface =
-        Surface::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, Control::none()).unwrap();
+        CurvatureMesh::new(&mesh, MeshRole::Original, 1.0, Variant::Mended, Control::none())
+            .unwrap();
     assert!(is_close(surface.bends[0].0[0], 90f64.to_radians(), 1e-12));
 }
 

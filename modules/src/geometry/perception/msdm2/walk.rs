@@ -7,7 +7,7 @@
 
 use mve_core::{Cancelled, Control};
 
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 
 /// A length fraction below this is rounding; the program that is followed takes 0.01 in its place.
 const LEAST_CUT: f64 = 1e-16;
@@ -113,7 +113,7 @@ impl Walk {
     /// Goes on to a radius no smaller than before.
     pub fn grow(
         &mut self,
-        surface: &Surface,
+        surface: &CurvatureMesh,
         radius: f64,
         control: &Control,
     ) -> Result<(), Cancelled> {

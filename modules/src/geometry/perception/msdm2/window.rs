@@ -4,9 +4,9 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::curvature_mesh::CurvatureMesh;
 use super::walk::{Cut, Walk};
-use super::{CHUNK, Carried, Levels, MAX_LEVELS};
+use super::{CHUNK, Levels, MAX_LEVELS, ReferencePoint};
 
 /// What the statistics read of a vertex, in one place.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub(in crate::geometry) struct Sample {
 }
 
 impl Sample {
-    pub fn new(point: DVec3, own: [f64; MAX_LEVELS], carried: &Carried) -> Self {
+    pub fn new(point: DVec3, own: [f64; MAX_LEVELS], carried: &ReferencePoint) -> Self {
         Self { point, carried_point: carried.point, own, carried: carried.curvature }
     }
 }
@@ -135,12 +135,12 @@ impl Moments {
 
 /// The windows of all levels.
 pub(in crate::geometry) struct Windows<'a> {
-    pub surface: &'a Surface,
+    pub surface: &'a CurvatureMesh,
     pub levels: &'a Levels,
     /// The curvature of the surface, a vertex each.
     pub curvature: &'a [[f64; MAX_LEVELS]],
     /// What the reference has there.
-    pub carried: &'a [Carried],
+    pub carried: &'a [ReferencePoint],
     /// The weights within a window of this radius.
     pub kernel: fn(f64) -> Kernel,
 }

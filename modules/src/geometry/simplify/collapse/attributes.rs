@@ -1,8 +1,9 @@
 //! What happens to attribute layers when vertices merge.
 //!
-//! When an edge collapses, each face that dies says which wedge of
-//! one end meets which of the other; the two become one, interpolated by where the new vertex lies
-//! along the edge. A wedge that no dying face touches keeps its value.
+//! When an edge collapses, each face that dies says which wedge of one end meets which of the
+//! other; the two become one, interpolated by where the new vertex lies along the edge. A wedge
+//! that no dying face touches keeps its value. What vertices and faces share is called a wedge
+//! here, too: the number of a value in its layer.
 //!
 //! What a layer means is its [`Role`], by name. The seams of texture coordinates must not tear:
 //! under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and
@@ -27,8 +28,8 @@ use crate::mesh::adjacency::EdgeId;
 pub(super) struct WorkingLayer {
     pub role: Role,
     pub domain: Domain,
-    /// Slot of each vertex, corner or face of the engine.
-    slots: Vec<u32>,
+    /// The wedge of each vertex, corner or face of the engine; [`NO_VALUE`] where it has none.
+    wedges: Vec<u32>,
     values: Vec<DVec3>,
 }
 
@@ -68,9 +69,9 @@ impl Attributes {
                 if vertex.is_multiple_of(CHUNK) {
                     ticker.tick(0)?;
                 }
-                let mut slots = complex.corners_around(vertex as u32).map(|c| layer.slot(c));
-                if let Some(first) = slots.next() {
-                    *is_on_seam |= slots.any(|slot| slot != first);
+                let mut wedges = complex.corners_around(vertex as u32).map(|c| layer.wedge_at(c));
+                if let Some(first) = wedges.next() {
+                    *is_on_seam |= wedges.any(|wedge| wedge != first);
                 }
             }
         }
@@ -104,11 +105,11 @@ impl Attributes {
                 }
                 let edge = complex.edge_at(corner).idx();
                 let other = next_in_face(corner);
-                let mut slots = [layer.slot(corner), layer.slot(other)];
+                let mut wedges = [layer.wedge_at(corner), layer.wedge_at(other)];
                 if complex.vertex_at(corner) > complex.vertex_at(other) {
-                    slots.swap(0, 1);
+                    wedges.swap(0, 1);
                 }
-                is_seam[edge] |= *seen[edge].get_or_insert(slots) != slots;
+                is_seam[edge] |= *seen[edge].get_or_insert(wedges) != wedges;
             }
         }
         Ok(is_seam)
@@ -125,9 +126,12 @@ impl Attributes {
         let mut pairs = Vec::new();
         for layer in self.layers.iter().filter(|layer| layer.has_seams()) {
             layer.find_pairs(complex, edge, &mut pairs);
-            let is_paired = |slot, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == slot);
-            pins_kept |= complex.corners_around(kept).any(|c| !is_paired(layer.slot(c), |p| p.0));
-            pins_gone |= complex.corners_around(gone).any(|c| !is_paired(layer.slot(c), |p| p.1));
+            let is_paired =
+                |wedge, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == wedge);
+            pins_kept |=
+                complex.corners_around(kept).any(|c| !is_paired(layer.wedge_at(c), |p| p.0));
+            pins_gone |=
+                complex.corners_around(gone).any(|c| !is_paired(layer.wedge_at(c), |p| p.1));
             // A seam that ends here ends in the wedge that meets both of its sides.
             for (i, p) in pairs.iter().enumerate() {
                 pins_kept |= pairs[..i].iter().any(|q| q.0 == p.0 && q.1 != p.1);
@@ -202,23 +206,24 @@ impl WorkingLayer {
         ticker: &mut Ticker,
     ) -> Result<Self, Cancelled> {
         let (role, domain) = (Role::of(layer), layer.domain);
-        let mut working = Self { role, domain, slots: Vec::new(), values: Vec::new() };
+        let mut working = Self { role, domain, wedges: Vec::new(), values: Vec::new() };
         match layer.domain {
             Domain::Vertex => {
                 let values = &mut working.values;
-                working.slots =
+                working.wedges =
                     ticker.collect(&order.vertices, |&v| values.add(layer, v as usize))?;
             }
             Domain::Face => {
                 let values = &mut working.values;
-                working.slots = ticker.collect(&order.faces, |&f| values.add(layer, f as usize))?;
+                working.wedges =
+                    ticker.collect(&order.faces, |&f| values.add(layer, f as usize))?;
             }
             Domain::Corner => working.make_wedges(layer, complex, order, ticker)?,
         }
         Ok(working)
     }
 
-    /// Gives each group of corners of a vertex with equal values a slot of its own. Files that
+    /// Gives each group of corners of a vertex with equal values a wedge of its own. Files that
     /// write each value once for each corner have seams only where values differ.
     fn make_wedges(
         &mut self,
@@ -227,7 +232,7 @@ impl WorkingLayer {
         order: &Order,
         ticker: &mut Ticker,
     ) -> Result<(), Cancelled> {
-        self.slots = ticker.fill(3 * complex.faces.len(), NO_VALUE)?;
+        self.wedges = ticker.fill(3 * complex.faces.len(), NO_VALUE)?;
         let mut corners = Vec::new();
         for vertex in 0..complex.vertices.len() as u32 {
             if (vertex as usize).is_multiple_of(CHUNK) {
@@ -245,7 +250,7 @@ impl WorkingLayer {
                 if value != last.0 {
                     last = (value, self.values.add(layer, input as usize));
                 }
-                self.slots[corner as usize] = last.1;
+                self.wedges[corner as usize] = last.1;
             }
         }
         Ok(())
@@ -255,13 +260,13 @@ impl WorkingLayer {
         self.domain == Domain::Corner && self.role == Role::TexCoord
     }
 
-    fn slot(&self, element: u32) -> u32 {
-        self.slots[element as usize]
+    fn wedge_at(&self, element: u32) -> u32 {
+        self.wedges[element as usize]
     }
 
     /// The wedge of a vertex or corner, if it has a value.
     pub fn wedge(&self, element: u32) -> Option<WedgeId> {
-        Some(self.slot(element)).filter(|&slot| slot != NO_VALUE).map(WedgeId)
+        Some(self.wedge_at(element)).filter(|&wedge| wedge != NO_VALUE).map(WedgeId)
     }
 
     /// The value of a wedge.
@@ -278,7 +283,7 @@ impl WorkingLayer {
                 .into_iter()
                 .find(|&c| complex.vertex_at(c) == gone);
             let Some(other) = other else { continue };
-            let pair = (self.slot(corner), self.slot(other));
+            let pair = (self.wedge_at(corner), self.wedge_at(other));
             if !pairs.contains(&pair) {
                 pairs.push(pair);
             }
@@ -292,10 +297,10 @@ impl WorkingLayer {
         at: f64,
         given: impl Fn(u32) -> Option<DVec3>,
     ) {
-        let (mine, other) = (self.slot(kept), self.slot(gone));
+        let (mine, other) = (self.wedge_at(kept), self.wedge_at(gone));
         if mine == NO_VALUE || other == NO_VALUE {
             // The value of the nearer end, or none if it has none.
-            self.slots[kept as usize] = if at > 0.5 { other } else { mine };
+            self.wedges[kept as usize] = if at > 0.5 { other } else { mine };
         } else {
             self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
         }
@@ -322,12 +327,12 @@ impl WorkingLayer {
                 _ => at,
             };
             self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
-            let renamed = |slot: u32, pairs: &[(u32, u32)]| {
-                slot == other || pairs.iter().any(|p| p.1 == other && p.0 == slot)
+            let renamed = |wedge: u32, pairs: &[(u32, u32)]| {
+                wedge == other || pairs.iter().any(|p| p.1 == other && p.0 == wedge)
             };
             for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
-                if renamed(self.slot(corner), pairs) {
-                    self.slots[corner as usize] = mine;
+                if renamed(self.wedge_at(corner), pairs) {
+                    self.wedges[corner as usize] = mine;
                 }
             }
             for pair in pairs.iter_mut() {
@@ -336,8 +341,8 @@ impl WorkingLayer {
                 } else if pair.0 == mine {
                     // The rest of the fan takes the value that is there now.
                     for corner in complex.corners_around(gone) {
-                        if self.slots[corner as usize] == pair.1 {
-                            self.slots[corner as usize] = mine;
+                        if self.wedges[corner as usize] == pair.1 {
+                            self.wedges[corner as usize] = mine;
                         }
                     }
                     *pair = (mine, mine);
@@ -347,7 +352,7 @@ impl WorkingLayer {
         }
     }
 
-    /// The value between two slots: the first at 0, the second at 1, bit for bit.
+    /// The value between those of two wedges: the first at 0, the second at 1, bit for bit.
     fn mix(&self, from: u32, to: u32, at: f64) -> DVec3 {
         let (from, to) = (self.values[from as usize], self.values[to as usize]);
         if at == 0.0 || from == to {
@@ -374,11 +379,11 @@ impl WorkingLayer {
         let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
         let mut values: Vec<DVec3> = Vec::new();
         let index = ticker.collect(elements, |&element| {
-            let slot = self.slot(element);
-            if slot == NO_VALUE {
+            let wedge = self.wedge_at(element);
+            if wedge == NO_VALUE {
                 return NO_VALUE;
             }
-            let value = self.values[slot as usize];
+            let value = self.values[wedge as usize];
             *numbers.entry(value.to_array().map(f64::to_bits)).or_insert_with(|| {
                 values.push(value);
                 values.len() as u32 - 1
@@ -411,7 +416,7 @@ fn value_of(layer: &Layer, element: usize) -> Option<DVec3> {
 
 /// A list of values that takes copies of those of a layer.
 trait AddValue {
-    /// Appends the value of an element of the layer and returns its slot.
+    /// Appends the value of an element of the layer and returns its wedge.
     fn add(&mut self, layer: &Layer, element: usize) -> u32;
 }
 

@@ -36,10 +36,9 @@ pub(super) struct Engine<'a> {
     statistics: Statistics,
     start: Instant,
     marks: VertexMarks,
-    memory: Memory,
 }
 
-/// Memory that lives across collapses; nothing in it outlives the step that fills it.
+/// What is noted of one collapse, in memory that the next one uses again.
 #[derive(Default)]
 struct Memory {
     rings: Rings,
@@ -93,7 +92,6 @@ impl<'a> Engine<'a> {
             ticker,
             start,
             marks,
-            memory: Memory::default(),
         })
     }
 
@@ -108,6 +106,7 @@ impl<'a> Engine<'a> {
         let first_prices = self.start.elapsed().as_secs_f64();
         // Edges that are to be priced before the queue is looked at again.
         let mut due = Vec::new();
+        let mut memory = Memory::default();
         while let Some(entry) = self.queue.first(self.mesh.n_faces(), &mut self.ticker)? {
             if self.options.stop.cost.is_some_and(|limit| entry.price > limit) {
                 self.statistics.outcome = Outcome::CostReached;
@@ -119,10 +118,7 @@ impl<'a> Engine<'a> {
                 self.price(&due)?;
                 continue;
             }
-            if !self.attempt(entry) {
-                continue;
-            }
-            let merged = (self.memory.rings.kept, &self.memory.merged);
+            let Some(merged) = self.attempt(entry, &mut memory) else { continue };
             let (mesh, queue) = (&mut self.mesh, &mut self.queue);
             self.renewer.list_after(merged, mesh, queue, &mut self.marks, &mut due);
             self.price(&due)?;
@@ -182,20 +178,21 @@ impl<'a> Engine<'a> {
         Ok(())
     }
 
-    /// Tries the collapse at the head of the queue; whether it was made.
-    fn attempt(&mut self, entry: Entry) -> bool {
-        let Self { mesh, queue, pricer, statistics, memory, .. } = self;
+    /// Tries the collapse at the head of the queue; what it did, if it was made.
+    fn attempt<'m>(&mut self, entry: Entry, memory: &'m mut Memory) -> Option<&'m Merged> {
+        let Self { mesh, queue, pricer, statistics, .. } = self;
+        let Memory { rings, merged, wedges } = memory;
         let edge = entry.edge;
         let choice = queue.choice(edge);
         let Some((proposal, values)) = pricer.proposal(mesh, edge, choice) else {
             park(&mut mesh.complex, queue, edge);
-            return false;
+            return None;
         };
-        let rings = mesh.complex.neighborhood(edge, &mut memory.rings);
+        let rings = mesh.complex.neighborhood(edge, rings);
         let Some(rings) = rings.filter(|r| r.keep_topology(&mesh.complex, &mut self.marks)) else {
             statistics.n_rejected_link += 1;
             park(&mut mesh.complex, queue, edge);
-            return false;
+            return None;
         };
         let position = proposal.position;
         let least_cosine = self.options.flip_angle_rad.map(f64::cos);
@@ -206,19 +203,19 @@ impl<'a> Engine<'a> {
                 Some((price, choice)) => queue.set(Entry { price, ..entry }, choice),
                 None => park(&mut mesh.complex, queue, edge),
             }
-            return false;
+            return None;
         }
         let [kept, gone] = [rings.kept, rings.gone].map(VertexId);
         let before = [mesh.position(kept), mesh.position(gone)];
         let is_observed = !self.observers.is_empty();
         if is_observed {
-            list_wedges(mesh, rings, &mut memory.wedges);
+            list_wedges(mesh, rings, wedges);
         }
-        mesh.merge(rings, position, values, &mut self.marks, &mut memory.merged);
+        mesh.merge(rings, position, values, &mut self.marks, merged);
         if is_observed {
-            complete_changes(mesh, &mut memory.wedges);
+            complete_changes(mesh, wedges);
         }
-        for &edge in &memory.merged.dead_edges {
+        for &edge in &merged.dead_edges {
             queue.remove(edge);
         }
         let collapse = Collapse {
@@ -226,14 +223,14 @@ impl<'a> Engine<'a> {
             gone,
             position,
             before,
-            dying_faces: &memory.merged.dying_faces,
+            dying_faces: &merged.dying_faces,
             price: entry.price,
-            wedges: &memory.wedges,
+            wedges,
             rings,
         };
         pricer.collapsed(mesh, &collapse);
         self.observers.iter_mut().for_each(|observer| observer.collapsed(mesh, &collapse));
         statistics.add_collapse(entry.price);
-        true
+        Some(merged)
     }
 }

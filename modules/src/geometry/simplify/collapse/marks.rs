@@ -32,11 +32,10 @@ impl VertexMarks {
         (when == self.now).then_some(value)
     }
 
-    /// Marks a vertex; whether it was not marked before.
+    /// Marks a vertex, with no value in particular; returns whether it had no mark before.
     #[inline]
-    pub fn is_new(&mut self, vertex: u32) -> bool {
-        let is_new = self.marks[vertex as usize].0 != self.now;
-        self.marks[vertex as usize].0 = self.now;
-        is_new
+    pub fn mark(&mut self, vertex: u32) -> bool {
+        let before = std::mem::replace(&mut self.marks[vertex as usize].0, self.now);
+        before != self.now
     }
 }

@@ -42,6 +42,8 @@ pub struct DyingFace {
 /// What merging two vertices did.
 #[derive(Debug, Default)]
 pub(super) struct Merged {
+    /// The vertex that stayed.
+    pub kept: u32,
     pub dying_faces: Vec<DyingFace>,
     /// The merged edge, and each edge that another one stands for now.
     pub dead_edges: Vec<EdgeId>,
@@ -59,6 +61,7 @@ impl Complex {
         marks: &mut VertexMarks,
         merged: &mut Merged,
     ) {
+        merged.kept = rings.kept;
         let (kept, gone) = (rings.kept as usize, rings.gone as usize);
         self.flags[kept] |= self.flags[gone];
         self.vertices[kept].position = position;
@@ -81,7 +84,7 @@ impl Complex {
             } else {
                 (face.after, to_after)
             };
-            if marks.is_new(third) {
+            if marks.get(third).is_none() {
                 marks.set(third, to_kept.0);
                 merged.dead_edges.push(to_gone);
                 self.irregular[to_kept.idx()] |= self.irregular[to_gone.idx()];

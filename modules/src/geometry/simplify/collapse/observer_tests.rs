@@ -169,14 +169,16 @@ impl Placement for Interpolated {
     }
 }
 
-/// A cost that sees the values that are proposed.
-struct Seen(usize);
+/// The length of the edge, for proposals that must have so many values.
+struct LengthCost {
+    n_values: usize,
+}
 
-impl Cost for Seen {
+impl Cost for LengthCost {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
             let [kept, gone] = [proposal.contraction.kept, proposal.contraction.gone];
-            assert_eq!(batch.attributes(proposal).len(), self.0);
+            assert_eq!(batch.attributes(proposal).len(), self.n_values);
             *price = mesh.position(kept).distance(mesh.position(gone));
         }
     }
@@ -195,7 +197,7 @@ fn values_of_a_proposal_are_taken_and_others_interpolated() {
     }];
     let error = |placement: &mut dyn Placement, n_values| {
         let control = Control::none();
-        let (mut cost, options) = (Seen(n_values), to_faces(50));
+        let (mut cost, options) = (LengthCost { n_values }, to_faces(50));
         let result = simplify(&mesh, &mut cost, placement, options, control).unwrap().mesh;
         assert!(result.faces.len() <= 50);
         let LayerValues::Vec2(values) = &result.layers[0].values else { panic!("Vec2") };

@@ -36,7 +36,8 @@ pub enum Renewal {
 
 /// The vertices that may merge into one: the ends of an edge, or the corners of a face.
 ///
-/// The engine queues edges alone for now: `also_gone` is `None` in all that it asks about.
+/// The engine queues edges alone for now: `also_gone` is `None` in all that it asks about. Costs
+/// and placements answer for three vertices all the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contraction {
     /// The vertex that stays.
@@ -48,6 +49,30 @@ pub struct Contraction {
     /// The sum of the quadrics of all of them about the position of `kept`; zero unless a part
     /// asked for quadrics.
     pub quadric: Quadric,
+}
+
+impl Contraction {
+    /// The vertices, the one that stays first.
+    #[inline]
+    pub fn vertices(&self) -> impl Iterator<Item = VertexId> + use<> {
+        [Some(self.kept), Some(self.gone), self.also_gone].into_iter().flatten()
+    }
+
+    /// Whether a vertex is one of them.
+    #[inline]
+    pub fn has(&self, vertex: VertexId) -> bool {
+        vertex == self.kept || vertex == self.gone || Some(vertex) == self.also_gone
+    }
+
+    /// The squared length of the longest edge between them, where `place` says that they are.
+    #[inline]
+    pub fn length_squared(&self, place: impl Fn(VertexId) -> DVec3) -> f64 {
+        let [from, to] = [self.kept, self.gone].map(&place);
+        let length = from.distance_squared(to);
+        self.also_gone.map(place).map_or(length, |third| {
+            length.max(third.distance_squared(from)).max(third.distance_squared(to))
+        })
+    }
 }
 
 /// The attribute values of a proposal: a part of the list that its batch owns.

@@ -45,27 +45,26 @@ impl Renewer {
         Self { is_lazy, reach, renewal, ring: Vec::new(), ring_faces: Vec::new() }
     }
 
-    /// Lists the edges that are due now that two vertices have merged into this one.
+    /// Lists the edges that are due now that two vertices have merged.
     #[inline]
     pub fn list_after(
         &mut self,
-        merged: (u32, &Merged),
+        merged: &Merged,
         mesh: &mut WorkingMesh,
         queue: &mut Queue,
         marks: &mut VertexMarks,
         due: &mut Vec<EdgeId>,
     ) {
         due.clear();
-        let (vertex, merged) = merged;
         if self.is_lazy {
             self.mark_stale(&mesh.complex, merged, queue, due);
         } else {
-            self.list_within_reach(&mesh.complex, vertex, marks, due);
+            self.list_within_reach(&mesh.complex, merged.kept, marks, due);
             if self.renewal == Renewal::Lazy {
-                put_off(&mesh.complex, vertex, queue, due);
+                put_off(&mesh.complex, merged.kept, queue, due);
             }
         }
-        self.wake_parked(&mut mesh.complex, vertex, queue, due);
+        self.wake_parked(&mut mesh.complex, merged.kept, queue, due);
         due.sort_unstable();
         due.dedup();
     }
@@ -103,7 +102,7 @@ impl Renewer {
         ring.clear();
         ring.push(merged);
         marks.clear();
-        marks.is_new(merged);
+        marks.mark(merged);
         let mut from = 0;
         for _ in 0..=self.reach.0 {
             let to = ring.len();
@@ -113,7 +112,7 @@ impl Renewer {
                     let before = previous_in_face(corner);
                     for (half_edge, other) in [(corner, next_in_face(corner)), (before, before)] {
                         let other = complex.vertex_at(other);
-                        if marks.is_new(other) {
+                        if marks.mark(other) {
                             ring.push(other);
                             due.push(complex.edge_at(half_edge));
                         } else if vertex != merged {

@@ -7,8 +7,10 @@ use super::marks::VertexMarks;
 use super::options::{Boundary, Seams};
 use super::quadrics::Quadrics;
 use super::ticker::Ticker;
-use super::{Candidates, Contraction, Cost, Placement, QuadricOptions, WorkingMesh};
-use crate::data::TriMesh;
+use super::{
+    Batch, Candidates, Contraction, Cost, Placement, Proposal, QuadricOptions, WorkingMesh,
+};
+use crate::data::{FaceId, TriMesh};
 
 fn working(mesh: &TriMesh, quadrics: Option<QuadricOptions>) -> (WorkingMesh, Vec<Contraction>) {
     let mut ticker = Ticker::new(Control::none());
@@ -78,4 +80,47 @@ pub(crate) fn first_places(
         .collect();
     places.sort_unstable_by_key(|(from, to, _)| (*from, *to));
     places
+}
+
+/// The contraction of a face of the input, before the first collapse.
+fn contraction_of(mesh: &WorkingMesh, face: FaceId) -> Contraction {
+    let face = mesh.face_ids().find(|&own| mesh.input_face(own) == face).unwrap();
+    let [kept, gone, third] = mesh.face(face).unwrap();
+    let mut quadric = mesh.quadric(kept);
+    for v in [gone, third] {
+        quadric.add(&mesh.quadric(v).shifted(mesh.position(kept) - mesh.position(v)));
+    }
+    Contraction { kept, gone, also_gone: Some(third), quadric }
+}
+
+/// The price of merging the corners of a face at a place.
+pub(crate) fn face_price(
+    mesh: &TriMesh,
+    face: FaceId,
+    position: DVec3,
+    cost: &mut dyn Cost,
+) -> f64 {
+    let (working, _) = working(mesh, cost.quadrics());
+    cost.begin(&working, Control::none()).unwrap();
+    let contraction = contraction_of(&working, face);
+    let proposal = Proposal { contraction, position, attributes: None };
+    let mut prices = [f64::NAN];
+    cost.price(&working, Batch::new(&[proposal]), &mut prices);
+    prices[0]
+}
+
+/// The places that are proposed for merging the corners of a face, along the space-filling curve.
+pub(crate) fn face_places(
+    mesh: &TriMesh,
+    face: FaceId,
+    placement: &mut dyn Placement,
+) -> Vec<DVec3> {
+    let (working, _) = working(mesh, placement.quadrics());
+    let contraction = [contraction_of(&working, face)];
+    let mut candidates = Candidates::default();
+    let mut proposals = Vec::new();
+    candidates.reset(1);
+    placement.propose(&working, &contraction, &mut candidates);
+    candidates.list_proposals(&contraction, &mut proposals);
+    proposals.iter().map(|proposal| proposal.position).collect()
 }

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::views::mesh::arrays::{Arrays, Sharing};
+use crate::views::mesh::arrays::{Arrays, CornerSharing};
 
 /// Surfaces with fewer faces are drawn as they are.
 pub const FEW_FACES: usize = 60_000;
@@ -26,7 +26,7 @@ pub struct Coarse {
 }
 
 /// Makes the rough version, O(n log n); `None` when the surface has few faces.
-pub fn coarse(arrays: &Arrays, sharing: Sharing) -> Option<Coarse> {
+pub fn coarse(arrays: &Arrays, sharing: CornerSharing) -> Option<Coarse> {
     if arrays.faces.len() < FEW_FACES {
         return None;
     }
@@ -43,8 +43,8 @@ pub fn coarse(arrays: &Arrays, sharing: Sharing) -> Option<Coarse> {
     faces.par_sort_unstable();
     faces.dedup_by_key(|(corners, _)| *corners);
     Some(match sharing {
-        Sharing::Wedges => shared(&faces, first.len()),
-        Sharing::Corners => apart(&faces, &first, corners),
+        CornerSharing::Wedges => shared(&faces, first.len()),
+        CornerSharing::Corners => apart(&faces, &first, corners),
     })
 }
 
@@ -116,10 +116,10 @@ mod tests {
     #[test]
     fn a_large_surface_has_a_rough_version_and_a_small_one_has_none() {
         let small = Arc::new(tetrahedron());
-        let drawn = arrays(&small, 1.0, Sharing::Wedges).unwrap();
-        assert_eq!(coarse(&drawn, Sharing::Wedges), None);
+        let drawn = arrays(&small, 1.0, CornerSharing::Wedges).unwrap();
+        assert_eq!(coarse(&drawn, CornerSharing::Wedges), None);
         let large = Arc::new(torus(3.0, 1.0, 600));
-        for sharing in [Sharing::Wedges, Sharing::Corners] {
+        for sharing in [CornerSharing::Wedges, CornerSharing::Corners] {
             let drawn = arrays(&large, 1.0, sharing).unwrap();
             let rough = coarse(&drawn, sharing).unwrap();
             let n_faces = rough.indices.len() / 3;

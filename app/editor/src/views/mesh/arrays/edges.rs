@@ -74,19 +74,19 @@ mod tests {
     use mve_modules::mesh::fixtures::{mesh_of, tetrahedron};
 
     use super::*;
-    use crate::views::mesh::arrays::{Sharing, arrays};
+    use crate::views::mesh::arrays::{CornerSharing, arrays};
 
     #[test]
     fn edges_are_found_once_and_borders_first() {
         let closed = Arc::new(tetrahedron());
-        for sharing in [Sharing::Wedges, Sharing::Corners] {
+        for sharing in [CornerSharing::Wedges, CornerSharing::Corners] {
             let found = edges(&closed, &arrays(&closed, 1.0, sharing).unwrap());
             assert_eq!((found.indices.len() / 2, found.n_border, found.n_non_manifold), (6, 0, 0));
         }
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
         let fan = mesh_of(&points, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 2, 2]]);
         let fan = Arc::new(fan);
-        let drawn = arrays(&fan, 4.0, Sharing::Wedges).unwrap();
+        let drawn = arrays(&fan, 4.0, CornerSharing::Wedges).unwrap();
         let found = edges(&fan, &drawn);
         assert_eq!((found.indices.len() / 2, found.n_border, found.n_non_manifold), (7, 6, 1));
         let last: Vec<usize> = found.indices[12..]

@@ -7,6 +7,7 @@
 
 pub mod coarse;
 pub mod edges;
+pub mod textures;
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::views::camera::Bounds;
-use crate::views::mesh::look::texture::FaceTextures;
+use textures::FaceTextures;
 
 /// How normals come about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,7 +53,7 @@ impl Shading {
 
 /// Which corners may share a drawn vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sharing {
+pub enum CornerSharing {
     /// Those of one vertex with one normal: enough for values over vertices.
     Wedges,
     /// None: for values over corners and faces. Drawn vertex 3 i + k is corner k of drawn face
@@ -93,7 +94,11 @@ impl Arrays {
 }
 
 /// Makes the arrays, O(n). `None` when nothing can be drawn.
-pub fn arrays(mesh: &Arc<TriMesh>, crease_angle_rad: f32, sharing: Sharing) -> Option<Arrays> {
+pub fn arrays(
+    mesh: &Arc<TriMesh>,
+    crease_angle_rad: f32,
+    sharing: CornerSharing,
+) -> Option<Arrays> {
     let is_drawn = |face: &u32| {
         mesh.faces[*face as usize]
             .iter()
@@ -249,7 +254,7 @@ impl LocalSurface<'_> {
         a.dot(b).clamp(-1.0, 1.0).acos()
     }
 
-    fn fill(&self, runs: Vec<Wedges>, sharing: Sharing, arrays: &mut Arrays) {
+    fn fill(&self, runs: Vec<Wedges>, sharing: CornerSharing, arrays: &mut Arrays) {
         let fans = CornersOfVertices::new(self.mesh, self.faces);
         let mut indices = vec![0u32; 3 * self.faces.len()];
         let mut next = 0;
@@ -264,12 +269,12 @@ impl LocalSurface<'_> {
         let normals: Vec<PackedNormal> =
             runs.iter().flat_map(|run| &run.normals).copied().collect();
         let places: Vec<u32> = match sharing {
-            Sharing::Wedges => runs.iter().flat_map(|run| &run.places).copied().collect(),
-            Sharing::Corners => (0..indices.len() as u32).collect(),
+            CornerSharing::Wedges => runs.iter().flat_map(|run| &run.places).copied().collect(),
+            CornerSharing::Corners => (0..indices.len() as u32).collect(),
         };
         match sharing {
-            Sharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
-            Sharing::Corners => {
+            CornerSharing::Wedges => (arrays.normals, arrays.indices) = (normals, indices),
+            CornerSharing::Corners => {
                 let textures = FaceTextures::of(self.mesh);
                 let normal = |(place, &wedge): (usize, &u32)| {
                     let [x, y, z, _] = normals[wedge as usize];
@@ -321,7 +326,7 @@ mod tests {
     #[test]
     fn a_cube_keeps_its_edges_unless_none_is_sharp() {
         let cube = Arc::new(cube(DVec3::splat(2.0)));
-        let drawn = arrays(&cube, 1.05, Sharing::Wedges).unwrap();
+        let drawn = arrays(&cube, 1.05, CornerSharing::Wedges).unwrap();
         assert_eq!(drawn.positions.len(), 24);
         for (at, &corner) in drawn.corners.iter().enumerate() {
             let face = mve_modules::data::FaceId(corner / 3);
@@ -329,7 +334,7 @@ mod tests {
             let expected = (b - a).cross(c - a).normalize();
             assert!(normal_of(drawn.normals[at]).dot(expected) > 0.9999);
         }
-        let smooth = arrays(&cube, std::f32::consts::PI, Sharing::Wedges).unwrap();
+        let smooth = arrays(&cube, std::f32::consts::PI, CornerSharing::Wedges).unwrap();
         assert_eq!(smooth.positions.len(), 8);
     }
 
@@ -340,7 +345,7 @@ mod tests {
             *p = *p * 3e5 + DVec3::new(1e9, -5e8, 3.0);
         }
         let mesh = Arc::new(mesh);
-        for sharing in [Sharing::Wedges, Sharing::Corners] {
+        for sharing in [CornerSharing::Wedges, CornerSharing::Corners] {
             let drawn = arrays(&mesh, 1.05, sharing).unwrap();
             for (slot, face) in drawn.indices.chunks(3).enumerate() {
                 for (k, &at) in face.iter().enumerate() {
@@ -356,7 +361,7 @@ mod tests {
     #[test]
     fn normals_of_a_ring_point_away_from_its_middle_line() {
         let ring = Arc::new(torus(3.0, 1.0, 24));
-        let drawn = arrays(&ring, 1.05, Sharing::Wedges).unwrap();
+        let drawn = arrays(&ring, 1.05, CornerSharing::Wedges).unwrap();
         assert_eq!(drawn.positions.len(), ring.positions.len());
         let (low, high) = ring.bounds().unwrap();
         let thin = (high - low).min_position();
@@ -377,9 +382,9 @@ mod tests {
         mesh.faces.push([VertexId(0), VertexId(1), VertexId(99)]);
         mesh.faces.push([VertexId(0), VertexId(0), VertexId(0)]);
         let mesh = Arc::new(mesh);
-        let drawn = arrays(&mesh, 1.05, Sharing::Wedges).unwrap();
+        let drawn = arrays(&mesh, 1.05, CornerSharing::Wedges).unwrap();
         assert_eq!(drawn.faces.len(), 2, "the face without the bad vertex and the degenerate one");
         assert_eq!(drawn.n_left_out(&mesh), 4);
-        assert!(arrays(&Arc::new(TriMesh::default()), 1.05, Sharing::Wedges).is_none());
+        assert!(arrays(&Arc::new(TriMesh::default()), 1.05, CornerSharing::Wedges).is_none());
     }
 }

@@ -4,7 +4,6 @@ use eframe::wgpu;
 
 use crate::views::mesh::arrays::Arrays;
 use crate::views::mesh::arrays::coarse::Coarse;
-use crate::views::mesh::lines::LineIndices;
 use crate::views::mesh::look::coloring::Attribute;
 
 /// Faces on the GPU, and where their vertices are.
@@ -126,12 +125,11 @@ impl AttributeBuffers {
 }
 
 impl LineBuffer {
-    /// Uploads.
+    /// Uploads the two vertices of each line.
     ///
     /// # Errors
     /// When there are more lines than the GPU takes.
-    pub fn new(device: &wgpu::Device, lines: &LineIndices) -> Result<Self, TooLarge> {
-        let indices = &lines.pairs[..lines.n_indices];
+    pub fn new(device: &wgpu::Device, indices: &[u32]) -> Result<Self, TooLarge> {
         let n_indices = indices.len() as u32;
         Ok(Self { indices: buffer(device, indices, wgpu::BufferUsages::INDEX)?, n_indices })
     }

@@ -14,11 +14,11 @@ use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 
+use crate::views::memo::Memo;
 use crate::views::mesh::look::texture::Pictures;
-use crate::views::slot::Slot;
 use buffers::{Faces, LineBuffer};
 use target::{FINE, PiecePlace, Target};
-use texture::{COLOR_FORMAT, DEPTH_FORMAT, Texture};
+use texture::{COLOR_FORMAT, DEPTH_FORMAT, GpuTexture};
 
 /// The numbers that the shader reads; see there.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -51,9 +51,9 @@ pub struct Drawing<'a> {
     /// Lines, each with the place of its color.
     pub lines: Vec<(u32, &'a LineBuffer)>,
     /// The colors of values.
-    pub table: &'a Texture,
+    pub table: &'a GpuTexture,
     /// The textures.
-    pub pictures: Texture,
+    pub pictures: GpuTexture,
     /// Whether faces that are seen from behind are left out.
     pub is_culled: bool,
 }
@@ -85,7 +85,7 @@ pub struct Gpu {
     pipelines: HashMap<(PipelineKind, u32), wgpu::RenderPipeline>,
     clamping: wgpu::Sampler,
     repeating: wgpu::Sampler,
-    no_pictures: Texture,
+    no_pictures: GpuTexture,
 }
 
 impl Gpu {
@@ -112,7 +112,7 @@ impl Gpu {
         Self {
             clamping: sampler(wgpu::AddressMode::ClampToEdge),
             repeating: sampler(wgpu::AddressMode::Repeat),
-            no_pictures: Texture::of_pictures(device, &state.queue, &Pictures::none()),
+            no_pictures: GpuTexture::of_pictures(device, &state.queue, &Pictures::none()),
             state: state.clone(),
             shader,
             bind_layout,
@@ -140,14 +140,14 @@ impl Gpu {
     /// Makes what is to be on the GPU: aside where threads can share it, else here and now.
     pub fn upload<K: PartialEq, T: Send + 'static>(
         &self,
-        slot: &mut Slot<K, T>,
+        memo: &mut Memo<K, T>,
         context: &egui::Context,
         key: K,
         work: impl FnOnce() -> T + Send + 'static,
     ) {
         match self.is_shared() {
-            true => slot.want(context, key, work),
-            false => slot.make(key, work),
+            true => memo.want(context, key, work),
+            false => memo.make(key, work),
         }
     }
 
@@ -157,7 +157,7 @@ impl Gpu {
     }
 
     /// What is read where there is no texture.
-    pub fn no_pictures(&self) -> &Texture {
+    pub fn no_pictures(&self) -> &GpuTexture {
         &self.no_pictures
     }
 

@@ -14,7 +14,7 @@ pub const SAMPLED: wgpu::TextureUsages =
 
 /// A picture for the shader.
 #[derive(Clone, Debug)]
-pub struct Texture {
+pub struct GpuTexture {
     view: wgpu::TextureView,
 }
 
@@ -59,7 +59,7 @@ fn write(
     queue.write_texture(place, pixels, layout, size);
 }
 
-impl Texture {
+impl GpuTexture {
     /// What the shader reads it by.
     pub fn view(&self) -> &wgpu::TextureView {
         &self.view

@@ -8,14 +8,16 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
-use mve_modules::picture::color_map::{ColorMapOptions, Outside, bytes_of, range_of};
-use mve_modules::picture::color_scale::{ColorTable, Scale};
+use mve_modules::picture::color_map::{
+    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
+};
+use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::views::mesh::arrays::{Arrays, Sharing};
+use crate::views::mesh::arrays::textures::FaceTextures;
+use crate::views::mesh::arrays::{Arrays, CornerSharing};
 use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
-use crate::views::mesh::look::texture::FaceTextures;
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +55,7 @@ pub struct PinnedField {
 
 /// What one mesh is colored by.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum ColorSource {
     /// One color.
     Plain,
     /// The layer of colors.
@@ -72,7 +74,7 @@ pub enum Source {
     Picture,
 }
 
-impl PartialEq for Source {
+impl PartialEq for ColorSource {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Plain, Self::Plain)
@@ -105,47 +107,47 @@ fn has_textures(mesh: &TriMesh) -> bool {
 }
 
 /// Whether a mesh has what a choice asks for, and what that is.
-pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option<Source> {
+pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option<ColorSource> {
     let fitting = || fields.iter().filter(|pinned| pinned.field.check_fits(mesh).is_ok());
     match by {
-        ColorBy::Plain => Some(Source::Plain),
-        ColorBy::Colors => colors_of(mesh).map(|_| Source::Colors),
-        ColorBy::Checker => texcoords_of(mesh).map(|_| Source::Checker),
-        ColorBy::Picture(_) => texcoords_of(mesh).map(|_| Source::Picture),
-        ColorBy::Materials => has_textures(mesh).then_some(Source::Materials),
+        ColorBy::Plain => Some(ColorSource::Plain),
+        ColorBy::Colors => colors_of(mesh).map(|_| ColorSource::Colors),
+        ColorBy::Checker => texcoords_of(mesh).map(|_| ColorSource::Checker),
+        ColorBy::Picture(_) => texcoords_of(mesh).map(|_| ColorSource::Picture),
+        ColorBy::Materials => has_textures(mesh).then_some(ColorSource::Materials),
         ColorBy::Layer(name) => {
             let layer = number_layers(mesh).find(|layer| layer.name == *name)?;
-            Some(Source::Layer(layer.name.clone()))
+            Some(ColorSource::Layer(layer.name.clone()))
         }
         ColorBy::Labels(name) => {
             let layer = label_layers(mesh).find(|layer| layer.name == *name)?;
-            Some(Source::Labels(layer.name.clone()))
+            Some(ColorSource::Labels(layer.name.clone()))
         }
         ColorBy::Field(title) => {
             let pinned = fitting().find(|pinned| pinned.title == *title)?;
-            Some(Source::Field(Arc::clone(&pinned.field)))
+            Some(ColorSource::Field(Arc::clone(&pinned.field)))
         }
         ColorBy::Auto => {
             let mut pinned = fitting();
             if let (Some(one), None) = (pinned.next(), pinned.next()) {
-                return Some(Source::Field(Arc::clone(&one.field)));
+                return Some(ColorSource::Field(Arc::clone(&one.field)));
             }
             if has_textures(mesh) {
-                return Some(Source::Materials);
+                return Some(ColorSource::Materials);
             }
             if colors_of(mesh).is_some() {
-                return Some(Source::Colors);
+                return Some(ColorSource::Colors);
             }
             let mut layers = number_layers(mesh);
             match (layers.next(), layers.next()) {
-                (Some(one), None) => Some(Source::Layer(one.name.clone())),
-                _ => Some(Source::Plain),
+                (Some(one), None) => Some(ColorSource::Layer(one.name.clone())),
+                _ => Some(ColorSource::Plain),
             }
         }
     }
 }
 
-impl Source {
+impl ColorSource {
     /// What it belongs to; `None` for one color.
     fn domain(&self, mesh: &TriMesh) -> Option<Domain> {
         match self {
@@ -160,10 +162,10 @@ impl Source {
     }
 
     /// Which corners may share a drawn vertex.
-    pub fn sharing(&self, mesh: &TriMesh) -> Sharing {
+    pub fn sharing(&self, mesh: &TriMesh) -> CornerSharing {
         match self.domain(mesh) {
-            None | Some(Domain::Vertex) => Sharing::Wedges,
-            Some(Domain::Corner | Domain::Face) => Sharing::Corners,
+            None | Some(Domain::Vertex) => CornerSharing::Wedges,
+            Some(Domain::Corner | Domain::Face) => CornerSharing::Corners,
         }
     }
 }
@@ -243,7 +245,12 @@ impl Spacing {
 }
 
 /// Makes the array for a source, O(n).
-pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spacing) -> Attribute {
+pub fn attribute(
+    mesh: &TriMesh,
+    drawn: &Arrays,
+    source: &ColorSource,
+    spacing: Spacing,
+) -> Attribute {
     let nothing = || Attribute { reading: Reading::Nothing, words: Vec::new(), values: None };
     let Some(domain) = source.domain(mesh) else { return nothing() };
     let element = |corner: u32| match domain {
@@ -255,8 +262,8 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
         drawn.corners.par_iter().map(|&corner| word(element(corner))).collect()
     };
     match source {
-        Source::Plain => nothing(),
-        Source::Colors | Source::Labels(_) => {
+        ColorSource::Plain => nothing(),
+        ColorSource::Colors | ColorSource::Labels(_) => {
             let Some((colors, index)) = color_list(mesh, source) else { return nothing() };
             let word = |at: usize| {
                 let color = index.get(at).and_then(|&value| colors.get(value as usize));
@@ -264,20 +271,20 @@ pub fn attribute(mesh: &TriMesh, drawn: &Arrays, source: &Source, spacing: Spaci
             };
             Attribute { reading: Reading::Color, words: words(&word), values: None }
         }
-        Source::Checker | Source::Picture => {
+        ColorSource::Checker | ColorSource::Picture => {
             let reading = match source {
-                Source::Checker => Reading::Checker,
+                ColorSource::Checker => Reading::Checker,
                 _ => Reading::Picture,
             };
             let coord = |at: usize| bits_of(texcoord(mesh, at));
             Attribute { reading, words: words(&coord), values: None }
         }
-        Source::Materials => Attribute {
+        ColorSource::Materials => Attribute {
             reading: Reading::Materials,
             words: words_of_materials(mesh, drawn),
             values: None,
         },
-        Source::Layer(_) | Source::Field(_) => {
+        ColorSource::Layer(_) | ColorSource::Field(_) => {
             let Some(values) = values_of(mesh, source, domain, spacing) else { return nothing() };
             let [low, high] = values.extent;
             let word = |at: usize| {
@@ -336,9 +343,9 @@ fn words_of_materials(mesh: &TriMesh, drawn: &Arrays) -> Vec<[u32; 2]> {
 const UNCOLORED: [u8; 3] = [189, 189, 184];
 
 /// The colors of a source, and which of them each element has.
-fn color_list<'a>(mesh: &'a TriMesh, source: &Source) -> Option<(Vec<[u8; 3]>, &'a [u32])> {
+fn color_list<'a>(mesh: &'a TriMesh, source: &ColorSource) -> Option<(Vec<[u8; 3]>, &'a [u32])> {
     let layer = match source {
-        Source::Labels(name) => mesh.layer(name)?,
+        ColorSource::Labels(name) => mesh.layer(name)?,
         _ => colors_of(mesh)?,
     };
     let colors = match &layer.values {
@@ -348,13 +355,18 @@ fn color_list<'a>(mesh: &'a TriMesh, source: &Source) -> Option<(Vec<[u8; 3]>, &
     Some((colors, &layer.index))
 }
 
-fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) -> Option<Values> {
+fn values_of(
+    mesh: &TriMesh,
+    source: &ColorSource,
+    domain: Domain,
+    spacing: Spacing,
+) -> Option<Values> {
     let (name, unit, values) = match source {
-        Source::Field(field) => {
+        ColorSource::Field(field) => {
             let values = field.values.iter().map(|&value| spacing.of(value)).collect();
             (field.name.clone(), field.unit.clone(), values)
         }
-        Source::Layer(name) => {
+        ColorSource::Layer(name) => {
             let layer = mesh.layer(name)?;
             let LayerValues::Number(numbers) = &layer.values else { return None };
             let number = |&at: &u32| match numbers.get(at as usize) {
@@ -367,21 +379,6 @@ fn values_of(mesh: &TriMesh, source: &Source, domain: Domain, spacing: Spacing) 
     };
     let extent = extent_of(&values);
     Some(Values { name, unit, domain, values, extent, spacing })
-}
-
-/// Lowest and highest finite value; 0 and 1 without one.
-pub fn extent_of(values: &[f64]) -> [f64; 2] {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) =
-        (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
-    if low <= high { [low, high] } else { [0.0, 1.0] }
-}
-
-/// Where a value lies between low (0) and high (1); 0 in a range without length.
-fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
-    // Halves, as the whole range may be larger than the largest number.
-    let length = 0.5 * high - 0.5 * low;
-    if length > 0.0 { (0.5 * value - 0.5 * low) / length } else { 0.0 * value }
 }
 
 /// How values become colors: what the module `ColorMap` offers, and logarithms.
@@ -444,21 +441,18 @@ impl ScaleSettings {
     pub fn place_of_share(&self, extent: [f64; 2], range: [f64; 2]) -> [f32; 2] {
         let length = 0.5 * range[1] - 0.5 * range[0];
         if length <= 0.0 {
-            return [0.0, if self.options().is_symmetric { 0.5 } else { 0.0 }];
+            return [0.0, self.options().share_without_length() as f32];
         }
         let factor = (0.5 * extent[1] - 0.5 * extent[0]) / length;
-        let offset = (0.5 * extent[0] - 0.5 * range[0]) / length;
-        [factor as f32, offset as f32]
+        [factor as f32, share(extent[0], range) as f32]
     }
 
     /// The colors from the first to the last in equal steps, as bytes with full opacity.
     pub fn table(&self) -> Vec<[u8; 4]> {
-        let table = ColorTable::new(self.scale);
+        let map = ColorMap::new([0.0, 1.0], &self.options());
         let last = (TABLE_LENGTH - 1) as f64;
         let color = |i: usize| {
-            let t = i as f64 / last;
-            let t = if self.is_reversed { 1.0 - t } else { t };
-            let [r, g, b] = bytes_of(table.color(t));
+            let [r, g, b] = bytes_of(map.color(i as f64 / last));
             [r, g, b, 255]
         };
         (0..TABLE_LENGTH).map(color).collect()

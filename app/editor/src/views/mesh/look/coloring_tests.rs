@@ -68,17 +68,17 @@ fn colors_are_those_of_the_module() {
 #[test]
 fn a_single_field_is_shown_at_once() {
     let mut mesh = tetrahedron();
-    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[]), Some(Source::Plain));
+    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[]), Some(ColorSource::Plain));
     let one = pinned(&[0.0, 1.0, 2.0, 3.0]);
     let shown = source_of(&mesh, &ColorBy::Auto, std::slice::from_ref(&one));
-    assert_eq!(shown, Some(Source::Field(Arc::clone(&one.field))));
+    assert_eq!(shown, Some(ColorSource::Field(Arc::clone(&one.field))));
     let strange = pinned(&[0.0; 9]);
-    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[strange]), Some(Source::Plain));
+    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[strange]), Some(ColorSource::Plain));
     mesh.layers.push(number_layer("quality"));
     let shown = source_of(&mesh, &ColorBy::Auto, &[]);
-    assert_eq!(shown, Some(Source::Layer("quality".to_owned())));
+    assert_eq!(shown, Some(ColorSource::Layer("quality".to_owned())));
     mesh.layers.push(number_layer("age"));
-    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[]), Some(Source::Plain));
+    assert_eq!(source_of(&mesh, &ColorBy::Auto, &[]), Some(ColorSource::Plain));
 }
 
 #[test]
@@ -86,8 +86,8 @@ fn layers_with_holes_and_numbers_that_are_none_are_marked() {
     let mut mesh = tetrahedron();
     mesh.layers.push(number_layer("quality"));
     let mesh = Arc::new(mesh);
-    let drawn = arrays(&mesh, 4.0, Sharing::Wedges).unwrap();
-    let source = Source::Layer("quality".to_owned());
+    let drawn = arrays(&mesh, 4.0, CornerSharing::Wedges).unwrap();
+    let source = ColorSource::Layer("quality".to_owned());
     let made = attribute(&mesh, &drawn, &source, Spacing::Linear);
     let values = made.values.unwrap();
     assert_eq!(values.extent, [1.0, 2.0]);
@@ -100,7 +100,7 @@ fn layers_with_holes_and_numbers_that_are_none_are_marked() {
     let logs = attribute(
         &mesh,
         &drawn,
-        &Source::Field(field(Domain::Vertex, &[0.0, 10.0, 1000.0, -1.0])),
+        &ColorSource::Field(field(Domain::Vertex, &[0.0, 10.0, 1000.0, -1.0])),
         Spacing::Logarithmic,
     );
     assert_eq!(logs.values.unwrap().extent, [1.0, 3.0]);
@@ -109,9 +109,9 @@ fn layers_with_holes_and_numbers_that_are_none_are_marked() {
 #[test]
 fn values_over_faces_go_to_all_corners_of_a_face() {
     let mesh = Arc::new(tetrahedron());
-    let source = Source::Field(field(Domain::Face, &[0.0, 1.0, 2.0, 4.0]));
+    let source = ColorSource::Field(field(Domain::Face, &[0.0, 1.0, 2.0, 4.0]));
     let sharing = source.sharing(&mesh);
-    assert_eq!(sharing, Sharing::Corners);
+    assert_eq!(sharing, CornerSharing::Corners);
     let drawn = arrays(&mesh, 1.0, sharing).unwrap();
     let made = attribute(&mesh, &drawn, &source, Spacing::Linear);
     let shares: Vec<f32> = made.words.iter().map(|words| f32::from_bits(words[0])).collect();

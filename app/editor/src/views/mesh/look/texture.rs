@@ -1,16 +1,12 @@
-//! The textures of a mesh: which faces have which, and their pictures, its own or a pinned one.
-
-use std::collections::HashMap;
-use std::sync::Arc;
+//! The pictures of the textures of a mesh: its own, or a pinned one.
 
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
-use mve_modules::data::{
-    Domain, Images, Layer, LayerValues, Texture, TextureImage, TextureRole, TriMesh,
-};
+use mve_modules::data::{Images, Texture, TextureImage, TriMesh};
 
+use crate::views::memo::Same;
+use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::picture::{fitting_size, rgba};
-use crate::views::slot::Same;
 
 /// Bytes that the textures of one mesh may take on the GPU, smaller sizes aside.
 const MOST_BYTES: usize = 256 << 20;
@@ -50,57 +46,6 @@ impl Pictures {
     /// One that nobody looks at.
     pub fn none() -> Self {
         Self::new(vec![RgbaImage::new(1, 1)], None)
-    }
-}
-
-/// The textures that color a mesh by its materials, and who has which.
-#[derive(Debug, Default, PartialEq)]
-pub struct FaceTextures<'a> {
-    /// Each picture once, or where there is none, each name.
-    pub list: Vec<&'a Texture>,
-    /// For each name of the layer of materials the place of its texture.
-    of_labels: Vec<Option<usize>>,
-    /// For each face the place of its material's name.
-    of_faces: &'a [u32],
-}
-
-impl<'a> FaceTextures<'a> {
-    /// Looks them up.
-    pub fn of(mesh: &'a TriMesh) -> Self {
-        let layer = mesh.layer(Layer::MATERIAL).filter(|layer| layer.domain == Domain::Face);
-        let Some(Layer { values: LayerValues::Label(labels), index, .. }) = layer else {
-            return Self::default();
-        };
-        let mut textures = Self { of_faces: index, ..Self::default() };
-        let textured = mesh.materials.iter().filter_map(|material| {
-            Some((material.name.as_str(), material.texture(TextureRole::BaseColor)?))
-        });
-        let textured: HashMap<&str, &Texture> = textured.collect();
-        for label in labels.iter().filter(|_| !textured.is_empty()) {
-            let place = textured.get(label.as_str()).map(|texture| {
-                let known = textures.list.iter().position(|known| is_same(known, texture));
-                known.unwrap_or_else(|| {
-                    textures.list.push(texture);
-                    textures.list.len() - 1
-                })
-            });
-            textures.of_labels.push(place);
-        }
-        textures
-    }
-
-    /// The place of a face's texture in [`FaceTextures::list`].
-    pub fn of_face(&self, face: usize) -> Option<usize> {
-        *self.of_labels.get(*self.of_faces.get(face)? as usize)?
-    }
-}
-
-/// Whether two textures show one picture, or name the one that is missing.
-fn is_same(a: &Texture, b: &Texture) -> bool {
-    match (&a.image, &b.image) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (None, None) => a.name == b.name,
-        _ => false,
     }
 }
 

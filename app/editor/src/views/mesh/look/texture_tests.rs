@@ -1,6 +1,8 @@
 //! Tests of which faces have which texture, and of pictures that are not as they should be.
 
-use mve_modules::data::{Image, Material, PixelKind};
+use std::sync::Arc;
+
+use mve_modules::data::{Domain, Image, Layer, LayerValues, Material, PixelKind, TextureRole};
 use mve_modules::mesh::fixtures::tetrahedron;
 
 use super::*;

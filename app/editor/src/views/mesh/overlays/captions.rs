@@ -5,7 +5,7 @@ use eframe::egui;
 use super::Overlay;
 use crate::views::ViewerAction;
 use crate::views::heading;
-use crate::views::mesh::item::{Item, Undrawable};
+use crate::views::mesh::item::{MeshItem, Undrawable};
 use crate::views::mesh::scene::MeshScene;
 use crate::views::number::counted;
 
@@ -31,7 +31,7 @@ impl Overlay for Captions {
 }
 
 /// Name, counts, and what is going on; what is wrong with textures, in a second line.
-fn caption(title: &str, item: &Item) -> String {
+fn caption(title: &str, item: &MeshItem) -> String {
     let mesh = &item.mesh;
     let counts = format!(
         "{title}: {}, {}",

@@ -97,12 +97,12 @@ mod tests {
     use mve_modules::mesh::fixtures::cube;
 
     use super::*;
-    use crate::views::mesh::arrays::{Sharing, arrays};
+    use crate::views::mesh::arrays::{CornerSharing, arrays};
 
     /// The edges that are found, as pairs of vertices, the lower one first.
     fn found(mesh: &TriMesh) -> BTreeSet<[u32; 2]> {
         let mesh = Arc::new(mesh.clone());
-        let drawn = arrays(&mesh, 1.0, Sharing::Wedges).unwrap();
+        let drawn = arrays(&mesh, 1.0, CornerSharing::Wedges).unwrap();
         let vertex = |drawn_vertex: u32| {
             let corner = drawn.corners[drawn_vertex as usize] as usize;
             mesh.faces[corner / 3][corner % 3].0

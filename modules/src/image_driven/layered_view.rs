@@ -15,7 +15,7 @@ use crate::picture::render::{
 
 /// A camera of an image-driven cost.
 #[derive(Debug)]
-pub(super) struct View {
+pub(super) struct LayeredView {
     lens: Lens,
     sides: Sides,
     background: u8,
@@ -28,7 +28,7 @@ pub(super) struct View {
     pub picture: Picture,
 }
 
-impl View {
+impl LayeredView {
     /// Draws the whole mesh.
     pub fn new(
         lens: Lens,
@@ -83,7 +83,7 @@ impl View {
     }
 
     /// Makes a change in the layers; the picture is brought up to date by the patch of
-    /// [`View::redraw`], before.
+    /// [`LayeredView::redraw`], before.
     pub fn make(&mut self, change: &Change) {
         change.old.iter().for_each(|old| self.remove(old));
         self.corners[change.kept as usize] = self.lens.corner(change.position);
@@ -251,7 +251,7 @@ impl View {
     }
 
     /// Draws the whole picture as it would be after a change, from nothing; all of it counts as
-    /// changed. What [`View::redraw`] must agree with.
+    /// changed. What [`LayeredView::redraw`] must agree with.
     pub fn redraw_whole(
         &self,
         mesh: &WorkingMesh,

@@ -21,13 +21,13 @@ const LEAST_SIZE: f64 = 1e-100;
 pub(in crate::geometry) struct HalfEdge {
     /// The vertex at the other end.
     pub other: u32,
-    /// The edge, an index of [`Surface::bends`].
+    /// The edge, an index of [`CurvatureMesh::bends`].
     pub edge: u32,
 }
 
 /// A mesh whose faces have three different vertices with finite coordinates.
 #[derive(Debug)]
-pub(in crate::geometry) struct Surface {
+pub(in crate::geometry) struct CurvatureMesh {
     /// Positions as in the input, in scaled units, and the usable faces in their order.
     pub mesh: TriMesh,
     pub bvh: Bvh,
@@ -44,7 +44,7 @@ pub(in crate::geometry) struct Surface {
     pub n_left_out: usize,
 }
 
-impl Surface {
+impl CurvatureMesh {
     /// Prepares a mesh; `scale` is a power of two.
     pub fn new(
         mesh: &TriMesh,

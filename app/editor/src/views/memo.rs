@@ -8,20 +8,20 @@ use super::background::{Progress, Task};
 
 /// The latest result for some key, shown until there is one for the key that is wanted.
 #[derive(Debug)]
-pub struct Slot<K, T> {
+pub struct Memo<K, T> {
     made: Option<(K, Arc<T>)>,
     task: Option<(K, Task<T>)>,
     /// The key whose task was lost: not tried again.
     lost: Option<K>,
 }
 
-impl<K, T> Default for Slot<K, T> {
+impl<K, T> Default for Memo<K, T> {
     fn default() -> Self {
         Self { made: None, task: None, lost: None }
     }
 }
 
-impl<K: PartialEq, T: Send + 'static> Slot<K, T> {
+impl<K: PartialEq, T: Send + 'static> Memo<K, T> {
     /// Looks after the task, and starts one when the wanted key differs from what is there. At
     /// most one runs at a time.
     pub fn want(
@@ -98,20 +98,20 @@ mod tests {
     #[test]
     fn the_old_result_stays_until_the_new_one_is_there() {
         let context = egui::Context::default();
-        let mut slot = Slot::default();
-        let settle = |slot: &mut Slot<i32, i32>, key: i32| loop {
-            let from = slot.latest().map_or(0, |old| *old);
-            slot.want(&context, key, move || from + key);
-            if !slot.is_busy() {
-                break slot.latest().map(|made| *made);
+        let mut memo = Memo::default();
+        let settle = |memo: &mut Memo<i32, i32>, key: i32| loop {
+            let from = memo.latest().map_or(0, |old| *old);
+            memo.want(&context, key, move || from + key);
+            if !memo.is_busy() {
+                break memo.latest().map(|made| *made);
             }
         };
-        assert_eq!(settle(&mut slot, 5), Some(5));
-        slot.want(&context, 7, || 100);
-        assert_eq!(slot.latest().as_deref(), Some(&5));
-        assert_eq!(settle(&mut slot, 7), Some(100));
-        slot.want(&context, 8, || std::panic::panic_any("expected in this test"));
-        assert_eq!(settle(&mut slot, 8), Some(100), "a loss keeps the old one");
-        assert!(slot.is_lost());
+        assert_eq!(settle(&mut memo, 5), Some(5));
+        memo.want(&context, 7, || 100);
+        assert_eq!(memo.latest().as_deref(), Some(&5));
+        assert_eq!(settle(&mut memo, 7), Some(100));
+        memo.want(&context, 8, || std::panic::panic_any("expected in this test"));
+        assert_eq!(settle(&mut memo, 8), Some(100), "a loss keeps the old one");
+        assert!(memo.is_lost());
     }
 }

@@ -1,0 +1,59 @@
+//! The search for modules by what a person calls them.
+
+use crate::module::Module;
+use crate::registry::{ModuleInfo, Registry};
+
+/// A word that people search by, and one that declarations have for it.
+pub type Synonym = (&'static str, &'static str);
+
+/// The modules that have every word of a query: in the id first, then in the summary, then in the
+/// entries of their choices, then in the texts of ports and parameters.
+pub fn search(registry: &Registry, query: &str, synonyms: &[Synonym]) -> Vec<ModuleInfo> {
+    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let rank = |module: &Module| {
+        let texts = texts_of(module).map(|text| text.to_lowercase());
+        let rank_of = |word: &String| {
+            let meant = synonyms.iter().filter(|(name, _)| *name == word).map(|(_, meant)| *meant);
+            let forms: Vec<&str> = std::iter::once(word.as_str()).chain(meant).collect();
+            texts.iter().position(|text| forms.iter().any(|form| text.contains(form)))
+        };
+        words.iter().map(rank_of).try_fold(0, |worst, rank| Some(rank?.max(worst)))
+    };
+    let ranked = registry.modules().iter().map(|info| (rank(info.module), *info));
+    let mut found: Vec<_> = ranked.filter_map(|(rank, info)| Some((rank?, info))).collect();
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, info)| info).collect()
+}
+
+/// What a module says of itself, the most telling first.
+fn texts_of(module: &Module) -> [String; 4] {
+    let mut entries = String::new();
+    let mut others = String::new();
+    for spec in module.params {
+        for option in spec.options() {
+            entries += &format!("{} {}\n", option.id, option.summary);
+        }
+        others += &format!("{} {}\n", spec.name, spec.doc);
+    }
+    module.inputs.iter().for_each(|input| others += &format!("{} {}\n", input.name, input.doc));
+    module.outputs.iter().for_each(|output| others += &format!("{} {}\n", output.name, output.doc));
+    [module.id.to_owned(), module.summary.to_owned(), entries, others]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::registry;
+
+    #[test]
+    fn a_module_is_found_by_id_summary_choices_and_other_words() {
+        let ids = |query: &str| -> Vec<_> {
+            let found = search(&registry(), query, &[("glyphs", "text")]);
+            found.iter().map(|info| info.module.id).collect()
+        };
+        assert_eq!(ids("READ")[0], "Read");
+        assert_eq!(ids("scaled"), ["Pick"]); // an entry of its choice
+        assert_eq!(ids("glyphs"), ids("text"));
+        assert_eq!(ids("text no-such-word"), [""; 0]);
+    }
+}
