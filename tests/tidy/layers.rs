@@ -12,7 +12,7 @@ use super::sources::tokens;
 const LISTS: [&str; 5] = ["io", "generate", "filters", "measure", "images"];
 
 /// The parts of `core/src`; each may name those before it.
-const CORE: [&str; 29] = [
+const CORE: [&str; 28] = [
     "fingerprint",
     "machine",
     "json",

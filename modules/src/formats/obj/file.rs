@@ -10,7 +10,7 @@ use mve_core::Control;
 use super::bounds::{Bounds, FileScope};
 use super::cursor::Cursor;
 use super::parse::parse_with;
-use super::textures::{self, Pictures, TextureFolder, named, packed};
+use super::textures::{self, Pictures, TextureFolder, named, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh, name_from_file, name_to_file};
 use crate::formats::plain_file::read_plain;
@@ -96,10 +96,10 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
 /// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
-    let folder = texture_folder(path);
+    let folder = folder_beside(path);
     let name = name_from_file(folder.file_name().unwrap_or_default());
-    let textures = packed(&mesh.materials, &name);
-    save_with(mesh, path, &textures, control)
+    let placed = texture_folder(&mesh.materials, &name);
+    save_with(mesh, path, &placed, control)
 }
 
 /// Writes `mesh` as [`save`] does, but without pictures: the material file names them in `folder`,
@@ -113,14 +113,14 @@ pub fn save_naming(
     folder: &str,
     control: Control,
 ) -> Result<(), FileError> {
-    let textures = TextureFolder { materials: named(&mesh.materials, folder), files: Vec::new() };
-    save_with(mesh, path, &textures, control)
+    let placed = TextureFolder { materials: named(&mesh.materials, folder), files: Vec::new() };
+    save_with(mesh, path, &placed, control)
 }
 
 fn save_with(
     mesh: &TriMesh,
     path: &Path,
-    textures: &TextureFolder,
+    placed: &TextureFolder,
     control: Control,
 ) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
@@ -140,23 +140,23 @@ fn save_with(
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    let folder = texture_folder(path);
-    if !textures.files.is_empty() {
+    let folder = folder_beside(path);
+    if !placed.files.is_empty() {
         fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
     }
-    for (name, image) in &textures.files {
+    for (name, image) in &placed.files {
         save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
             Some(bytes) => Watched { out, control }.write_all(bytes),
             // What has no bytes has pixels.
             None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
     }
-    save_atomic(&mtl_path, |out| write_mtl(&textures.materials, out))?;
+    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
     save_atomic(path, |out| write(out, Some(&mtl_name)))
 }
 
 /// The folder for the pictures of a mesh that is saved at `path`.
-fn texture_folder(path: &Path) -> PathBuf {
+fn folder_beside(path: &Path) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(TEXTURE_FOLDER);
     path.with_file_name(name)

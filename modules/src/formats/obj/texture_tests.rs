@@ -8,7 +8,7 @@ use mve_core::Control;
 
 use super::bounds::Bounds;
 use super::tests::read;
-use super::textures::{Pictures, packed, texture_of};
+use super::textures::{Pictures, texture_folder, texture_of};
 use super::*;
 use crate::data::{Image, PixelKind, Texture, TextureImage, TextureRole, TriMesh};
 use crate::formats::png::write_png;
@@ -262,7 +262,7 @@ fn names_of_files(names: &[&str], encoded: Option<&[u8]>) -> Vec<String> {
         Material { textures: vec![texture], ..Material::default() }
     };
     let materials: Vec<Material> = names.iter().map(material).collect();
-    packed(&materials, "t").files.into_iter().map(|(name, _)| name).collect()
+    texture_folder(&materials, "t").files.into_iter().map(|(name, _)| name).collect()
 }
 
 #[test]

@@ -257,7 +257,7 @@ pub(super) fn named(materials: &[Material], folder: &str) -> Vec<Material> {
 }
 
 /// Gives each picture a file name of its own in a folder of this name.
-pub(super) fn packed(materials: &[Material], folder: &str) -> TextureFolder {
+pub(super) fn texture_folder(materials: &[Material], folder: &str) -> TextureFolder {
     let mut materials = materials.to_vec();
     let mut files: Vec<(String, Arc<TextureImage>)> = Vec::new();
     let mut places: HashMap<*const TextureImage, usize> = HashMap::new();
