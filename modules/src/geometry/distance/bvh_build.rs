@@ -5,7 +5,8 @@
 use glam::{DVec3, Vec3A, Vec4};
 use mve_core::{Cancelled, Control};
 
-use super::bvh::{BoxFrame, Bvh, EMPTY, LEAF, Node, is_usable};
+use super::boxes::{BoxFrame, EMPTY, LEAF, Node};
+use super::bvh::{Bvh, is_usable};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
