@@ -26,7 +26,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
-use super::bvh::{Bvh, GROUP, Hit, LEAF, Walker, is_usable};
+use super::boxes::LEAF;
+use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
 
 /// Distances that differ by less than this part of them do so by their rounding.
 const TIE: f64 = 4.0 * f64::EPSILON;

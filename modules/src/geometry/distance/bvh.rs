@@ -11,16 +11,12 @@
 //! Many queries that lie near each other go through a [`Walker`], which starts each query with the
 //! face that the one before found; where boxes do not help, [`bulk`](super::bulk) does.
 
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
 
+use super::boxes::{BoxFrame, EMPTY, LEAF, Node, QueryBox};
 use super::point_triangle::PreparedTriangle;
 use crate::data::FaceId;
-
-/// A child that is not there.
-pub(super) const EMPTY: u32 = u32::MAX;
-/// Set in a child that is a triangle.
-pub(super) const LEAF: u32 = 1 << 31;
 
 /// Points that share one walk of the tree.
 pub(super) const GROUP: usize = 32;
@@ -31,117 +27,8 @@ const MOST_GROUP_VISITS: usize = 256;
 /// Groups that are asked one by one, untried, from such a group on.
 const PAUSE: u32 = 16;
 
-/// Coordinates of a query beyond this are brought there: their squares are finite in `f32`.
-const MOST_LOCAL: f64 = 1e15;
 /// Nodes between two looks whether the work was cancelled: a millisecond or less.
 const STRIDE: usize = 1 << 15;
-
-/// Up to four boxes, one a lane, and what is in them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    /// The frame of the boxes in that of the tree: where x, y, z and the origin go.
-    pub columns: [Vec4; 4],
-    /// Lowest x, y, z of the four boxes.
-    pub low: [Vec4; 3],
-    /// Highest x, y, z.
-    pub high: [Vec4; 3],
-    /// Index of a node, or [`LEAF`] and the slot of a triangle, or [`EMPTY`].
-    pub child: [u32; 4],
-}
-
-impl Node {
-    /// A node along the axes whose lanes are all out of reach.
-    pub const EMPTY: Self = Self {
-        columns: [Vec4::X, Vec4::Y, Vec4::Z, Vec4::ZERO],
-        low: [Vec4::INFINITY; 3],
-        high: [Vec4::NEG_INFINITY; 3],
-        child: [EMPTY; 4],
-    };
-
-    /// Squared distances from the query to the four boxes.
-    #[inline(always)]
-    fn distances_sq(&self, query: &QueryBox) -> Vec4 {
-        let [x, y, z, origin] = self.columns;
-        let center = x * query.center[0] + y * query.center[1] + z * query.center[2] + origin;
-        let half = x.abs() * query.half[0] + y.abs() * query.half[1] + z.abs() * query.half[2];
-        let (low, high) = (center - half, center + half);
-        let mut sum = Vec4::ZERO;
-        for axis in 0..3 {
-            let below = self.low[axis] - Vec4::splat(high[axis]);
-            let above = Vec4::splat(low[axis]) - self.high[axis];
-            let gap = below.max(above).max(Vec4::ZERO);
-            sum += gap * gap;
-        }
-        sum
-    }
-
-    /// The children that are there.
-    pub fn filled(&self) -> impl Iterator<Item = u32> {
-        self.child.into_iter().filter(|&child| child != EMPTY)
-    }
-
-    /// Puts a box and its content into a lane.
-    pub fn set_lane(&mut self, lane: usize, low: Vec3A, high: Vec3A, child: u32) {
-        for axis in 0..3 {
-            self.low[axis][lane] = low[axis];
-            self.high[axis][lane] = high[axis];
-        }
-        self.child[lane] = child;
-    }
-}
-
-/// A box in the tree's frame: middle and half of each side, each in all four lanes.
-struct QueryBox {
-    center: [Vec4; 3],
-    half: [Vec4; 3],
-}
-
-impl QueryBox {
-    /// The box that is wider than rounding moves it or the boxes of a node: the frame's numbers
-    /// are about 1 where nodes are, and the query's as large as it is far.
-    #[inline]
-    fn new(center: DVec3, half: DVec3) -> Self {
-        // What is brought nearer to a box around all is no farther from any box within.
-        let center = center.clamp(DVec3::splat(-MOST_LOCAL), DVec3::splat(MOST_LOCAL));
-        let half = half.min(DVec3::splat(MOST_LOCAL));
-        let margin = 1e-6 * (1.0 + center.abs().max_element() + half.max_element());
-        let splat = |v: DVec3| v.as_vec3a().to_array().map(Vec4::splat);
-        Self { center: splat(center), half: splat(half + margin) }
-    }
-}
-
-/// The frame of the boxes: the mesh within about -1 to 1.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BoxFrame {
-    pub center: DVec3,
-    /// A power of two, so that scaling is exact.
-    pub scale: f64,
-}
-
-impl BoxFrame {
-    /// The image of a point.
-    #[inline]
-    pub fn local(&self, point: DVec3) -> DVec3 {
-        (point - self.center) * self.scale
-    }
-
-    #[inline]
-    fn query(&self, point: DVec3) -> QueryBox {
-        QueryBox::new(self.local(point), DVec3::ZERO)
-    }
-
-    /// The frame's squared distance that is no shorter than `distance_sq`, allowing for the
-    /// rounding of [`Node::distances_sq`] and of the turns of the boxes.
-    #[inline]
-    fn bound(&self, distance_sq: f64) -> f32 {
-        (distance_sq * (self.scale * self.scale) * (1.0 + 2e-6)) as f32 + f32::MIN_POSITIVE
-    }
-
-    /// The same of a distance, allowing for the rounding of the sum that it is.
-    fn reach(&self, distance: f64) -> f32 {
-        self.bound(distance * distance * (1.0 + 1e-12))
-    }
-}
 
 /// The face nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

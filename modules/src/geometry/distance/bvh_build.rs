@@ -5,7 +5,8 @@
 use glam::{DVec3, Vec3A, Vec4};
 use mve_core::{Cancelled, Control};
 
-use super::bvh::{BoxFrame, Bvh, EMPTY, LEAF, Node, is_usable};
+use super::boxes::{BoxFrame, EMPTY, LEAF, Node};
+use super::bvh::{Bvh, is_usable};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
@@ -488,92 +489,5 @@ fn split_by_area(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::distance::bulk::ManyQueries;
-    use crate::mesh::fixtures::mesh_of;
-    use proptest::prelude::*;
-
-    fn brute_force(mesh: &TriMesh, point: DVec3) -> f64 {
-        (0..mesh.faces.len())
-            .map(|f| mesh.corners(FaceId(f as u32)))
-            .filter(|corners| corners.iter().all(|p| p.is_finite()))
-            .map(|corners| PreparedTriangle::new(corners).distance_sq(point))
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    #[test]
-    fn empty_and_non_finite_meshes_find_nothing() {
-        let none = Bvh::build(&TriMesh::default(), Control::none()).unwrap();
-        assert_eq!(none.closest(DVec3::ZERO), None);
-        let bad =
-            mesh_of(&[[f64::NAN, 0.0, 0.0], [1.0, 0.0, 0.0], [f64::INFINITY; 3]], &[[0, 1, 2]]);
-        let bvh = Bvh::build(&bad, Control::none()).unwrap();
-        assert_eq!((bvh.n_faces(), bvh.n_left_out()), (0, 1));
-        assert_eq!(bvh.closest(DVec3::ZERO), None);
-    }
-
-    #[test]
-    fn a_query_that_is_not_finite_finds_nothing() {
-        let bvh = Bvh::build(&crate::mesh::fixtures::tetrahedron(), Control::none()).unwrap();
-        assert_eq!(bvh.closest(DVec3::NAN), None);
-        assert_eq!(bvh.closest(DVec3::INFINITY), None);
-        assert!(bvh.closest(DVec3::splat(1e149)).is_some());
-    }
-
-    #[test]
-    fn of_a_thousand_copies_of_a_face_the_tree_has_one() {
-        let turns = [[0, 1, 2], [2, 1, 0], [1, 2, 0], [4, 3, 5]];
-        let mut corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        corners.extend_from_within(..);
-        corners.extend([[0.0, 0.0, 1.0], [1.0, 1.0, 1.0]]);
-        let faces: Vec<_> = (0..1000).map(|k| turns[k % 4]).chain([[0, 6, 7]]).collect();
-        let bvh = Bvh::build(&mesh_of(&corners, &faces), Control::none()).unwrap();
-        let hit = bvh.closest(DVec3::new(0.2, 0.2, -3.0)).unwrap();
-        assert_eq!((hit.distance_sq, bvh.nodes.len(), bvh.n_faces()), (9.0, 1, 1001));
-        let mut same: Vec<u32> = bvh.same_as(&hit).map(|face| face.0).collect();
-        same.sort_unstable();
-        assert!(same.into_iter().eq(0..1000));
-        let alone = bvh.closest(DVec3::ONE).unwrap();
-        assert!(bvh.same_as(&alone).eq([FaceId(1000)]));
-    }
-
-    fn any_point() -> impl Strategy<Value = DVec3> {
-        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from)
-    }
-
-    proptest! {
-        /// Single queries, seeded or not, and batches agree with the least over all faces, far
-        /// from the origin and for large and small models too.
-        #[test]
-        fn agrees_with_brute_force(
-            corners in prop::collection::vec(any_point(), 3..120),
-            picks in prop::collection::vec(prop::array::uniform3(0u32..120), 1..120),
-            queries in prop::collection::vec(any_point(), 3..24),
-            shift in prop::sample::select(vec![0.0, 1.0, 1e6]),
-            scale in prop::sample::select(vec![1e-30, 1e-3, 1.0, 1e40]),
-            spread in prop::sample::select(vec![0.01, 1.0, 50.0]),
-        ) {
-            let place = |p: DVec3| (p + DVec3::splat(shift)) * scale;
-            let n = corners.len() as u32;
-            let points: Vec<[f64; 3]> = corners.iter().map(|&p| place(p).to_array()).collect();
-            let faces: Vec<[u32; 3]> = picks.iter().map(|f| f.map(|v| v % n)).collect();
-            let mesh = mesh_of(&points, &faces);
-            let bvh = Bvh::build(&mesh, Control::none()).unwrap();
-            let queries: Vec<DVec3> = queries.iter().map(|&q| place(q * spread)).collect();
-            let expected: Vec<f64> = queries.iter().map(|&q| brute_force(&mesh, q)).collect();
-            let mut walker = bvh.walker();
-            let mut batch = Vec::new();
-            let many = ManyQueries::new(&bvh, queries[0]);
-            many.distances_sq(&queries, &mut batch, &Control::none()).unwrap();
-            let rounding = 1e-14 * scale * (1.0 + spread);
-            for ((&query, &expected), &batch) in queries.iter().zip(&expected).zip(&batch) {
-                let single = bvh.closest(query).unwrap().distance_sq;
-                let seeded = walker.closest(query).unwrap().distance_sq;
-                for found in [single, seeded, batch] {
-                    prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
-                }
-            }
-        }
-    }
-}
+#[path = "bvh_build_tests.rs"]
+mod tests;

@@ -1,6 +1,7 @@
 //! Distances between surfaces: a tree of triangles, samples, mean and largest distance,
 //! attributes that moved.
 
+mod boxes;
 pub mod bulk;
 pub mod bvh;
 mod bvh_build;
