@@ -22,7 +22,7 @@ pub const PAGE: &str = "report.html";
   mve report mve-out/vase-costs --map vase.json       with what the map says now
   mve report mve-out/vase-costs --format latex        tables to paste, best of each row bold
   mve report mve-out/vase-costs --format latex --measure compare.rms --columns simplify.cost
-  mve report mve-out/vase-costs --format pdf          plots, into mve-out/vase-costs/plots
+  mve report mve-out/vase-costs --format svg          plots, into mve-out/vase-costs/plots
   mve report mve-out/vase-costs --format csv --out costs.csv
 
 The page needs no network and no files beside it: answers to the program's questions, tables with \
@@ -70,7 +70,7 @@ enum FormatName {
     Latex,
     /// Each plot, standing alone
     Svg,
-    /// Each plot, standing alone
+    /// The same as PDF, where mve was built with the feature "pdf"
     Pdf,
 }
 

@@ -4,6 +4,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
+#[cfg(feature = "pdf")]
 use kuva::backend::pdf::PdfBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendShape};
@@ -98,6 +99,11 @@ fn fitted(svg: &str, number: usize) -> String {
     svg.replacen(&size, &scaled, 1).replace("kuva-clip-", &format!("clip-{number}-"))
 }
 
+/// Why there is no PDF in most builds: the crates behind it take as long to build as all of mve.
+#[cfg(not(feature = "pdf"))]
+const NO_PDF: &str = "this build of mve writes no PDF; write SVG (--format svg), or install mve with \
+                      `cargo install --path app/cli --features pdf`";
+
 /// A whole figure for a paper, as SVG or as PDF.
 ///
 /// # Errors
@@ -106,7 +112,10 @@ pub fn draw(figure: &Figure, is_pdf: bool) -> Result<Vec<u8>, String> {
     let drawn = catch_unwind(AssertUnwindSafe(|| {
         let scene = grid(figure);
         match is_pdf {
+            #[cfg(feature = "pdf")]
             true => PdfBackend::new().render_scene(&scene),
+            #[cfg(not(feature = "pdf"))]
+            true => Err(NO_PDF.to_owned()),
             false => Ok(SvgBackend::new().render_scene(&scene).into_bytes()),
         }
     }));
