@@ -26,23 +26,39 @@ struct Locked<'a> {
 /// The packages that `name` reaches, in the workspace at `root`.
 pub fn packages(root: &Path, name: &str) -> Packages {
     let read = |path: &Path| std::fs::read_to_string(path).unwrap_or_default().replace('\r', "");
-    let workspace = declarations(&read(&root.join("Cargo.toml")));
+    let manifest = read(&root.join("Cargo.toml"));
     let lock = read(&root.join("Cargo.lock"));
-    let folder_of = |name: &str| folder(workspace.get(name)?);
-
     let mut crates: Vec<(String, String)> = Vec::new();
     let mut description = String::new();
+    // What is not understood counts as a whole.
+    let workspace = declarations(&manifest).unwrap_or_else(|| {
+        description += &manifest;
+        description += &lock;
+        lines_of(&manifest)
+    });
+    // Folders that a crate's own manifest names, not the workspace.
+    let mut own_folders: BTreeMap<String, String> = BTreeMap::new();
     let mut outer = BTreeSet::new();
     let mut todo = vec![name.to_owned()];
     while let Some(name) = todo.pop() {
-        let Some(folder) = folder_of(&name) else {
+        let of_workspace = workspace.get(&name).and_then(|line| folder(line));
+        let Some(folder) = of_workspace.or_else(|| own_folders.get(&name).cloned()) else {
             outer.insert(name);
             continue;
         };
         if crates.iter().any(|(other, _)| *other == name) {
             continue;
         }
-        for (dependency, line) in declarations(&read(&root.join(&folder).join("Cargo.toml"))) {
+        let manifest = read(&root.join(&folder).join("Cargo.toml"));
+        let declared = declarations(&manifest).unwrap_or_else(|| {
+            description += &manifest;
+            description += &lock;
+            lines_of(&manifest)
+        });
+        for (dependency, line) in declared {
+            if let Some(path) = self::folder(&line) {
+                own_folders.insert(dependency.clone(), format!("{folder}/{path}"));
+            }
             let of_workspace = workspace.get(&dependency).map_or("", String::as_str);
             description += &format!("{name}: {line} {of_workspace}\n");
             todo.push(dependency);
@@ -58,8 +74,25 @@ pub fn packages(root: &Path, name: &str) -> Packages {
 }
 
 /// The lines of dependencies by name, without those that only tests and benches have; of a
-/// workspace, those that its crates may refer to.
-fn declarations(manifest: &str) -> BTreeMap<String, String> {
+/// workspace, those that its crates may refer to. `None` of a manifest that says one in more than a
+/// line.
+fn declarations(manifest: &str) -> Option<BTreeMap<String, String>> {
+    let is_of_dependency = |section: &str| {
+        let above = section.rsplit_once('.').map_or("", |(above, _)| above);
+        above.ends_with("dependencies") && !above.ends_with("dev-dependencies")
+    };
+    let is_whole = |line: &String| {
+        let n = |signs: [char; 2]| line.matches(signs).count();
+        n(['[', '{']) == n([']', '}'])
+    };
+    let headers = manifest.lines().filter_map(|line| line.trim().strip_prefix('['));
+    let has_tables = headers.map(|header| header.trim_end_matches(']')).any(is_of_dependency);
+    let lines = lines_of(manifest);
+    (!has_tables && lines.values().all(is_whole)).then_some(lines)
+}
+
+/// The first lines of dependencies by name.
+fn lines_of(manifest: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let mut section = "";
     for line in manifest.lines().map(|line| without_comment(line).trim()) {

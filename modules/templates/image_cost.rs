@@ -8,7 +8,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, VIEW, image_options};
+use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
 use crate::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
@@ -21,6 +21,7 @@ pub static COST: Entry<MakeCost> = Entry {
         VIEW.sides.spec(),
         VIEW.background.spec(),
         AREAS.spec(),
+        RENEWAL.spec(),
     ],
     build: |mesh, settings| {
         Ok(Box::new(ImageDriven::new(mesh, Template, image_options(mesh, settings)?)))
@@ -66,7 +67,7 @@ mod tests {
     use crate::image_driven::{Areas, ImageOptions};
     use crate::picture::render::Rect;
     use crate::placement::Endpoint;
-    use mve_core::Control;
+    use mve_core::{Control, Settings};
 
     #[test]
     fn the_difference_grows_by_what_a_patch_changes() {
@@ -75,6 +76,13 @@ mod tests {
         let area = Rect { x: [1, 2], y: [0, 2] };
         let patch = Patch { area, changed: area, values: vec![21, 0, 38, 0], stride: 2 };
         assert_eq!(Template.change(&picture, &(), &patch, &mut ()), -(5 - 1) - (40 - 2));
+    }
+
+    #[test]
+    fn it_is_made_from_its_defaults() {
+        let settings = Settings::defaults(COST.params).unwrap();
+        let mesh = subdivided_box(&BoxOptions::default());
+        assert!((COST.build)(&mesh, &settings).is_ok());
     }
 
     #[test]

@@ -167,6 +167,44 @@ fn a_lock_file_that_is_not_understood_counts_as_a_whole() {
     assert_eq!(copy.changed_by("Cargo.lock", bump("egui")), ["shared"]);
 }
 
+/// Rewrites a file for good: what is compared comes after it.
+fn with_file(copy: Copy, path: &str, edit: impl Fn(&str) -> String) -> Copy {
+    let place = copy.folder.path().join(path);
+    std::fs::create_dir_all(place.parent().unwrap()).unwrap();
+    let text = std::fs::read_to_string(&place).unwrap_or_default();
+    std::fs::write(&place, edit(&text)).unwrap();
+    let before = source_hashes(copy.folder.path(), CRATE).unwrap();
+    Copy { before, ..copy }
+}
+
+#[test]
+fn manifests_in_any_form_are_followed() {
+    let table = |text: &str| text.replace("glam.workspace = true\n", "") + GLAM;
+    let copy = with_file(Copy::new(), "modules/Cargo.toml", table);
+    assert_eq!(copy.changed_by("Cargo.lock", bump("glam")), ["shared"]);
+    assert_eq!(
+        copy.changed_by("modules/Cargo.toml", |text| text.replace("0.34", "0.35")),
+        ["shared"]
+    );
+
+    let two_lines = |text: &str| text.replace("features = [\"serde\"", "features = [\n\"serde\"");
+    let copy = with_file(Copy::new(), "Cargo.toml", two_lines);
+    let more =
+        |text: &str| text.replace("features = [\n\"serde\"", "features = [\n\"std\", \"serde\"");
+    assert_eq!(copy.changed_by("Cargo.toml", more), ["shared"]);
+
+    let named = "[dependencies]\nextra = { path = \"../extra\" }\n";
+    let by_path = |text: &str| text.replace("[dependencies]\n", named);
+    let copy =
+        with_file(Copy::new(), "extra/Cargo.toml", |_| "[package]\nname = \"extra\"\n".to_owned());
+    let copy = with_file(copy, "extra/src/lib.rs", |_| "pub fn one() -> u8 { 1 }\n".to_owned());
+    let copy = with_file(copy, "modules/Cargo.toml", by_path);
+    let edited = |text: &str| text.replace('1', "2");
+    assert_eq!(copy.changed_by("extra/src/lib.rs", edited), ["shared"]);
+}
+
+const GLAM: &str = "\n[dependencies.glam]\nversion = \"0.34\"\n";
+
 #[test]
 fn the_lists_hold_the_hashes_of_their_files() {
     let hashes = source_hashes(&root(), CRATE).unwrap();

@@ -6,8 +6,10 @@
 //! names:
 //!
 //! ```json
-//! [{ "name": "nose", "position": [0, 0.1, 1], "face": 7, "barycentric": [0.2, 0.3, 0.5], "radius":
-//! 1 }]
+//! [{
+//!   "name": "nose", "position": [0, 0.1, 1], "face": 7, "barycentric": [0.2, 0.3, 0.5],
+//!   "radius": 1
+//! }]
 //! ```
 
 use std::collections::HashSet;
