@@ -10,8 +10,9 @@ use super::{Command, Editor, Wish};
 use crate::canvas::SHORTCUTS;
 use crate::document::Recovered;
 use crate::programs::in_words;
+use crate::views::VIEW_KEYS;
 
-/// Keys that hold in the whole window; those of the canvas are its own.
+/// Keys that hold in the whole window; canvas and views have their own.
 const WINDOW_KEYS: &[(&str, &str)] = &[
     ("F5, Ctrl + Enter", "run the map"),
     ("Shift + Esc", "stop the run"),
@@ -20,7 +21,8 @@ const WINDOW_KEYS: &[(&str, &str)] = &[
     ("Ctrl + N, O, S, W", "new, open, save, close a map"),
     ("Ctrl + Shift + S", "save as"),
     ("Ctrl + Tab", "next map"),
-    ("Ctrl + plus, minus, 0", "larger, smaller, as the system has it"),
+    ("Ctrl + Q", "quit"),
+    ("Ctrl + plus, minus, 0", "larger, smaller, the size that the system asks for"),
     ("F1", "this list"),
 ];
 
@@ -385,14 +387,19 @@ fn shortcuts_box(ui: &mut Ui) -> Content {
         ui.heading("Keys and gestures");
         let height = ui.ctx().content_rect().height() - 160.0;
         ScrollArea::vertical().max_height(height.max(120.0)).show(ui, |ui| {
-            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                let canvas = SHORTCUTS.iter().map(|shortcut| (shortcut.keys, shortcut.what));
-                for (keys, what) in WINDOW_KEYS.iter().copied().chain(canvas) {
-                    ui.monospace(keys);
-                    ui.label(what);
-                    ui.end_row();
-                }
-            });
+            let parts =
+                [("Anywhere", WINDOW_KEYS), ("On the canvas", SHORTCUTS), ("On a mesh", VIEW_KEYS)];
+            for (title, keys) in parts {
+                ui.add_space(4.0);
+                ui.strong(title);
+                egui::Grid::new(title).num_columns(2).striped(true).show(ui, |ui| {
+                    for (keys, what) in keys {
+                        ui.monospace(*keys);
+                        ui.label(*what);
+                        ui.end_row();
+                    }
+                });
+            }
         });
         ui.button("Close").clicked()
     });

@@ -114,7 +114,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     }
     ui.separator();
     port_table(ui, session, name, module, false, wishes);
-    said(ui, session, name, &status);
+    said(ui, session, shared, name, &status);
 }
 
 /// A value in a line, cut where there is no room for it, with all its digits on hover.
@@ -160,6 +160,7 @@ pub fn port_table(
             }
             ui.weak(output.data_type.id);
             match session.runner.value(name, output.name) {
+                Some(value) if session.viewer.is_empty(&value) => ui.weak(value.summary()),
                 Some(value) => value_label(ui, &value, is_whole),
                 None => ui.weak("no value yet"),
             };
@@ -169,7 +170,7 @@ pub fn port_table(
 }
 
 /// What the node's module said when it ran last, and its files.
-fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
+fn said(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, status: &Status) {
     let Some(ended) = session.runner.ended(name) else { return };
     if matches!(status, Status::Running(_) | Status::Waiting) {
         return;
@@ -183,7 +184,8 @@ fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
         ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap());
     }
     for file in &ended.record.files {
-        let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let file = shared.output_folder.join(file);
+        let file = std::path::absolute(&file).unwrap_or(file);
         ui.add(egui::Label::new(format!("wrote {}", file.display())).wrap());
     }
 }

@@ -99,6 +99,8 @@ impl Editor {
     }
 
     fn viewer(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        // A panel remembers the size of what is in it, and keeps the one that a hand gave it.
+        ui.expand_to_include_rect(ui.max_rect());
         let render = self.render.clone();
         let session = &mut self.sessions[self.active];
         let pinned = session.pinned_values();

@@ -15,8 +15,8 @@ pub enum Status {
     Running(f64),
     /// Its outputs are those of the map as it stands; the seconds that it ran.
     Done(Option<f64>),
-    /// The same, taken from an earlier run.
-    Cached,
+    /// The same, taken from an earlier run; the seconds that it ran then.
+    Cached(Option<f64>),
     /// Its outputs are of an older state of the map.
     Dirty,
     /// It gave an error.
@@ -40,7 +40,8 @@ impl Status {
             Self::Running(share) => format!("{:.0} %", share * 100.0),
             Self::Done(Some(seconds)) => seconds_text(*seconds),
             Self::Done(None) => "done".to_owned(),
-            Self::Cached => "cached".to_owned(),
+            Self::Cached(Some(seconds)) => format!("{}, cached", seconds_text(*seconds)),
+            Self::Cached(None) => "cached".to_owned(),
             Self::Dirty => "changed".to_owned(),
             Self::Failed(_) => "failed".to_owned(),
             Self::Skipped(_) => "skipped".to_owned(),
@@ -58,7 +59,11 @@ impl Status {
             Self::Running(share) => format!("is running: {:.0} %", share * 100.0),
             Self::Done(Some(seconds)) => format!("done in {}", seconds_text(*seconds)),
             Self::Done(None) => "done".to_owned(),
-            Self::Cached => "done; its outputs were known from an earlier run".to_owned(),
+            Self::Cached(seconds) => {
+                let then = seconds.map(|seconds| format!(", of {}", seconds_text(seconds)));
+                let then = then.unwrap_or_default();
+                format!("done; its outputs were known from an earlier run{then}")
+            }
             Self::Dirty => "was changed since it ran: its outputs are old".to_owned(),
             Self::Failed(error) => error.clone(),
             Self::Skipped(because_of) => format!("not run, because {because_of} failed"),
@@ -85,10 +90,10 @@ pub fn seconds_text(seconds: f64) -> String {
 impl Runner {
     /// The state of a node.
     pub fn status(&self, node: &str) -> Status {
-        if let Some(share) = self.job.as_ref().and_then(|job| job.nodes.get(node)) {
-            match share {
+        if let Some(known) = self.job.as_ref().and_then(|job| job.nodes.get(node)) {
+            match known.share {
                 None => return Status::Waiting,
-                Some(share) if *share < 1.0 => return Status::Running(*share),
+                Some(share) if share < 1.0 => return Status::Running(share),
                 Some(_) => {}
             }
         }
@@ -107,7 +112,7 @@ impl Runner {
             return Status::Dirty;
         }
         match &ended.record.status {
-            NodeStatus::Done if ended.record.cached.is_some() => Status::Cached,
+            NodeStatus::Done if ended.record.cached.is_some() => Status::Cached(self.seconds(node)),
             NodeStatus::Done => Status::Done(ended.record.seconds),
             NodeStatus::Failed { error } => Status::Failed(error.clone()),
             NodeStatus::Skipped { because_of } => Status::Skipped(because_of.clone()),

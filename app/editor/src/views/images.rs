@@ -83,6 +83,10 @@ impl ValueView for ImagesView {
         value.get::<Images>().is_some()
     }
 
+    fn is_empty(&self, value: &Value) -> bool {
+        value.get::<Images>().is_some_and(|images| images.0.is_empty())
+    }
+
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let sets = shown.of::<Images>().into_iter();
         let input = |(place, title, images): (usize, &str, Arc<Images>)| ImagesInput {

@@ -14,6 +14,7 @@ mod overlays;
 mod scene;
 mod view;
 
+pub use hand::navigation::VIEW_KEYS;
 pub use look::coloring::{ColorBy, ScaleSettings, Spacing};
 pub use look::settings::{Arrangement, BackFaces, MeshSettings};
 pub use look::stored::MeshLook;

@@ -59,6 +59,10 @@ impl ValueView for MeshView {
         value.get::<TriMesh>().is_some()
     }
 
+    fn is_empty(&self, value: &Value) -> bool {
+        value.get::<TriMesh>().is_some_and(|mesh| mesh.positions.is_empty())
+    }
+
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mesh = |&(place, pinned): &(usize, &Pinned)| {
             let mesh = pinned.value.as_ref()?.get::<TriMesh>()?;
@@ -123,17 +127,18 @@ impl MeshView {
         };
         self.take_over(meshes);
         let offers = self.offers(meshes, fields, pictures);
+        let color_by = offers.in_force(&self.settings.color_by);
         let wishes = controls(ui, &mut self.settings, &mut self.camera, &offers);
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
         let lines = self.overlays.lines(&mut self.settings);
         for (item, input) in self.items.iter_mut().zip(meshes) {
-            let source = source_of(&item.mesh, &self.settings.color_by, fields);
+            let source = source_of(&item.mesh, &color_by, fields);
             let source = source.unwrap_or(ColorSource::Plain);
             let texture = match source {
                 ColorSource::Materials => {
                     Some(TextureSource::Materials(Same(Arc::clone(&input.mesh))))
                 }
-                ColorSource::Picture => pinned_picture(&self.settings.color_by, pictures),
+                ColorSource::Picture => pinned_picture(&color_by, pictures),
                 _ => None,
             };
             item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Key, Modifiers, Pos2, Vec2};
 use eframe::egui_wgpu::RenderState;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use mve_core::Map;
 use mve_editor::app::{Editor, Session, Settings, Start};
@@ -201,6 +201,25 @@ impl Hand {
         self.harness.query_all_by_label(name).next().is_some()
     }
 
+    /// What a screen reader adds to this name.
+    pub fn description(&self, name: &str) -> String {
+        let node = self.harness.get_by_label(name);
+        node.accesskit_node().description().unwrap_or_default()
+    }
+
+    /// The height in points of what has a name that begins so.
+    pub fn height_of(&self, beginning: &str) -> f32 {
+        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+            node.label().is_some_and(|label| label.starts_with(beginning))
+        };
+        self.harness.get_by(begins).rect().height()
+    }
+
+    /// After what time the window at rest wants to be drawn again.
+    pub fn next_frame_wanted(&self) -> Duration {
+        self.harness.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
+    }
+
     /// Presses a key.
     pub fn press(&mut self, key: Key) {
         self.press_with(Modifiers::NONE, key);
@@ -318,6 +337,30 @@ impl Hand {
         self.step();
         self.harness.drop_at(to);
         self.step();
+    }
+
+    /// Draws frames until a run is under way.
+    pub fn wait_until_it_runs(&mut self) {
+        self.wait(|session| session.runner.is_running());
+    }
+
+    /// Draws frames until all outputs are those of the map as it stands.
+    pub fn wait_until_up_to_date(&mut self) {
+        self.wait(|session| {
+            let is_checked = session.runner.checked().revision == session.document.revision();
+            is_checked && !session.runner.is_running() && session.has_changes_to_run().is_none()
+        });
+    }
+
+    /// Draws frames until an output is no longer that of the map and its files.
+    pub fn wait_until_something_is_to_be_run(&mut self) {
+        self.wait(|session| session.has_changes_to_run().is_some());
+    }
+
+    /// The value of an output.
+    pub fn value<T: mve_core::Data>(&self, node: &str, port: &str) -> Arc<T> {
+        let value = self.editor().session().runner.value(node, port);
+        value.and_then(|value| value.get::<T>()).expect("it has run")
     }
 
     /// Draws frames until the run has come to its end.

@@ -22,8 +22,8 @@ use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_laye
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum ColorBy {
-    /// A field if there is exactly one, else textures of materials, else colors if there are, else
-    /// plain.
+    /// The field that was pinned last, else textures of materials, else colors, else the only layer
+    /// of numbers, else plain.
     #[default]
     Auto,
     /// One color.
@@ -128,9 +128,8 @@ pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option
             Some(ColorSource::Field(Arc::clone(&pinned.field)))
         }
         ColorBy::Auto => {
-            let mut pinned = fitting();
-            if let (Some(one), None) = (pinned.next(), pinned.next()) {
-                return Some(ColorSource::Field(Arc::clone(&one.field)));
+            if let Some(last) = fitting().last() {
+                return Some(ColorSource::Field(Arc::clone(&last.field)));
             }
             if has_textures(mesh) {
                 return Some(ColorSource::Materials);

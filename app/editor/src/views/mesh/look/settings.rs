@@ -148,6 +148,14 @@ pub struct Offers {
     pub switches: Vec<Switch>,
 }
 
+impl Offers {
+    /// The choice that holds: one that none of the meshes has waits until one has it again.
+    pub fn in_force(&self, chosen: &ColorBy) -> ColorBy {
+        let is_offered = self.color_by.iter().any(|(by, _)| by == chosen);
+        if is_offered { chosen.clone() } else { ColorBy::Auto }
+    }
+}
+
 /// What the controls ask for beyond settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wishes {
@@ -249,19 +257,23 @@ fn surface_menu(ui: &mut egui::Ui, settings: &mut MeshSettings, switches: &[Swit
 }
 
 fn color_by_box(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
-    let current = &settings.color_by;
-    let named = offers.color_by.iter().find(|(by, _)| by == current);
-    let text = named.map_or("Automatic", |(_, text)| text.as_str()).to_owned();
+    let current = offers.in_force(&settings.color_by);
+    let named = offers.color_by.iter().find(|(by, _)| *by == current);
+    let text = named.map_or("", |(_, text)| text.as_str()).to_owned();
     make_room(ui, 190.0);
-    egui::ComboBox::new("color by", "Color")
-        .selected_text(text)
-        .show_ui(ui, |ui| {
-            for (by, text) in &offers.color_by {
-                ui.selectable_value(&mut settings.color_by, by.clone(), text);
+    ui.label("Color by");
+    let shown = egui::ComboBox::from_id_salt("color by").selected_text(&text).show_ui(ui, |ui| {
+        for (by, text) in &offers.color_by {
+            if ui.selectable_label(*by == current, text).clicked() {
+                settings.color_by = by.clone();
             }
-        })
+        }
+    });
+    let name = format!("color by: {text}");
+    shown
         .response
-        .on_hover_text("What the surface is colored by");
+        .on_hover_text("What the surface is colored by")
+        .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &name));
 }
 
 /// The scale and the ends of its range.
