@@ -381,3 +381,31 @@ fn the_list_of_keys_has_those_of_every_part() {
         assert!(hand.sees(keys), "{keys}");
     }
 }
+
+#[test]
+fn colors_of_a_field_leave_out_extremes_and_their_ends_can_be_typed() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"vase": {"module": "Vase"},
+        "bend": {"module": "Curvature"}}, "links": ["vase.mesh -> bend.mesh"]}"#;
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    hand.press(Key::F5);
+    hand.wait_until_up_to_date();
+    hand.unpin_all();
+    hand.pin("vase", "mesh");
+    hand.pin("bend", "mean");
+    hand.wait_for_the_views();
+    hand.step();
+    assert!(hand.sees("color by: Automatic"));
+    hand.type_number("maximum of the colors", "2.5");
+    let high = |hand: &Hand| hand.editor().session().viewer.meshes.settings.scale.high;
+    assert_eq!(high(&hand), Some(2.5));
+    // The menu stays open while its settings are changed, and an end begins with what it is.
+    hand.click("Range");
+    hand.click("Maximum");
+    assert_eq!(high(&hand), None);
+    let present = hand.editor().session().viewer.meshes.range().expect("a field is shown");
+    hand.click("Maximum");
+    assert_eq!(high(&hand), Some(present[1]));
+    hand.click("0 %");
+    assert!(hand.sees("Range"), "the menu is there");
+}

@@ -59,10 +59,6 @@ impl ValueView for MeshView {
         value.get::<TriMesh>().is_some()
     }
 
-    fn is_empty(&self, value: &Value) -> bool {
-        value.get::<TriMesh>().is_some_and(|mesh| mesh.positions.is_empty())
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let mesh = |&(place, pinned): &(usize, &Pinned)| {
             let mesh = pinned.value.as_ref()?.get::<TriMesh>()?;
@@ -185,7 +181,7 @@ impl MeshView {
             color_by.push((ColorBy::Labels(layer.name.clone()), format!("By {}", layer.name)));
         }
         color_by.push((ColorBy::Materials, "Texture of the material".to_owned()));
-        color_by.push((ColorBy::Checker, "Squares in texture space".to_owned()));
+        color_by.push((ColorBy::Checker, "Checkerboard in texture space".to_owned()));
         for picture in pictures {
             let text = format!("Texture {}", picture.title);
             color_by.push((ColorBy::Picture(picture.title.clone()), text));
@@ -201,8 +197,16 @@ impl MeshView {
             titles: meshes.iter().map(|input| input.title.clone()).collect(),
             color_by,
             switches: self.overlays.switches(),
-            has_scalar: self.items.iter().any(|item| item.values().is_some()),
+            range: self.range(),
         }
+    }
+
+    /// The values at the ends of the color scale, where some mesh is colored by values.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
+        let scale = &self.settings.scale;
+        let range = scale.range(values.iter().map(AsRef::as_ref));
+        (!values.is_empty()).then(|| range.map(|number| scale.spacing.back(number)))
     }
 
     fn panel(

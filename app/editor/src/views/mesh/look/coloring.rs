@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
 use mve_modules::picture::color_map::{
-    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
+    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, quantile, range_of, share,
 };
 use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
@@ -182,8 +182,38 @@ pub struct Values {
     pub values: Vec<f64>,
     /// Lowest and highest finite value; 0 and 1 without one.
     pub extent: [f64; 2],
+    /// The ends without each of [`CLIP_PERCENTS`] of the values; the extent where those are one.
+    pub clipped: [[f64; 2]; CLIP_PERCENTS.len()],
     /// Whether they are logarithms.
     pub spacing: Spacing,
+}
+
+/// How many of the values may lie beyond each end of a range that comes from the data, as the
+/// module `ColorMap` has it.
+pub const CLIP_PERCENTS: [f64; 4] = [0.0, 1.0, 2.0, 5.0];
+
+impl Values {
+    /// Looks at all values, O(n).
+    pub fn new(
+        (name, unit): (String, String),
+        domain: Domain,
+        values: Vec<f64>,
+        spacing: Spacing,
+    ) -> Self {
+        let extent = extent_of(&values);
+        let mut finite: Vec<f64> =
+            values.iter().copied().filter(|value| value.is_finite()).collect();
+        let clipped = CLIP_PERCENTS.map(|percent| {
+            let part = percent / 100.0;
+            let ends = [part, 1.0 - part].map(|part| quantile(&mut finite, part));
+            match ends {
+                [Some(low), Some(high)] if low < high => [low, high],
+                // Nearly all have one value: what is rare is what is to be seen.
+                _ => extent,
+            }
+        });
+        Self { name, unit, domain, values, extent, clipped, spacing }
+    }
 }
 
 /// How the eight bytes of a drawn vertex are to be read.
@@ -360,7 +390,7 @@ fn values_of(
     domain: Domain,
     spacing: Spacing,
 ) -> Option<Values> {
-    let (name, unit, values) = match source {
+    let (name, unit, mut values) = match source {
         ColorSource::Field(field) => {
             let values = field.values.iter().map(|&value| spacing.of(value)).collect();
             (field.name.clone(), field.unit.clone(), values)
@@ -376,8 +406,25 @@ fn values_of(
         }
         _ => return None,
     };
-    let extent = extent_of(&values);
-    Some(Values { name, unit, domain, values, extent, spacing })
+    if domain == Domain::Vertex {
+        leave_out_isolated(mesh, &mut values);
+    }
+    Some(Values::new((name, unit), domain, values, spacing))
+}
+
+/// Takes the values from vertices that no face has: nobody sees them.
+fn leave_out_isolated(mesh: &TriMesh, values: &mut [f64]) {
+    let mut is_seen = vec![false; values.len()];
+    for vertex in mesh.faces.as_flattened() {
+        if let Some(is_seen) = is_seen.get_mut(vertex.idx()) {
+            *is_seen = true;
+        }
+    }
+    for (value, is_seen) in values.iter_mut().zip(is_seen) {
+        if !is_seen {
+            *value = f64::NAN;
+        }
+    }
 }
 
 /// How values become colors: what the module `ColorMap` offers, and logarithms.
@@ -389,6 +436,9 @@ pub struct ScaleSettings {
     pub low: Option<f64>,
     /// Value of the last color; `None`: from the data.
     pub high: Option<f64>,
+    /// How many of the values may lie beyond each end that comes from the data: one of
+    /// [`CLIP_PERCENTS`].
+    pub clip_percent: f64,
     /// Whether a range from the data lies evenly around 0.
     pub is_symmetric: bool,
     /// Values or logarithms.
@@ -405,6 +455,7 @@ impl Default for ScaleSettings {
             scale: Scale::Viridis,
             low: None,
             high: None,
+            clip_percent: CLIP_PERCENTS[1],
             is_symmetric: false,
             spacing: Spacing::Linear,
             outside: Outside::Clamp,
@@ -430,7 +481,9 @@ impl ScaleSettings {
     /// The range over all of some values, in numbers that colors follow; the data's own where the
     /// given ends make none.
     pub fn range<'a>(&self, all: impl IntoIterator<Item = &'a Values>) -> [f64; 2] {
-        let ends: Vec<f64> = all.into_iter().flat_map(|values| values.extent).collect();
+        let clip = CLIP_PERCENTS.iter().position(|percent| *percent == self.clip_percent);
+        let ends = all.into_iter().flat_map(|values| values.clipped[clip.unwrap_or(0)]);
+        let ends: Vec<f64> = ends.collect();
         let options = self.options();
         let of_data = ColorMapOptions { low: None, high: None, ..options };
         range_of(&ends, &options).or_else(|_| range_of(&ends, &of_data)).unwrap_or([0.0, 1.0])

@@ -31,6 +31,7 @@ pub struct MeshLook {
     scale: String,
     is_reversed: bool,
     is_symmetric: bool,
+    clip_percent: f64,
     spacing: Spacing,
     is_gray_outside: bool,
 }
@@ -59,6 +60,7 @@ impl MeshLook {
             scale: name.map(|(_, (name, _))| (*name).to_owned()).collect(),
             is_reversed: settings.scale.is_reversed,
             is_symmetric: settings.scale.is_symmetric,
+            clip_percent: settings.scale.clip_percent,
             spacing: settings.scale.spacing,
             is_gray_outside: settings.scale.outside == Outside::Gray,
         }
@@ -72,6 +74,7 @@ impl MeshLook {
             scale: scales.next().map_or(settings.scale.scale, |(scale, _)| *scale),
             is_reversed: self.is_reversed,
             is_symmetric: self.is_symmetric,
+            clip_percent: self.clip_percent,
             spacing: self.spacing,
             outside: if self.is_gray_outside { Outside::Gray } else { Outside::Clamp },
             ..settings.scale
