@@ -1,7 +1,5 @@
 //! Does what parts of the window ask for.
 
-use std::path::Path;
-
 use eframe::egui::{self, ViewportCommand};
 use mve_core::NodeMode;
 use serde_json::Value as Json;
@@ -170,7 +168,7 @@ impl Editor {
         match command {
             Command::New => self.add(Document::new()),
             Command::Open => self.boxes.open_map(),
-            Command::OpenPath(path) => self.open(&path),
+            Command::OpenPath(path) => self.take_files(std::slice::from_ref(&path)),
             Command::Example => match Document::from_text(EXAMPLE) {
                 Ok(document) => self.add(document),
                 Err(error) => self.toast(error.to_string()),
@@ -196,30 +194,6 @@ impl Editor {
         let session = &mut sessions[*active];
         step(&mut session.document);
         session.prune_pins(&shared.registry);
-    }
-
-    /// Adds a module that reads a file of this kind, with the file as its parameter.
-    pub(super) fn add_reader(&mut self, path: &Path) {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let reader = self.shared.registry.modules().iter().find_map(|info| {
-            let param = info.module.params.iter().find(|spec| {
-                let file = spec.input_file();
-                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
-            })?;
-            Some((info.module.id, param.name))
-        });
-        let Some((module, param)) = reader else {
-            self.toast(format!("{}: no module reads files of this kind", path.display()));
-            return;
-        };
-        let session = self.session();
-        let name = session.document.free_name(module);
-        let value = Some(Json::from(session.written_path(path)));
-        let at = session.canvas.free_place();
-        self.edit(&[
-            Edit::AddNode { module: module.to_owned(), name: Some(name.clone()), at },
-            Edit::SetParam { node: name, path: param.to_owned(), value },
-        ]);
     }
 }
 

@@ -115,12 +115,14 @@ impl Editor {
         let mut wants_dialog = false;
         let shown = Modal::new("open a map".into()).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
-            ui.heading("Open a map");
+            ui.heading("Open a map or a mesh");
             ui.horizontal(|ui| {
                 let field = ui.add(
-                    TextEdit::singleline(&mut path).hint_text("path of a map").desired_width(320.0),
+                    TextEdit::singleline(&mut path)
+                        .hint_text("path of a file")
+                        .desired_width(320.0),
                 );
-                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of a map"));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path to open"));
                 let is_entered =
                     field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if ui.memory(|memory| memory.focused().is_none()) {
@@ -141,7 +143,7 @@ impl Editor {
             if ui.link("The example: simplify one model and measure what was lost").clicked() {
                 chosen = Some(Command::Example);
             }
-            ui.weak("A map can also be dropped on the window.");
+            ui.weak("A file can also be dropped on the window.");
         });
         if wants_dialog {
             self.ask_for_map();

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Ui};
 use eframe::egui_wgpu::RenderState;
-use mve_core::{MapError, Registry};
+use mve_core::Registry;
 
 use crate::canvas::Action;
 use crate::catalog::Catalog;
@@ -132,8 +132,10 @@ pub struct Editor {
 pub struct Start {
     /// What was remembered.
     pub settings: Settings,
-    /// Maps to open.
-    pub maps: Vec<PathBuf>,
+    /// Maps to open, and files that modules read.
+    pub files: Vec<PathBuf>,
+    /// Whether the files alone are to be seen, without the canvas.
+    pub is_view: bool,
     /// Where maps are kept for the case of a crash; none keeps nothing.
     pub recovery: Option<PathBuf>,
     /// What draws meshes; without it they cannot be shown.
@@ -187,7 +189,17 @@ impl Editor {
             hint_for: None,
             may_close: false,
         };
-        start.maps.iter().for_each(|path| editor.open(path));
+        let is_map = |path: &&PathBuf| editor.reader_of(path).is_none();
+        let (maps, read): (Vec<_>, Vec<_>) = start.files.iter().partition(is_map);
+        maps.into_iter().for_each(|path| editor.open(path));
+        if !read.is_empty() {
+            editor.add(Document::new());
+            let read: Vec<PathBuf> = read.into_iter().cloned().collect();
+            editor.take_files(&read);
+            if start.is_view {
+                editor.middle = Middle::Viewer;
+            }
+        }
         if editor.sessions.is_empty() {
             let first = if start.has_example { Document::from_text(EXAMPLE).ok() } else { None };
             editor.hint_for = first.as_ref().map(Document::id);
@@ -232,13 +244,7 @@ impl Editor {
                 self.settings.remember(path);
                 self.replace_untouched(session);
             }
-            Err(error) => {
-                let text = match error {
-                    MapError::Io { .. } => error.to_string(),
-                    error => format!("{}: {error}", path.display()),
-                };
-                self.toast(text);
-            }
+            Err(error) => self.say_not_opened(path, &error),
         }
     }
 

@@ -409,3 +409,30 @@ fn colors_of_a_field_leave_out_extremes_and_their_ends_can_be_typed() {
     hand.click("0 %");
     assert!(hand.sees("Range"), "the menu is there");
 }
+
+#[test]
+fn meshes_are_opened_by_path_and_looked_at_side_by_side() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let first = cube(folder.path());
+    let second = folder.path().join("second.OBJ");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(&second, text).expect("the folder takes files");
+    let mut hand = Hand::with_files(folder.path(), vec![first.clone(), second.clone()]);
+    hand.wait_until_up_to_date();
+    assert_eq!(hand.map().nodes["obj_loader"].params["path"], first.display().to_string());
+    assert_eq!([n_faces(&hand, "obj_loader"), n_faces(&hand, "obj_loader-2")], [12, 1]);
+    assert!(hand.sees("Unpin obj_loader.mesh") && hand.sees("Unpin obj_loader-2.mesh"));
+
+    hand.press_with(Modifiers::COMMAND, Key::O);
+    hand.replace_text("path to open", &first.display().to_string());
+    hand.press(Key::Enter);
+    hand.wait_until_up_to_date();
+    assert_eq!(n_faces(&hand, "obj_loader-3"), 12);
+    assert!(hand.sees("Unpin obj_loader-3.mesh"));
+    // What is neither says so, without words of a parser.
+    let other = folder.path().join("notes.txt");
+    std::fs::write(&other, "no map").expect("the folder takes files");
+    hand.drop_file(&other);
+    let said = format!("{}: neither a map nor a file that a module reads (", other.display());
+    assert!(hand.sees_beginning(&said));
+}

@@ -59,6 +59,11 @@ impl Hand {
         Self::drawn_by(render, folder, Maps::Example, size)
     }
 
+    /// A window on maps and on files that modules read.
+    pub fn with_files(folder: &Path, files: Vec<PathBuf>) -> Self {
+        Self::with(folder, files)
+    }
+
     fn with(folder: &Path, maps: Vec<PathBuf>) -> Self {
         let setup = egui_kittest::wgpu::default_wgpu_setup();
         let render = egui_kittest::wgpu::create_render_state(
@@ -76,7 +81,7 @@ impl Hand {
             let start = || Start {
                 settings: Settings { has_seen_hint: true, ..Settings::default() },
                 output_folder: Some(out.clone()),
-                maps: match &maps {
+                files: match &maps {
                     Maps::Files(maps) => maps.clone(),
                     Maps::Example => Vec::new(),
                 },
@@ -187,6 +192,17 @@ impl Hand {
     pub fn click(&mut self, name: &str) {
         self.harness.get_by_label(name).click();
         self.step();
+    }
+
+    /// Whether something has a name that begins so.
+    pub fn sees_beginning(&self, beginning: &str) -> bool {
+        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+            [node.label(), node.value()]
+                .into_iter()
+                .flatten()
+                .any(|text| text.starts_with(beginning))
+        };
+        self.harness.query_all_by(begins).next().is_some()
     }
 
     /// Clicks the last of the things that have this name.
