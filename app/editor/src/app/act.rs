@@ -12,8 +12,8 @@ use crate::forms::FormEvent;
 use crate::programs::ProgramAction;
 use crate::runner::Part;
 
-/// How far beside the original a duplicate comes to stand, in units of the canvas.
-const BESIDE: f64 = 40.0;
+/// How far below the original a duplicate comes to stand, in units of the canvas.
+const BELOW: f64 = 40.0;
 
 impl Editor {
     /// Does what was asked for; what cannot be done is said.
@@ -111,11 +111,22 @@ impl Editor {
     fn duplicate(&mut self) {
         let document = &self.session().document;
         let items: Vec<Item> = document.selection().iter().cloned().collect();
-        let places = items.iter().filter_map(|item| document.position(item));
-        let corner = places.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
         let clip = Clip::copy_with_links(document, &items);
-        if let Some([x, y]) = corner.filter(|_| !clip.is_empty()) {
-            self.edit(&[Edit::Paste { clip, at: [x + BESIDE, y + BESIDE] }]);
+        let sizes: std::collections::HashMap<_, _> = self.session().canvas.sizes().collect();
+        let ends = |item: &Item| {
+            let [x, y] = document.position(item)?;
+            let height = match item {
+                Item::Node(name) => sizes.get(name.as_str()).map_or(0.0, |size| size[1]),
+                _ => 0.0,
+            };
+            Some(([x, y], y + height))
+        };
+        let all = items.iter().filter_map(ends);
+        let all = all
+            .reduce(|(a, a_end), (b, b_end)| ([a[0].min(b[0]), a[1].min(b[1])], a_end.max(b_end)));
+        // Below the originals, so that it covers nothing of them.
+        if let Some(([x, _], end)) = all.filter(|_| !clip.is_empty()) {
+            self.edit(&[Edit::Paste { clip, at: [x, end + BELOW] }]);
         }
     }
 

@@ -56,8 +56,8 @@ impl Editor {
         }
         let panel = Panel::right("inspector").resizable(true).default_size(330.0);
         panel.min_size(200.0).max_size(width * 0.5).show(ui, |ui| {
-            // Long rows scroll; they must not push the canvas aside.
-            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            // Long rows are cut: they must neither push the canvas aside nor hide the names.
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
             });
         });

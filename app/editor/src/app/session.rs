@@ -221,12 +221,26 @@ impl Session {
             _ if value_of(port).is_some() => PortState::Outdated,
             status => PortState::Absent(status.explanation()),
         };
-        let pinned = self.pinned.iter().map(|port| Pinned {
-            title: port.to_string(),
-            value: value_of(port),
-            state: state_of(port),
-        });
-        pinned.collect()
+        let pinned = |port: &PortRef| {
+            let title = port.to_string();
+            let Some(from) = self.behind_bypass(port) else {
+                let state = PortState::Absent(self.runner.status(&port.node).explanation());
+                return Pinned { title, value: None, state };
+            };
+            Pinned { title, value: value_of(&from), state: state_of(&from) }
+        };
+        self.pinned.iter().map(pinned).collect()
+    }
+
+    /// The output whose value is that of this one: another where its node is bypassed, none where
+    /// it is muted.
+    fn behind_bypass(&self, port: &PortRef) -> Option<PortRef> {
+        let map = self.document.map();
+        let is_active = map.nodes.get(&port.node).is_none_or(|node| node.mode.is_active());
+        match is_active {
+            true => Some(port.clone()),
+            false => mve_core::passed_on(map, self.runner.registry(), port),
+        }
     }
 
     /// Takes over a node's new name.

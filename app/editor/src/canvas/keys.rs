@@ -156,8 +156,8 @@ impl Canvas {
         }
     }
 
-    /// Puts a frame around the selected nodes.
-    fn frame_selection(&self, nodes: &[String], actions: &mut Vec<Action>) {
+    /// Puts a frame around the selected nodes, to be named at once.
+    fn frame_selection(&mut self, nodes: &[String], actions: &mut Vec<Action>) {
         let names = nodes.iter().map(String::as_str);
         let Some(bounds) = self.shapes.bounds(names).filter(|_| !nodes.is_empty()) else { return };
         let bounds = bounds.expand(20.0);
@@ -165,5 +165,6 @@ impl Canvas {
         let size = [f64::from(bounds.width()), f64::from(bounds.height()) + 20.0];
         let title = "Frame".to_owned();
         actions.push(Action::Edit(vec![Edit::AddFrame { title, at, size }]));
+        self.wants_to_write = true;
     }
 }

@@ -65,7 +65,7 @@ impl Palette {
 /// The color that stands for a state.
 pub fn status_color(status: &Status) -> Color32 {
     match status {
-        Status::New | Status::Waiting | Status::Off => Color32::from_gray(130),
+        Status::New | Status::Waiting | Status::Off(_) => Color32::from_gray(130),
         Status::Running(_) => Color32::from_rgb(70, 150, 240),
         Status::Done(_) => Color32::from_rgb(70, 175, 90),
         Status::Cached(_) => Color32::from_rgb(60, 160, 160),

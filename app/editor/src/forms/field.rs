@@ -155,6 +155,13 @@ impl ParamField<'_> {
             let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {shown}");
             return self.events.push(FormEvent::NotUnderstood(text));
         }
+        let wanted = typed.as_deref().and_then(read_number);
+        if wanted.is_some_and(|wanted| wanted < hard.0.to_f64() || wanted > hard.1.to_f64()) {
+            let [from, to] = [hard.0, hard.1].map(|end| exact_text(end.to_f64()));
+            let (name, text) = (&self.name, typed.unwrap_or_default());
+            let text = format!("{name}: {text} is not within {from} and {to}; it stays {shown}");
+            return self.events.push(FormEvent::NotUnderstood(text));
+        }
         let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;
         if is_allowed && (changed != number || (is_off && typed.is_some())) {
             self.set(Some(changed.into()));

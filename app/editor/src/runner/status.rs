@@ -27,8 +27,8 @@ pub enum Status {
     Stopped,
     /// The map does not let it run.
     Refused(String),
-    /// It is muted or bypassed, or needs a node that is muted.
-    Off,
+    /// It is muted or bypassed, or needs a node that is muted; which.
+    Off(String),
 }
 
 impl Status {
@@ -47,7 +47,7 @@ impl Status {
             Self::Skipped(_) => "skipped".to_owned(),
             Self::Stopped => "stopped".to_owned(),
             Self::Refused(_) => "cannot run".to_owned(),
-            Self::Off => "does not run".to_owned(),
+            Self::Off(_) => "does not run".to_owned(),
         }
     }
 
@@ -69,9 +69,7 @@ impl Status {
             Self::Skipped(because_of) => format!("not run, because {because_of} failed"),
             Self::Stopped => "stopped before it was done".to_owned(),
             Self::Refused(why) => why.clone(),
-            Self::Off => {
-                "does not run: it is muted or bypassed, or needs a node that is muted".to_owned()
-            }
+            Self::Off(why) => format!("does not run: it {why}"),
         }
     }
 }
@@ -104,8 +102,8 @@ impl Runner {
             return Status::Refused(why.clone());
         }
         let key = self.checked.keys.get(node);
-        if key.is_none() && self.checked.off.contains(node) {
-            return Status::Off;
+        if let (None, Some(why)) = (key, self.checked.off.get(node)) {
+            return Status::Off(why.clone());
         }
         let Some(ended) = self.ended.get(node) else { return Status::New };
         if key.is_some_and(|key| *key != ended.record.key) {

@@ -436,3 +436,49 @@ fn meshes_are_opened_by_path_and_looked_at_side_by_side() {
     let said = format!("{}: neither a map nor a file that a module reads (", other.display());
     assert!(hand.sees_beginning(&said));
 }
+
+#[test]
+fn a_bypassed_node_shows_what_passes_through_and_a_muted_one_nothing() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
+        "cut": {"module": "Simplificator", "params": {"target_faces": 12}}},
+        "links": ["box.mesh -> cut.mesh"]}"#;
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    hand.press(Key::F5);
+    hand.wait_until_up_to_date();
+    hand.unpin_all();
+    hand.pin("cut", "mesh");
+    hand.wait_for_the_views();
+    let n_shown = |hand: &Hand| {
+        let shown = hand.editor().session().pinned_values();
+        let mesh = shown[0].value.as_ref().and_then(|value| value.get::<TriMesh>());
+        mesh.map(|mesh| mesh.faces.len())
+    };
+    assert_eq!(n_shown(&hand), Some(12));
+    hand.click_at("node cut", 0.5, 0.05);
+    hand.point_within("node cut", 0.5, 0.05);
+    hand.press(Key::B);
+    hand.problems();
+    assert_eq!(n_shown(&hand), Some(768));
+    hand.press(Key::M);
+    hand.problems();
+    assert_eq!(n_shown(&hand), None);
+    assert_eq!(hand.description("node cut"), "does not run: it is muted");
+}
+
+#[test]
+fn a_number_out_of_range_is_said_and_a_frame_is_named_when_it_is_made() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("Vase");
+    hand.type_number("segments", "99999999999");
+    assert!(hand.sees_beginning("segments: 99999999999 is not within 3 and "));
+    assert_eq!(hand.map().nodes["vase"].params.get("segments"), None);
+    hand.click_at("node vase", 0.5, 0.05);
+    hand.point_within("node vase", 0.5, 0.05);
+    hand.press(Key::G);
+    hand.type_text("Vases");
+    hand.press(Key::Enter);
+    let frames = &hand.editor().session().document.extras().frames;
+    assert_eq!(frames.values().map(|frame| frame.title.as_str()).collect::<Vec<_>>(), ["Vases"]);
+}

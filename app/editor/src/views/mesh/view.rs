@@ -97,11 +97,7 @@ impl MeshView {
 
     /// Shows meshes as another view did.
     pub fn set_look(&mut self, look: &MeshLook) {
-        let up = self.settings.up;
         look.apply(&mut self.settings, &mut self.camera);
-        if self.settings.up != up {
-            self.fitted = None;
-        }
     }
 
     /// How many pictures were drawn so far.

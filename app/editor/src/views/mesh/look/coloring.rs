@@ -204,7 +204,9 @@ impl Values {
         let mut finite: Vec<f64> =
             values.iter().copied().filter(|value| value.is_finite()).collect();
         let clipped = CLIP_PERCENTS.map(|percent| {
-            let part = percent / 100.0;
+            // A whole number of values, so that of a few none is left out.
+            let n_beyond = (percent / 100.0 * finite.len() as f64).floor();
+            let part = n_beyond / (finite.len().max(2) - 1) as f64;
             let ends = [part, 1.0 - part].map(|part| quantile(&mut finite, part));
             match ends {
                 [Some(low), Some(high)] if low < high => [low, high],
