@@ -192,6 +192,7 @@ impl Editor {
             Command::Redo => self.move_in_history(Document::redo),
             Command::Run => self.run(Part::All),
             Command::Stop => self.session_mut().runner.stop(),
+            Command::Picture => self.boxes.take_picture(),
             Command::Shortcuts => self.boxes.show_shortcuts(),
             Command::Copy => self.act(ctx, Action::Copy),
             Command::Cut => self.act(ctx, Action::Cut),

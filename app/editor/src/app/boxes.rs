@@ -6,6 +6,7 @@ use eframe::egui::{self, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 use mve_core::Map;
 
 use super::files::{is_same, typed_path};
+use super::pictures::PictureForm;
 use super::{Command, Editor, Wish};
 use crate::canvas::SHORTCUTS;
 use crate::document::Recovered;
@@ -36,6 +37,7 @@ enum Content {
     SaveMap(String),
     /// Another file is there; to be replaced?
     SaveOver(PathBuf),
+    Picture(PictureForm),
     Shortcuts,
     CloseMap(u64),
     Replace(u64),
@@ -56,6 +58,10 @@ impl Boxes {
 
     pub(super) fn save_map(&mut self, path: String) {
         self.open = Content::SaveMap(path);
+    }
+
+    pub(super) fn take_picture(&mut self) {
+        self.open = Content::Picture(PictureForm::default());
     }
 
     pub(super) fn show_shortcuts(&mut self) {
@@ -99,6 +105,10 @@ impl Editor {
             Content::OpenMap(path) => self.open_box(ui, path, wishes),
             Content::SaveMap(path) => self.save_box(ui, path),
             Content::SaveOver(path) => self.save_over_box(ui, path),
+            Content::Picture(form) => match self.picture_box(ui, form) {
+                Some(form) => Content::Picture(form),
+                None => Content::Nothing,
+            },
             Content::Shortcuts => shortcuts_box(ui),
             Content::CloseMap(id) => self.close_box(ui, id),
             Content::Replace(id) => self.replace_box(ui, id),

@@ -7,6 +7,7 @@ mod dialogs;
 mod files;
 mod inspector;
 mod panels;
+mod pictures;
 mod session;
 mod settings;
 mod top;
@@ -24,6 +25,7 @@ use crate::catalog::Catalog;
 use crate::document::{Document, Recovery};
 use crate::programs::ProgramAction;
 use crate::runner::{Part, Shared};
+use crate::views::Still;
 
 pub use session::Session;
 pub use settings::{Settings, Theme};
@@ -92,6 +94,8 @@ pub enum Command {
     Run,
     /// Stop the run.
     Stop,
+    /// The box in which a picture of the meshes is saved.
+    Picture,
     /// The list of keys.
     Shortcuts,
     /// Copy the selection.
@@ -120,6 +124,8 @@ pub struct Editor {
     recovery: Option<Recovery>,
     looked_at_files: Instant,
     render: Option<RenderState>,
+    /// Pictures in the making, each with its file.
+    stills: Vec<(PathBuf, Still)>,
     window_title: String,
     /// Number of the map that the hint for a first start is about.
     hint_for: Option<u64>,
@@ -185,6 +191,7 @@ impl Editor {
             recovery,
             looked_at_files: Instant::now(),
             render: start.render,
+            stills: Vec::new(),
             window_title: String::new(),
             hint_for: None,
             may_close: false,
@@ -275,6 +282,7 @@ impl Editor {
         self.take_dropped(ui.ctx());
         self.take_answers();
         self.look_at_files(ui.ctx());
+        self.go_on_with_pictures(ui.ctx());
         self.top(ui, &mut wishes);
         self.status_bar(ui, &mut wishes);
         self.lower(ui, &mut wishes);

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
-use super::{Editor, Lower, Middle, Wish, console, files, inspector};
+use super::{Command, Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
 use crate::drag::DraggedParam;
+use crate::views::ViewerAction;
 
 /// Width of the window in points below which the inspector would take the canvas its room.
 const NARROW: f32 = 620.0;
@@ -109,9 +110,13 @@ impl Editor {
             session.viewer.meshes.set_look(&self.settings.meshes);
             let actions = session.viewer.show(ui, &pinned, render.as_ref());
             self.settings.meshes = session.viewer.meshes.look();
-            for crate::views::ViewerAction::Unpin(place) in actions {
-                if let Some(port) = session.pinned.get_index(place) {
-                    wishes.push(Wish::Canvas(Action::Pin(port.clone())));
+            for action in actions {
+                match action {
+                    ViewerAction::Unpin(place) => {
+                        let port = session.pinned.get_index(place).cloned();
+                        wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
+                    }
+                    ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),
                 }
             }
         });

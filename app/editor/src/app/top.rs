@@ -107,6 +107,7 @@ impl Editor {
         ui.separator();
         command(ui, "Save", "Ctrl+S", Command::Save);
         command(ui, "Save as…", "Ctrl+Shift+S", Command::SaveAs);
+        command(ui, "Save picture of the meshes…", "", Command::Picture);
         command(ui, "Close map", "Ctrl+W", Command::Close(self.active));
         ui.separator();
         command(ui, "Quit", "Ctrl+Q", Command::Quit);

@@ -16,6 +16,7 @@ mod memo;
 mod number;
 mod picture;
 mod spread;
+mod still;
 mod table;
 mod wheel;
 
@@ -40,6 +41,7 @@ pub use mesh::{
     VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
+pub use still::{Still, StillOptions};
 pub use table::{Column, SortOrder, Table, TableView};
 
 /// How long a value may be old before that is said.
@@ -73,6 +75,8 @@ pub struct Pinned {
 pub enum ViewerAction {
     /// To see the value at this place of the list no longer.
     Unpin(usize),
+    /// A picture of the meshes in a file.
+    TakePicture,
 }
 
 /// Where a view stands in a panel.

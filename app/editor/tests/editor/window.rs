@@ -482,3 +482,29 @@ fn a_number_out_of_range_is_said_and_a_frame_is_named_when_it_is_made() {
     let frames = &hand.editor().session().document.extras().frames;
     assert_eq!(frames.values().map(|frame| frame.title.as_str()).collect::<Vec<_>>(), ["Vases"]);
 }
+
+#[test]
+fn a_picture_of_the_meshes_is_saved_in_any_size() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::with_files(folder.path(), vec![cube(folder.path())]);
+    hand.wait_until_up_to_date();
+    hand.wait_for_the_views();
+    let path = folder.path().join("cube.png");
+    hand.click("Picture…");
+    hand.replace_text("path of the picture", &path.display().to_string());
+    hand.type_number("width of the picture", "640");
+    hand.type_number("height of the picture", "800");
+    hand.click("Transparent background");
+    hand.click("Save picture");
+    let written = format!("wrote {}", path.display());
+    let start = std::time::Instant::now();
+    while !hand.sees(&written) {
+        assert!(start.elapsed().as_secs() < 60, "it takes too long");
+        hand.step();
+    }
+    let picture = image::open(&path).expect("it is a picture").to_rgba8();
+    assert_eq!(picture.dimensions(), (640, 800));
+    // The cube is in the middle, and nothing in a corner.
+    assert_eq!(picture.get_pixel(320, 400).0[3], 255);
+    assert_eq!(picture.get_pixel(630, 10).0[3], 0);
+}

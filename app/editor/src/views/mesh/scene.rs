@@ -101,6 +101,8 @@ pub struct MeshScene<'a> {
     pub values: &'a [Arc<Values>],
     /// The ends of the color scale, in numbers that colors follow.
     pub range: [f64; 2],
+    /// Whether it is a picture for a file.
+    pub is_still: bool,
     /// What the user wants of whoever shows the viewer.
     pub actions: Vec<ViewerAction>,
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
-use eframe::egui::{self, Color32, Rect, Sense, pos2};
+use eframe::egui::{self, Color32, Rect, Sense, Vec2, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::Value;
 use mve_modules::data::{Field, Images, TriMesh};
@@ -18,7 +18,7 @@ use super::look::coloring::{
     ColorBy, ColorSource, PinnedField, ScaleSettings, Values, number_layers, source_of,
 };
 use super::look::label_layers;
-use super::look::settings::{Arrangement, MeshSettings, Offers, controls};
+use super::look::settings::{Arrangement, MeshSettings, Offers, Wishes, controls};
 use super::look::stored::MeshLook;
 use super::look::texture::TextureSource;
 use super::overlays::{Depth, Overlays};
@@ -26,7 +26,7 @@ use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
 use crate::views::memo::Same;
-use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
+use crate::views::{PanelPlace, Pinned, StillOptions, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -45,6 +45,10 @@ pub struct MeshView {
     /// The color scale on the GPU, and how often there was another one.
     table: Option<(ScaleSettings, GpuTexture, u64)>,
     overlays: Overlays,
+    /// Width and height of the pictures in points when they were shown last.
+    size: Vec2,
+    /// Where it is no part of a window, but a picture for a file.
+    still: Option<StillOptions>,
 }
 
 /// Seconds after which a camera is at rest.
@@ -95,6 +99,23 @@ impl MeshView {
         MeshLook::of(&self.settings, &self.camera)
     }
 
+    /// Height of the pictures in points when they were shown last.
+    pub fn height(&self) -> f32 {
+        self.size.y
+    }
+
+    /// A view of the same, without what is there for a hand.
+    pub fn for_still(&self, options: StillOptions) -> Self {
+        Self {
+            camera: self.camera,
+            settings: self.settings.clone(),
+            fitted: self.fitted,
+            has_moved: true,
+            still: Some(options),
+            ..Self::default()
+        }
+    }
+
     /// Shows meshes as another view did.
     pub fn set_look(&mut self, look: &MeshLook) {
         look.apply(&mut self.settings, &mut self.camera);
@@ -120,7 +141,10 @@ impl MeshView {
         self.take_over(meshes);
         let offers = self.offers(meshes, fields, pictures);
         let color_by = offers.in_force(&self.settings.color_by);
-        let wishes = controls(ui, &mut self.settings, &mut self.camera, &offers);
+        let wishes = match self.still {
+            None => controls(ui, &mut self.settings, &mut self.camera, &offers),
+            Some(_) => Wishes::default(),
+        };
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
         let lines = self.overlays.lines(&mut self.settings);
         for (item, input) in self.items.iter_mut().zip(meshes) {
@@ -135,8 +159,9 @@ impl MeshView {
             };
             item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
         }
-        let actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
+        let mut actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
         self.gpu = Some(gpu);
+        actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
         actions
     }
 
@@ -219,8 +244,10 @@ impl MeshView {
         if !(whole.width() >= 4.0 && whole.height() >= 4.0) || meshes.is_empty() {
             return Vec::new();
         }
-        let is_dark = ui.visuals().dark_mode;
-        paint_background(&ui.painter_at(whole), whole, is_dark);
+        self.size = whole.size();
+        if self.still.is_none_or(|still| !still.is_transparent) {
+            paint_background(&ui.painter_at(whole), whole, ui.visuals().dark_mode);
+        }
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
@@ -252,6 +279,7 @@ impl MeshView {
             bar,
             values: &values,
             range,
+            is_still: self.still.is_some(),
             actions: Vec::new(),
         };
         self.overlays.show(ui, &mut scene);

@@ -163,6 +163,8 @@ impl Offers {
 pub struct Wishes {
     /// To see all of it.
     pub is_fit: bool,
+    /// A picture of it in a file.
+    pub is_picture: bool,
 }
 
 /// The row of controls.
@@ -181,6 +183,8 @@ pub fn controls(
             .on_hover_text("Direction, projection and what points up");
         menu(ui, "Surface", |ui| surface_menu(ui, settings, &offers.switches))
             .on_hover_text("Shading, back faces, lines, box and axes");
+        let picture = ui.button("Picture…").on_hover_text("Save what is seen as a PNG of any size");
+        wishes.is_picture = picture.clicked();
         for switch in offers.switches.iter().filter(|switch| switch.home == SwitchHome::Row) {
             ui.toggle_value((switch.place)(settings), switch.label).on_hover_text(switch.doc);
         }
