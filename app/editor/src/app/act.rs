@@ -193,6 +193,7 @@ impl Editor {
             Command::Run => self.run(Part::All),
             Command::Stop => self.session_mut().runner.stop(),
             Command::Picture => self.boxes.take_picture(),
+            Command::Find => self.boxes.find_node(),
             Command::Shortcuts => self.boxes.show_shortcuts(),
             Command::Copy => self.act(ctx, Action::Copy),
             Command::Cut => self.act(ctx, Action::Cut),

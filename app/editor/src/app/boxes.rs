@@ -21,6 +21,7 @@ const WINDOW_KEYS: &[(&str, &str)] = &[
     ("Ctrl + Shift + Z, Ctrl + Y", "redo"),
     ("Ctrl + N, O, S, W", "new, open, save, close a map"),
     ("Ctrl + Shift + S", "save as"),
+    ("Ctrl + F", "find a node by its name or module"),
     ("Ctrl + Tab", "next map"),
     ("Ctrl + Q", "quit"),
     ("Ctrl + plus, minus, 0", "larger, smaller, the size that the system asks for"),
@@ -38,6 +39,8 @@ enum Content {
     /// Another file is there; to be replaced?
     SaveOver(PathBuf),
     Picture(PictureForm),
+    /// Letters so far.
+    Find(String),
     Shortcuts,
     CloseMap(u64),
     Replace(u64),
@@ -58,6 +61,10 @@ impl Boxes {
 
     pub(super) fn save_map(&mut self, path: String) {
         self.open = Content::SaveMap(path);
+    }
+
+    pub(super) fn find_node(&mut self) {
+        self.open = Content::Find(String::new());
     }
 
     pub(super) fn take_picture(&mut self) {
@@ -105,10 +112,12 @@ impl Editor {
             Content::OpenMap(path) => self.open_box(ui, path, wishes),
             Content::SaveMap(path) => self.save_box(ui, path),
             Content::SaveOver(path) => self.save_over_box(ui, path),
-            Content::Picture(form) => match self.picture_box(ui, form) {
-                Some(form) => Content::Picture(form),
-                None => Content::Nothing,
-            },
+            Content::Picture(form) => {
+                self.picture_box(ui, form).map_or(Content::Nothing, Content::Picture)
+            }
+            Content::Find(letters) => {
+                self.find_box(ui, letters, wishes).map_or(Content::Nothing, Content::Find)
+            }
             Content::Shortcuts => shortcuts_box(ui),
             Content::CloseMap(id) => self.close_box(ui, id),
             Content::Replace(id) => self.replace_box(ui, id),

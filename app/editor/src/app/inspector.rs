@@ -1,13 +1,15 @@
 //! The inspector: all about the selected node, drawn from the declaration of its module.
 
 use eframe::egui::{self, RichText, Ui};
-use mve_core::{NodeMode, PortRef, Value};
+use indexmap::IndexMap;
+use mve_core::{Link, NodeMode, PortRef, Value};
+use serde_json::Map as JsonMap;
 
 use super::Wish;
 use super::session::Session;
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
-use crate::forms::Form;
+use crate::forms::{Form, FormEvent};
 use crate::runner::{Part, Shared, Status};
 use crate::views::brief_text;
 
@@ -25,8 +27,64 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
     match selected.as_slice() {
         [] => nothing(ui, session, wishes),
         [name] => node(ui, session, shared, name, wishes),
-        many => {
-            ui.label(format!("{} nodes are selected.", many.len()));
+        many => several(ui, session, shared, many, wishes),
+    }
+}
+
+/// The parameters of several nodes, by module: what is set is set in all of one module.
+fn several(
+    ui: &mut Ui,
+    session: &Session,
+    shared: &Shared,
+    names: &[&String],
+    wishes: &mut Vec<Wish>,
+) {
+    ui.label(format!("{} nodes are selected.", names.len()));
+    let map = session.document.map();
+    let mut groups: IndexMap<&str, Vec<&String>> = IndexMap::new();
+    for name in names {
+        let Some(node) = map.nodes.get(*name) else { continue };
+        groups.entry(node.module.as_str()).or_default().push(*name);
+    }
+    for (module, names) in groups {
+        let Some(info) = shared.registry.find(module) else { continue };
+        ui.separator();
+        ui.heading(format!("{} {module}", names.len()));
+        ui.weak(names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", "));
+        let params = |name: &&String| &map.nodes[*name].params;
+        let same = |param: &str| {
+            let mut given = names.iter().map(|name| params(name).get(param));
+            given.next().filter(|first| given.all(|other| other == *first))
+        };
+        let linked = |param: &str| {
+            let is_it = |link: &Link| names.contains(&&link.to.node) && link.to.port == param;
+            map.links.iter().any(is_it)
+        };
+        let (mut given, mut differing) = (JsonMap::new(), Vec::new());
+        for spec in info.module.params.iter().filter(|spec| !linked(spec.name)) {
+            match same(spec.name) {
+                Some(value) => given.extend(value.map(|v| (spec.name.to_owned(), v.clone()))),
+                None => differing.push(spec.name.replace('_', " ")),
+            }
+        }
+        if !differing.is_empty() {
+            let text = format!("differ, and show the default: {}", differing.join(", "));
+            ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        }
+        let from_link = |path: &str| linked(path).then(|| "links".to_owned());
+        let form = Form { id: module, given: &given, wants_focus: false, link_of: &from_link };
+        for event in form.show(ui, info.module.params) {
+            wishes.push(Wish::Canvas(match event {
+                FormEvent::Set { path, value } => {
+                    let edit = |name: &&String| Edit::SetParam {
+                        node: (*name).clone(),
+                        path: path.clone(),
+                        value: value.clone(),
+                    };
+                    Action::Edit(names.iter().map(edit).collect())
+                }
+                other => Action::Form(names[0].clone(), other),
+            }));
         }
     }
 }

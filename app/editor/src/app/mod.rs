@@ -5,6 +5,7 @@ mod boxes;
 mod console;
 mod dialogs;
 mod files;
+mod find;
 mod inspector;
 mod panels;
 mod pictures;
@@ -96,6 +97,8 @@ pub enum Command {
     Stop,
     /// The box in which a picture of the meshes is saved.
     Picture,
+    /// The box in which a node is found.
+    Find,
     /// The list of keys.
     Shortcuts,
     /// Copy the selection.
@@ -328,6 +331,7 @@ impl Editor {
             (ctrl, Key::O, Command::Open),
             (ctrl, Key::W, Command::Close(self.active)),
             (ctrl, Key::Q, Command::Quit),
+            (ctrl, Key::F, Command::Find),
             (Modifiers::NONE, Key::F1, Command::Shortcuts),
             (Modifiers::SHIFT, Key::Escape, Command::Stop),
         ];

@@ -144,6 +144,9 @@ impl Editor {
         if entry(ui, "Select all", "Ctrl+A", true) {
             wishes.push(Wish::Canvas(Action::Select(document.all_items())));
         }
+        if entry(ui, "Find a node…", "Ctrl+F", true) {
+            wishes.push(Wish::Command(Command::Find));
+        }
         if entry(ui, "Arrange all", "L", true) {
             wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }])));
         }

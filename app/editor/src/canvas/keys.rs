@@ -11,6 +11,7 @@ use crate::runner::Part;
 pub const SHORTCUTS: &[(&str, &str)] = &[
     ("Tab, double click", "search a module and add it"),
     ("drag a port", "link it; on empty canvas, add a module that fits"),
+    ("drag a node onto a wire", "put it between the ends"),
     ("click an output", "look at its value"),
     ("middle drag, Space + drag", "pan"),
     ("wheel, pinch", "zoom"),

@@ -8,6 +8,7 @@
 
 mod camera;
 mod gesture;
+mod insert;
 mod keys;
 mod linking;
 mod menu;

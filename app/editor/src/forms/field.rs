@@ -52,7 +52,9 @@ impl ParamField<'_> {
     pub(super) fn switch(&mut self, ui: &mut Ui) {
         let mut is_on = !is_off(self.spec, self.given);
         let switch = ui.checkbox(&mut is_on, "");
-        if switch.on_hover_text(format!("whether {} is on", self.name)).changed() {
+        let name = format!("whether {} is on", self.name);
+        ui.ctx().accesskit_node_builder(switch.id, |node| node.set_label(name.as_str()));
+        if switch.on_hover_text(&name).changed() {
             self.set(Some(if is_on {
                 self.spec.value_when_on().unwrap_or_default()
             } else {
@@ -98,8 +100,12 @@ impl ParamField<'_> {
             FieldPlace::Cell => "no",
         };
         let response = ui.checkbox(&mut flag, text).on_hover_text(&self.name);
-        if self.place == FieldPlace::Cell {
-            name_it(&response, &self.name, 0);
+        match self.place {
+            FieldPlace::Cell => name_it(&response, &self.name, 0),
+            FieldPlace::Row => {
+                let name = self.name.as_str();
+                ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+            }
         }
         if response.changed() {
             self.set(Some(Json::from(flag)));

@@ -508,3 +508,35 @@ fn a_picture_of_the_meshes_is_saved_in_any_size() {
     assert_eq!(picture.get_pixel(320, 400).0[3], 255);
     assert_eq!(picture.get_pixel(630, 10).0[3], 0);
 }
+
+#[test]
+fn a_node_is_found_put_on_a_wire_and_set_with_others() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "info": {"module": "MeshInfo"},
+        "cut": {"module": "Simplificator"}, "cut-2": {"module": "Simplificator"}},
+        "links": ["box.mesh -> info.mesh"],
+        "layout": {"box": [0, 0], "info": [700, 0], "cut": [300, 400], "cut-2": [600, 400]}}"#;
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    hand.problems();
+    hand.press_with(Modifiers::COMMAND, Key::F);
+    hand.replace_text("find a node", "MESHINFO");
+    hand.press(Key::Enter);
+    let selected = hand.editor().session().document.selection().clone();
+    assert_eq!(selected, [mve_editor::document::Item::Node("info".to_owned())].into());
+
+    hand.point_at("canvas");
+    hand.press(Key::Home);
+    let wire = hand.place_of("output box.mesh").lerp(hand.place_of("input info.mesh"), 0.5);
+    let middle = hand.place_of("node cut");
+    hand.drag_held("node cut", wire - middle);
+    let links: Vec<String> = hand.map().links.iter().map(ToString::to_string).collect();
+    assert_eq!(links, ["cut.mesh -> info.mesh", "box.mesh -> cut.mesh"]);
+
+    hand.point_at("canvas");
+    hand.press_with(Modifiers::COMMAND, Key::A);
+    assert!(hand.sees("2 Simplificator"));
+    hand.click("whether target faces is on");
+    for cut in ["cut", "cut-2"] {
+        assert!(hand.map().nodes[cut].params.contains_key("target_faces"), "{cut}");
+    }
+}

@@ -109,8 +109,9 @@ impl MeshView {
         Self {
             camera: self.camera,
             settings: self.settings.clone(),
-            fitted: self.fitted,
-            has_moved: true,
+            // A camera that no hand has placed fits all into the other form.
+            fitted: self.fitted.filter(|_| self.has_moved),
+            has_moved: self.has_moved,
             still: Some(options),
             ..Self::default()
         }

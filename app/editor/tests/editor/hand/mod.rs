@@ -323,6 +323,13 @@ impl Hand {
         self.step();
     }
 
+    /// Drags what has this name by its upper edge.
+    pub fn drag_held(&mut self, name: &str, by: Vec2) {
+        let rect = self.harness.get_by_label(name).rect();
+        let from = rect.center_top() + Vec2::new(0.0, 6.0);
+        self.drag(from, from + by);
+    }
+
     /// Drags from one thing to another.
     pub fn link(&mut self, from: &str, to: &str) {
         let (from, to) = (self.place_of(from), self.place_of(to));

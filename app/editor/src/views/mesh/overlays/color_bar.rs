@@ -115,15 +115,16 @@ fn show_beyond(
     beyond: [Option<(f64, f64)>; 2],
     spacing: Spacing,
 ) {
-    let places = [("↓", bar.bottom() + FIELD + 4.0), ("↑", bar.top() - FIELD - 18.0)];
-    for ((mark, top), beyond) in places.into_iter().zip(beyond) {
+    let places = [("below", bar.bottom() + FIELD + 4.0), ("above", bar.top() - FIELD - 18.0)];
+    for ((side, top), beyond) in places.into_iter().zip(beyond) {
         let Some((percent, farthest)) = beyond else { continue };
         let text =
-            format!("{mark} {} to {}", percent_text(percent), number_text(spacing.back(farthest)));
+            format!("{} to {}", percent_text(percent), number_text(spacing.back(farthest)));
         let place = Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right(), top + 14.0));
-        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(mark));
+        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(side));
         let text = egui::RichText::new(text).size(10.0).weak();
-        child.add(egui::Label::new(text).extend());
+        let said = format!("So many values lie {side} the range, the farthest at this one");
+        child.add(egui::Label::new(text).extend()).on_hover_text(said);
     }
 }
 
