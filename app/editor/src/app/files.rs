@@ -157,7 +157,7 @@ impl Editor {
     /// Every few seconds: keeps changed maps for the case of a crash, and looks for files that
     /// somebody else has changed.
     pub(super) fn look_at_files(&mut self, ctx: &egui::Context) {
-        // Asked for in every frame: one that comes in between makes the window forget the last wish.
+        // Asked for in every frame: one in between makes the window forget what it was asked.
         let until = LOOK_AT_FILES.saturating_sub(self.looked_at_files.elapsed());
         if !until.is_zero() {
             ctx.request_repaint_after(until);

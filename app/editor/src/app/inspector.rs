@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText, Ui};
 use indexmap::IndexMap;
-use mve_core::{Link, NodeMode, PortRef, Value};
+use mve_core::{Link, NodeMode, PortRef, Problem, Value};
 use serde_json::Map as JsonMap;
 
 use super::Wish;
@@ -115,12 +115,7 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
         ui.weak("The map has no problems.");
     }
     for problem in problems {
-        let color = match problem.is_error() {
-            true => ui.visuals().error_fg_color,
-            false => ui.visuals().warn_fg_color,
-        };
-        let line = egui::Label::new(RichText::new(problem.to_string()).color(color));
-        if ui.add(line.sense(egui::Sense::click())).clicked()
+        if problem_line(ui, session, problem)
             && let Some(node) = &problem.place.node
         {
             wishes.push(Wish::ShowNode(node.clone()));
@@ -128,6 +123,23 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
     }
     ui.add_space(8.0);
     ui.weak("Select a node to see its parameters.");
+}
+
+/// Shows a problem of the map, with its line where the file is as it is here; whether it was
+/// clicked.
+fn problem_line(ui: &mut Ui, session: &Session, problem: &Problem) -> bool {
+    let color = match problem.is_error() {
+        true => ui.visuals().error_fg_color,
+        false => ui.visuals().warn_fg_color,
+    };
+    let document = &session.document;
+    let is_file = document.path().is_some() && !document.is_dirty();
+    let position = document.map().position_of(problem).filter(|_| is_file);
+    let position =
+        position.map(|at| format!(" (line {}, column {} of the file)", at.line, at.column));
+    let text = problem.to_string() + &position.unwrap_or_default();
+    let line = egui::Label::new(RichText::new(text).color(color)).wrap();
+    ui.add(line.sense(egui::Sense::click())).clicked()
 }
 
 fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mut Vec<Wish>) {
@@ -146,6 +158,14 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             "bypassed: it passes its input through"
         };
         ui.label(format!("It is {what}."));
+    }
+    let warnings = session
+        .runner
+        .problems()
+        .iter()
+        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
+    for warning in warnings {
+        problem_line(ui, session, warning);
     }
     let Some(info) = shared.registry.find(&node.module) else {
         ui.label("There is no module of this name. The node is kept as it stands.");

@@ -170,7 +170,7 @@ impl Editor {
         ui.checkbox(&mut canvas.wheel_zooms, "The wheel zooms")
             .on_hover_text("Off: it scrolls, and zooms with the control key.");
         ui.checkbox(&mut canvas.shows_times, "Show where the time goes")
-            .on_hover_text("Colors the title of each node by its part of the seconds.");
+            .on_hover_text("Colors the title of each node by its part of the seconds: blue for little, red for most.");
         ui.separator();
         let before = self.settings.clone();
         ui.horizontal(|ui| {
@@ -222,11 +222,13 @@ impl Editor {
             self.session_mut().canvas.open_search();
         }
         ui.separator();
-        for (lower, label) in
-            [(Lower::Program, "Program"), (Lower::Values, "Values"), (Lower::Console, "Console")]
-        {
+        for (lower, label, hint) in [
+            (Lower::Program, "Program", "Runs of the map with varied parameters, as a table"),
+            (Lower::Values, "Values", "All ports of the selected nodes and their values"),
+            (Lower::Console, "Console", "What modules said"),
+        ] {
             let is_shown = self.is_lower_open && self.lower == lower;
-            if ui.selectable_label(is_shown, label).clicked() {
+            if ui.selectable_label(is_shown, label).on_hover_text(hint).clicked() {
                 self.is_lower_open = !is_shown;
                 self.lower = lower;
             }

@@ -8,8 +8,8 @@ use serde_json::Value as Json;
 
 use super::edit::Edit;
 
-/// A path as a map in a folder writes it, with `/` between its parts: relative where it is given so,
-/// and where it lies below the folder. A map without a folder keeps it as it is.
+/// A path as a map in a folder writes it, with `/` between its parts: relative where it is given
+/// so, and where it lies below the folder. A map without a folder keeps it as it is.
 pub fn written_path(path: &Path, folder: Option<&Path>) -> String {
     let seen = folder.and_then(|folder| seen_from(path, folder));
     let is_below = |seen: &PathBuf| !seen.starts_with("..");

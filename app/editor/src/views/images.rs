@@ -174,7 +174,8 @@ impl ImagesView {
                 if self.has_difference {
                     make_room(ui, 190.0);
                     let slider = egui::Slider::new(&mut self.gain.0, 1.0..=64.0).logarithmic(true);
-                    ui.add(slider.text("gain")).on_hover_text("Differences are multiplied by this");
+                    ui.label("Multiplied by");
+                    ui.add(slider).on_hover_text("What differences are multiplied by");
                 }
             }
         });

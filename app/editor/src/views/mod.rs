@@ -38,10 +38,10 @@ use mve_core::{Data, Value};
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
     Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
-    VIEW_KEYS,
+    StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
-pub use still::{Still, StillOptions};
+pub use still::Still;
 pub use table::{Column, SortOrder, Table, TableView};
 
 /// How long a value may be old before that is said.

@@ -1,5 +1,5 @@
-//! The meshes of a view as a picture of any size: what is seen, with its colors, bar and names, drawn
-//! beside the window in a few frames.
+//! The meshes of a view as a picture of any size: what is seen, with its colors, bar and names,
+//! drawn beside the window in a few frames.
 
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -9,17 +9,8 @@ use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions, ScreenDescriptor
 use eframe::wgpu;
 use image::RgbaImage;
 
-use super::mesh::MeshView;
+use super::mesh::{MeshView, StillOptions};
 use super::{Pinned, ValueView, ViewInput};
-
-/// How a picture is to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StillOptions {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Whether there is nothing behind the meshes.
-    pub is_transparent: bool,
-}
 
 /// Frames that have to be the same before a picture is taken: the first ones lay out text.
 const N_CALM: usize = 3;

@@ -540,3 +540,17 @@ fn a_node_is_found_put_on_a_wire_and_set_with_others() {
         assert!(hand.map().nodes[cut].params.contains_key("target_faces"), "{cut}");
     }
 }
+
+#[test]
+fn keys_that_nothing_reads_are_warned_of_with_their_line() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = "{\"mve\": 1, \"nodes\": {\n\"box\": {\"module\": \"Box\",\n\"parms\": {}}}}";
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    let problems = hand.problems();
+    let [said] = problems.as_slice() else { panic!("{problems:?}") };
+    assert!(said.contains("parms"), "{said}");
+    let line = |hand: &Hand, n| hand.sees_beginning(&format!("{said} (line {n}, column "));
+    assert!(line(&hand, 2) || line(&hand, 3));
+    hand.click_at("node box", 0.5, 0.05);
+    assert!(hand.sees_beginning(said), "the node says it too");
+}

@@ -9,8 +9,8 @@ use mve_modules::data::{Images, TriMesh};
 
 use super::item::MeshItem;
 use super::layout::Tile;
-use super::look::coloring::Values;
 use super::look::settings::{Arrangement, MeshSettings};
+use super::look::values::Values;
 use crate::views::ViewerAction;
 use crate::views::camera::{Bounds, Camera};
 
@@ -77,6 +77,8 @@ pub struct MeshPicture<'a> {
     pub bounds: Option<Bounds>,
     /// The color of thin lines.
     pub line_color: Color32,
+    /// Whether it lies over another, where words would cover those below.
+    pub is_above: bool,
 }
 
 /// The whole panel of one frame.

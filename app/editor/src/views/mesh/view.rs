@@ -15,18 +15,19 @@ use super::hand::navigation::{by_keys, by_pointer};
 use super::item::{Colors, MeshItem, Viewport};
 use super::layout::{Tile, layout, part_of};
 use super::look::coloring::{
-    ColorBy, ColorSource, PinnedField, ScaleSettings, Values, number_layers, source_of,
+    ColorBy, ColorSource, PinnedField, ScaleSettings, number_layers, source_of,
 };
 use super::look::label_layers;
 use super::look::settings::{Arrangement, MeshSettings, Offers, Wishes, controls};
 use super::look::stored::MeshLook;
 use super::look::texture::TextureSource;
+use super::look::values::Values;
 use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
 use crate::views::memo::Same;
-use crate::views::{PanelPlace, Pinned, StillOptions, ValueView, ViewInput, ViewerAction};
+use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -49,6 +50,15 @@ pub struct MeshView {
     size: Vec2,
     /// Where it is no part of a window, but a picture for a file.
     still: Option<StillOptions>,
+}
+
+/// How a picture for a file is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StillOptions {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Whether there is nothing behind the meshes.
+    pub is_transparent: bool,
 }
 
 /// Seconds after which a camera is at rest.
@@ -417,6 +427,9 @@ impl MeshView {
                 camera: &self.camera,
                 bounds: item.bounds(),
                 line_color,
+                is_above: self.settings.arrangement == Arrangement::Blend
+                    && tiles.len() == 2
+                    && at == 1,
             };
             self.overlays.paint(Depth::Behind, &picture, &mut self.settings);
             if let Some(target) = item.picture(gpu, &self.settings, &colors, &viewport) {

@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::views::camera::{Camera, Projection, StandardView, UpAxis};
 use crate::views::make_room;
 use crate::views::mesh::arrays::Shading;
-use crate::views::mesh::look::coloring::{CLIP_PERCENTS, ColorBy, ScaleSettings, Spacing};
+use crate::views::mesh::look::coloring::{ColorBy, ScaleSettings};
+use crate::views::mesh::look::values::{CLIP_PERCENTS, Spacing};
 use crate::views::number::number_text;
 
 /// How faces look that are seen from behind.
@@ -245,7 +246,8 @@ fn surface_menu(ui: &mut egui::Ui, settings: &mut MeshSettings, switches: &[Swit
     }
     if let Shading::Smooth { crease_angle_rad } = &mut settings.shading {
         let mut degrees = crease_angle_rad.to_degrees().round();
-        let slider = egui::Slider::new(&mut degrees, 0.0..=180.0).suffix("°").text("crease");
+        ui.label("Crease angle");
+        let slider = egui::Slider::new(&mut degrees, 0.0..=180.0).suffix("°");
         let response = ui.add(slider).on_hover_text("Edges sharper than this stay edges");
         if response.changed() {
             *crease_angle_rad = degrees.to_radians();
@@ -357,13 +359,15 @@ fn comparison(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
         return;
     }
     make_room(ui, 190.0);
+    ui.label("Balance");
     let slider = egui::Slider::new(&mut settings.balance, 0.0..=1.0).show_value(false);
-    ui.add(slider.text("balance")).on_hover_text("From the first mesh to the second");
+    ui.add(slider).on_hover_text("From the first mesh to the second");
     if offers.titles.len() > 2 {
         for (at, label) in settings.pair.iter_mut().zip(["first", "second"]) {
             let selected = offers.titles.get(*at).cloned().unwrap_or_default();
             make_room(ui, 190.0);
-            egui::ComboBox::new(label, label).selected_text(selected).show_ui(ui, |ui| {
+            ui.label(label);
+            egui::ComboBox::from_id_salt(label).selected_text(selected).show_ui(ui, |ui| {
                 for (i, title) in offers.titles.iter().enumerate() {
                     ui.selectable_value(at, i, title);
                 }

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::views::camera::{Camera, Projection};
 use crate::views::mesh::arrays::Shading;
-use crate::views::mesh::look::coloring::{ScaleSettings, Spacing};
+use crate::views::mesh::look::coloring::ScaleSettings;
 use crate::views::mesh::look::settings::{Arrangement, BackFaces, Lines, MeshSettings};
+use crate::views::mesh::look::values::Spacing;
 
 /// How meshes are shown, apart from what belongs to the meshes themselves: what colors them, ranges
 /// by hand, what is up, the box with lengths, and where the camera is.

@@ -6,7 +6,8 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Stroke, pos2, vec2};
 use mve_modules::data::Domain;
 
 use super::Overlay;
-use crate::views::mesh::look::coloring::{ScaleSettings, Spacing, Values};
+use crate::views::mesh::look::coloring::ScaleSettings;
+use crate::views::mesh::look::values::{Spacing, Values};
 use crate::views::mesh::scene::MeshScene;
 use crate::views::number::{number_text, round_numbers};
 use crate::views::spread::histogram;
@@ -65,7 +66,8 @@ impl Overlay for ColorBar {
         let (Some(rect), Some(first)) = (scene.bar, scene.values.first()) else { return };
         let range = scene.range;
         let known = self.known.take().filter(|known| known.is_of(scene.values, range));
-        let known = self.known.insert(known.unwrap_or_else(|| RangeCounts::of(scene.values, range)));
+        let known =
+            self.known.insert(known.unwrap_or_else(|| RangeCounts::of(scene.values, range)));
         let scale = &mut scene.settings.scale;
         let bar = paint_color_bar(ui, rect, scale, range, first, &known.histogram);
         if let Some(bar) = bar {
@@ -91,9 +93,11 @@ fn show_ends(
         ("minimum of the colors", bar.bottom() + 2.0, low, f64::NEG_INFINITY..=high),
         ("maximum of the colors", bar.top() - 2.0 - FIELD, high, low..=f64::INFINITY),
     ];
-    for ((name, top, present, allowed), end) in ends.into_iter().zip([&mut scale.low, &mut scale.high])
+    for ((name, top, present, allowed), end) in
+        ends.into_iter().zip([&mut scale.low, &mut scale.high])
     {
-        let place = Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right() - 4.0, top + FIELD));
+        let place =
+            Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right() - 4.0, top + FIELD));
         let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(name));
         let mut value = present;
         let field = egui::DragValue::new(&mut value).speed(speed).range(allowed);
@@ -104,7 +108,9 @@ fn show_ends(
         if value != present {
             *end = Some(value);
         }
-        field.on_hover_text("Drag or type the value; Range ▸ Minimum and Maximum give it back to the data");
+        field.on_hover_text(
+            "Drag or type the value; Range ▸ Minimum and Maximum give it back to the data",
+        );
     }
 }
 
@@ -118,9 +124,9 @@ fn show_beyond(
     let places = [("below", bar.bottom() + FIELD + 4.0), ("above", bar.top() - FIELD - 18.0)];
     for ((side, top), beyond) in places.into_iter().zip(beyond) {
         let Some((percent, farthest)) = beyond else { continue };
-        let text =
-            format!("{} to {}", percent_text(percent), number_text(spacing.back(farthest)));
-        let place = Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right(), top + 14.0));
+        let text = format!("{} to {}", percent_text(percent), number_text(spacing.back(farthest)));
+        let place =
+            Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right(), top + 14.0));
         let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(side));
         let text = egui::RichText::new(text).size(10.0).weak();
         let said = format!("So many values lie {side} the range, the farthest at this one");
