@@ -55,7 +55,7 @@ pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
-pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign};
+pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, nearest};
 pub use program::{
@@ -70,7 +70,7 @@ pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
-pub use search::{Synonym, search};
+pub use search::{Synonym, rank_of_word, search};
 pub use stored::{BLOCK, Stored, StoredWriter};
 
 /// The version of mve, as packages name it.

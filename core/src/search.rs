@@ -9,20 +9,25 @@ pub type Synonym = (&'static str, &'static str);
 /// The modules that have every word of a query: in the id first, then in the summary, then in the
 /// entries of their choices, then in the texts of ports and parameters.
 pub fn search(registry: &Registry, query: &str, synonyms: &[Synonym]) -> Vec<ModuleInfo> {
-    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let words: Vec<&str> = query.split_whitespace().collect();
     let rank = |module: &Module| {
-        let texts = texts_of(module).map(|text| text.to_lowercase());
-        let rank_of = |word: &String| {
-            let meant = synonyms.iter().filter(|(name, _)| *name == word).map(|(_, meant)| *meant);
-            let forms: Vec<&str> = std::iter::once(word.as_str()).chain(meant).collect();
-            texts.iter().position(|text| forms.iter().any(|form| text.contains(form)))
-        };
-        words.iter().map(rank_of).try_fold(0, |worst, rank| Some(rank?.max(worst)))
+        let ranks = words.iter().map(|word| rank_of_word(module, word, synonyms));
+        ranks.into_iter().try_fold(0, |worst, rank| Some(rank?.max(worst)))
     };
     let ranked = registry.modules().iter().map(|info| (rank(info.module), *info));
     let mut found: Vec<_> = ranked.filter_map(|(rank, info)| Some((rank?, info))).collect();
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, info)| info).collect()
+}
+
+/// Where a module has a word or one that is meant by it: 0 for its id, 1 for the summary, 2 for the
+/// entries of its choices, 3 for the texts of ports and parameters.
+pub fn rank_of_word(module: &Module, word: &str, synonyms: &[Synonym]) -> Option<usize> {
+    let word = word.to_lowercase();
+    let meant = synonyms.iter().filter(|(name, _)| *name == word).map(|(_, meant)| *meant);
+    let forms: Vec<&str> = std::iter::once(word.as_str()).chain(meant).collect();
+    let texts = texts_of(module).map(|text| text.to_lowercase());
+    texts.iter().position(|text| forms.iter().any(|form| text.contains(form)))
 }
 
 /// What a module says of itself, the most telling first.

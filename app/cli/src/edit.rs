@@ -1,5 +1,6 @@
 //! `mve edit`: the window, which is a program of its own, so that this one needs no display.
 
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::Command;
@@ -21,10 +22,15 @@ pub struct Args {
 
 /// Starts the window and waits until it is closed.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
+    open_editor(args.maps.iter().map(|path| path.as_os_str().to_owned()))
+}
+
+/// Starts the window with these arguments and waits until it is closed.
+pub fn open_editor(arguments: impl Iterator<Item = OsString>) -> Result<Exit, Stop> {
     let name = format!("{EDITOR}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().ok().map(|own| own.with_file_name(&name));
     let program = beside.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(&name));
-    let status = Command::new(&program).args(&args.maps).status().map_err(|error| {
+    let status = Command::new(&program).args(arguments).status().map_err(|error| {
         let what = match error.kind() {
             ErrorKind::NotFound => format!(
                 "{EDITOR} is neither beside mve nor on the PATH; build it with \

@@ -18,6 +18,7 @@ mod scaffold;
 mod schema;
 mod stop;
 mod table;
+mod view;
 
 use std::process::ExitCode;
 
@@ -42,6 +43,7 @@ Examples:
   mve report mve-out/first-sizes        write the report of a program again
   mve modules Simplificator             read what a module does
   mve edit first.json                   open it in the window
+  mve view bunny.obj                    look at a mesh
 
 Exit codes:
   0    all done
@@ -75,6 +77,7 @@ enum Command {
     Schema(schema::Args),
     New(new::Args),
     Edit(edit::Args),
+    View(view::Args),
     Completions(manual::CompletionsArgs),
     Man(manual::ManArgs),
 }
@@ -121,6 +124,7 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
         Some(Command::Schema(args)) => schema::run(&args),
         Some(Command::New(args)) => new::run(&args),
         Some(Command::Edit(args)) => edit::run(&args),
+        Some(Command::View(args)) => view::run(&args),
         Some(Command::Completions(args)) => manual::completions(Cli::command(), &args),
         Some(Command::Man(args)) => manual::pages(Cli::command(), &args),
     }

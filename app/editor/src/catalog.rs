@@ -1,16 +1,21 @@
 //! The search for modules: by what they are called, what they do, and what they link to.
 
-use mve_core::{DataType, Module, ModuleInfo, ParamSpec, Registry};
+use mve_core::{DataType, Module, ModuleInfo, ParamSpec, Registry, rank_of_word};
 use nucleo_matcher::pattern::{Atom, AtomKind, CaseMatching, Normalization};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 
 /// What a word of the query is worth by where it is found: in the id first, in one piece before
-/// letters here and there, then in the category, then in the summary, last by its beginning alone.
+/// letters here and there, then in the category, then in the summary, then by its beginning alone,
+/// last by what is meant by it or stands in choices and ports, as `mve modules` finds it.
 const WHOLE_IN_ID: u32 = 5000;
 const IN_ID: u32 = 4000;
 const IN_CATEGORY: u32 = 3000;
 const IN_SUMMARY: u32 = 2000;
 const BY_STEM: u32 = 1000;
+const ELSEWHERE: [u32; 4] = [400, 300, 200, 100];
+
+/// Fewer letters than this are in too many texts.
+const SHORTEST_ELSEWHERE: usize = 3;
 
 /// Shortest beginning that two words of one stem have in common, and the most letters that the
 /// word of the query may have behind it: `simplify` finds the Simplificator.
@@ -177,7 +182,13 @@ impl Word {
             return Some(IN_SUMMARY + u32::from(score));
         }
         let in_id = self.stem(module.id, &mut hit.id_matches);
-        in_id.or_else(|| self.stem(module.summary, &mut hit.summary_matches))
+        let stem = in_id.or_else(|| self.stem(module.summary, &mut hit.summary_matches));
+        stem.or_else(|| {
+            let word: String = self.letters.iter().collect();
+            let is_long = self.letters.len() >= SHORTEST_ELSEWHERE;
+            let rank = rank_of_word(module, &word, mve_modules::SYNONYMS).filter(|_| is_long)?;
+            Some(ELSEWHERE[rank])
+        })
     }
 
     /// Finds the beginning of the word at the beginning of a word of the text.
@@ -235,6 +246,19 @@ mod tests {
         assert_eq!(ids("numbering", None), ["Pick"]);
         let hits = Catalog::new(&registry()).search("writing", None);
         assert_eq!(hits[0].id_matches, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn what_a_person_calls_it_is_found() {
+        let first = |query: &str| {
+            let hits = Catalog::new(&mve_modules::registry()).search(query, None);
+            hits.first().map(|hit| hit.info.module.id)
+        };
+        assert_eq!(first("decimate"), Some("Simplificator"));
+        assert_eq!(first("hausdorff"), Some("MeshComparer"));
+        assert_eq!(first("decimate zzz"), None);
+        let all = |query: &str| Catalog::new(&mve_modules::registry()).search(query, None);
+        assert!(all("view").iter().any(|hit| hit.info.module.summary.contains("picture")));
     }
 
     #[test]

@@ -23,8 +23,22 @@ use mve_core::Registry;
 /// Name of the window's settings in the store of the system.
 const SETTINGS: &str = "settings";
 
-/// Opens the window and stays until it is closed. The error is a sentence for a person.
-pub fn open_window(registry: Registry, maps: Vec<PathBuf>) -> Result<(), String> {
+/// What the window shows first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FirstSight {
+    /// The canvas, and below it what is looked at.
+    Map,
+    /// Only what is looked at.
+    Values,
+}
+
+/// Opens the window on maps and on files that modules read, and stays until it is closed. The error
+/// is a sentence for a person.
+pub fn open_window(
+    registry: Registry,
+    files: Vec<PathBuf>,
+    first: FirstSight,
+) -> Result<(), String> {
     let viewport = egui::ViewportBuilder::default()
         .with_app_id("mve")
         .with_title("mve")
@@ -37,7 +51,8 @@ pub fn open_window(registry: Registry, maps: Vec<PathBuf>) -> Result<(), String>
         let settings = settings.unwrap_or_default();
         let before = settings.open.iter().filter(|map| map.is_file()).cloned();
         let start = Start {
-            maps: if maps.is_empty() { before.collect() } else { maps },
+            files: if files.is_empty() { before.collect() } else { files },
+            is_view: first == FirstSight::Values,
             settings,
             recovery: eframe::storage_dir("mve").map(|folder| folder.join("unsaved")),
             render: creation.wgpu_render_state.clone(),

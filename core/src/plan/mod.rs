@@ -16,6 +16,7 @@ use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
 pub use assign::assign;
+pub use modes::passed_on;
 pub(crate) use outputs::one_case;
 
 /// What a plan needs to know beside the map.

@@ -13,6 +13,13 @@ use crate::map::{Link, Map, NodeMode, PortRef};
 use crate::problem::Problem;
 use crate::registry::Registry;
 
+/// Where the value of an output comes from: behind bypassed nodes, what they pass on; `None` where
+/// nothing gives it.
+pub fn passed_on(map: &Map, registry: &Registry, output: &PortRef) -> Option<PortRef> {
+    let wires = Wires::of(map, registry);
+    wires.source(output, &wires.left_out()).ok().cloned()
+}
+
 /// A map without the nodes that do not run.
 pub(super) struct ActiveMap {
     /// What runs.

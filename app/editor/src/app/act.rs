@@ -1,7 +1,5 @@
 //! Does what parts of the window ask for.
 
-use std::path::Path;
-
 use eframe::egui::{self, ViewportCommand};
 use mve_core::NodeMode;
 use serde_json::Value as Json;
@@ -14,8 +12,8 @@ use crate::forms::FormEvent;
 use crate::programs::ProgramAction;
 use crate::runner::Part;
 
-/// How far beside the original a duplicate comes to stand, in units of the canvas.
-const BESIDE: f64 = 40.0;
+/// How far below the original a duplicate comes to stand, in units of the canvas.
+const BELOW: f64 = 40.0;
 
 impl Editor {
     /// Does what was asked for; what cannot be done is said.
@@ -113,11 +111,22 @@ impl Editor {
     fn duplicate(&mut self) {
         let document = &self.session().document;
         let items: Vec<Item> = document.selection().iter().cloned().collect();
-        let places = items.iter().filter_map(|item| document.position(item));
-        let corner = places.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
         let clip = Clip::copy_with_links(document, &items);
-        if let Some([x, y]) = corner.filter(|_| !clip.is_empty()) {
-            self.edit(&[Edit::Paste { clip, at: [x + BESIDE, y + BESIDE] }]);
+        let sizes: std::collections::HashMap<_, _> = self.session().canvas.sizes().collect();
+        let ends = |item: &Item| {
+            let [x, y] = document.position(item)?;
+            let height = match item {
+                Item::Node(name) => sizes.get(name.as_str()).map_or(0.0, |size| size[1]),
+                _ => 0.0,
+            };
+            Some(([x, y], y + height))
+        };
+        let all = items.iter().filter_map(ends);
+        let all = all
+            .reduce(|(a, a_end), (b, b_end)| ([a[0].min(b[0]), a[1].min(b[1])], a_end.max(b_end)));
+        // Below the originals, so that it covers nothing of them.
+        if let Some(([x, _], end)) = all.filter(|_| !clip.is_empty()) {
+            self.edit(&[Edit::Paste { clip, at: [x, end + BELOW] }]);
         }
     }
 
@@ -170,7 +179,7 @@ impl Editor {
         match command {
             Command::New => self.add(Document::new()),
             Command::Open => self.boxes.open_map(),
-            Command::OpenPath(path) => self.open(&path),
+            Command::OpenPath(path) => self.take_files(std::slice::from_ref(&path)),
             Command::Example => match Document::from_text(EXAMPLE) {
                 Ok(document) => self.add(document),
                 Err(error) => self.toast(error.to_string()),
@@ -183,6 +192,8 @@ impl Editor {
             Command::Redo => self.move_in_history(Document::redo),
             Command::Run => self.run(Part::All),
             Command::Stop => self.session_mut().runner.stop(),
+            Command::Picture => self.boxes.take_picture(),
+            Command::Find => self.boxes.find_node(),
             Command::Shortcuts => self.boxes.show_shortcuts(),
             Command::Copy => self.act(ctx, Action::Copy),
             Command::Cut => self.act(ctx, Action::Cut),
@@ -196,30 +207,6 @@ impl Editor {
         let session = &mut sessions[*active];
         step(&mut session.document);
         session.prune_pins(&shared.registry);
-    }
-
-    /// Adds a module that reads a file of this kind, with the file as its parameter.
-    pub(super) fn add_reader(&mut self, path: &Path) {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let reader = self.shared.registry.modules().iter().find_map(|info| {
-            let param = info.module.params.iter().find(|spec| {
-                let file = spec.input_file();
-                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
-            })?;
-            Some((info.module.id, param.name))
-        });
-        let Some((module, param)) = reader else {
-            self.toast(format!("{}: no module reads files of this kind", path.display()));
-            return;
-        };
-        let session = self.session();
-        let name = session.document.free_name(module);
-        let value = Some(Json::from(session.written_path(path)));
-        let at = session.canvas.free_place();
-        self.edit(&[
-            Edit::AddNode { module: module.to_owned(), name: Some(name.clone()), at },
-            Edit::SetParam { node: name, path: param.to_owned(), value },
-        ]);
     }
 }
 

@@ -6,12 +6,14 @@ use eframe::egui::{self, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 use mve_core::Map;
 
 use super::files::{is_same, typed_path};
+use super::pictures::PictureForm;
 use super::{Command, Editor, Wish};
 use crate::canvas::SHORTCUTS;
 use crate::document::Recovered;
 use crate::programs::in_words;
+use crate::views::VIEW_KEYS;
 
-/// Keys that hold in the whole window; those of the canvas are its own.
+/// Keys that hold in the whole window; canvas and views have their own.
 const WINDOW_KEYS: &[(&str, &str)] = &[
     ("F5, Ctrl + Enter", "run the map"),
     ("Shift + Esc", "stop the run"),
@@ -19,8 +21,10 @@ const WINDOW_KEYS: &[(&str, &str)] = &[
     ("Ctrl + Shift + Z, Ctrl + Y", "redo"),
     ("Ctrl + N, O, S, W", "new, open, save, close a map"),
     ("Ctrl + Shift + S", "save as"),
+    ("Ctrl + F", "find a node by its name or module"),
     ("Ctrl + Tab", "next map"),
-    ("Ctrl + plus, minus, 0", "larger, smaller, as the system has it"),
+    ("Ctrl + Q", "quit"),
+    ("Ctrl + plus, minus, 0", "larger, smaller, the size that the system asks for"),
     ("F1", "this list"),
 ];
 
@@ -34,6 +38,9 @@ enum Content {
     SaveMap(String),
     /// Another file is there; to be replaced?
     SaveOver(PathBuf),
+    Picture(PictureForm),
+    /// Letters so far.
+    Find(String),
     Shortcuts,
     CloseMap(u64),
     Replace(u64),
@@ -54,6 +61,14 @@ impl Boxes {
 
     pub(super) fn save_map(&mut self, path: String) {
         self.open = Content::SaveMap(path);
+    }
+
+    pub(super) fn find_node(&mut self) {
+        self.open = Content::Find(String::new());
+    }
+
+    pub(super) fn take_picture(&mut self) {
+        self.open = Content::Picture(PictureForm::default());
     }
 
     pub(super) fn show_shortcuts(&mut self) {
@@ -97,6 +112,12 @@ impl Editor {
             Content::OpenMap(path) => self.open_box(ui, path, wishes),
             Content::SaveMap(path) => self.save_box(ui, path),
             Content::SaveOver(path) => self.save_over_box(ui, path),
+            Content::Picture(form) => {
+                self.picture_box(ui, form).map_or(Content::Nothing, Content::Picture)
+            }
+            Content::Find(letters) => {
+                self.find_box(ui, letters, wishes).map_or(Content::Nothing, Content::Find)
+            }
             Content::Shortcuts => shortcuts_box(ui),
             Content::CloseMap(id) => self.close_box(ui, id),
             Content::Replace(id) => self.replace_box(ui, id),
@@ -113,12 +134,14 @@ impl Editor {
         let mut wants_dialog = false;
         let shown = Modal::new("open a map".into()).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
-            ui.heading("Open a map");
+            ui.heading("Open a map or a mesh");
             ui.horizontal(|ui| {
                 let field = ui.add(
-                    TextEdit::singleline(&mut path).hint_text("path of a map").desired_width(320.0),
+                    TextEdit::singleline(&mut path)
+                        .hint_text("path of a file")
+                        .desired_width(320.0),
                 );
-                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of a map"));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path to open"));
                 let is_entered =
                     field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if ui.memory(|memory| memory.focused().is_none()) {
@@ -139,7 +162,7 @@ impl Editor {
             if ui.link("The example: simplify one model and measure what was lost").clicked() {
                 chosen = Some(Command::Example);
             }
-            ui.weak("A map can also be dropped on the window.");
+            ui.weak("A file can also be dropped on the window.");
         });
         if wants_dialog {
             self.ask_for_map();
@@ -385,14 +408,19 @@ fn shortcuts_box(ui: &mut Ui) -> Content {
         ui.heading("Keys and gestures");
         let height = ui.ctx().content_rect().height() - 160.0;
         ScrollArea::vertical().max_height(height.max(120.0)).show(ui, |ui| {
-            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                let canvas = SHORTCUTS.iter().map(|shortcut| (shortcut.keys, shortcut.what));
-                for (keys, what) in WINDOW_KEYS.iter().copied().chain(canvas) {
-                    ui.monospace(keys);
-                    ui.label(what);
-                    ui.end_row();
-                }
-            });
+            let parts =
+                [("Anywhere", WINDOW_KEYS), ("On the canvas", SHORTCUTS), ("On a mesh", VIEW_KEYS)];
+            for (title, keys) in parts {
+                ui.add_space(4.0);
+                ui.strong(title);
+                egui::Grid::new(title).num_columns(2).striped(true).show(ui, |ui| {
+                    for (keys, what) in keys {
+                        ui.monospace(*keys);
+                        ui.label(*what);
+                        ui.end_row();
+                    }
+                });
+            }
         });
         ui.button("Close").clicked()
     });

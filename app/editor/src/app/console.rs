@@ -36,7 +36,7 @@ impl Console {
             combo
                 .response
                 .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, &name));
-            ui.checkbox(&mut self.is_trouble_only, "trouble only");
+            ui.checkbox(&mut self.is_trouble_only, "warnings and errors only");
             let filter = egui::TextEdit::singleline(&mut self.letters)
                 .hint_text("filter")
                 .desired_width(140.0);

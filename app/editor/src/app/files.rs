@@ -4,16 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use eframe::egui::{self, Ui, ViewportCommand};
+use mve_core::{MapError, Module, PortRef};
 use serde_json::Value as Json;
 
 use super::dialogs::{Answer, Purpose};
 use super::session::Session;
 use super::{Editor, LOOK_AT_FILES};
 use crate::document::{DiskChange, Document, Edit, move_paths, written_path};
+use crate::runner::Part;
 
 /// What is said where the system has no file dialogs.
 const NO_DIALOG: &str = "No file dialog was found on this system (a desktop portal or zenity is \
                          needed): type the path into the field instead.";
+
+/// How far below each other the modules of files that are opened at once come to stand, in units of
+/// the canvas.
+const BELOW: f64 = 220.0;
 
 /// Whether two paths name one file.
 pub fn is_same(a: &Path, b: &Path) -> bool {
@@ -151,7 +157,10 @@ impl Editor {
     /// Every few seconds: keeps changed maps for the case of a crash, and looks for files that
     /// somebody else has changed.
     pub(super) fn look_at_files(&mut self, ctx: &egui::Context) {
-        if self.looked_at_files.elapsed() < LOOK_AT_FILES {
+        // Asked for in every frame: one in between makes the window forget what it was asked.
+        let until = LOOK_AT_FILES.saturating_sub(self.looked_at_files.elapsed());
+        if !until.is_zero() {
+            ctx.request_repaint_after(until);
             return;
         }
         self.looked_at_files = Instant::now();
@@ -196,18 +205,79 @@ impl Editor {
     /// Maps and meshes that were dropped on the window.
     pub(super) fn take_dropped(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        for file in dropped {
-            self.take_file(file.path());
+        let dropped: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_owned()).collect();
+        self.take_files(&dropped);
+    }
+
+    /// Opens maps, and adds a module for each file that one reads, with its value in view.
+    pub fn take_files(&mut self, paths: &[PathBuf]) {
+        let mut readers = Vec::new();
+        for path in paths {
+            match self.reader_of(path) {
+                Some(reader) => readers.push((path, reader)),
+                None => self.open(path),
+            }
+        }
+        let mut names = Vec::new();
+        for (path, (module, param)) in readers {
+            let session = self.session();
+            let name = session.document.free_name(module.id);
+            let value = Some(Json::from(session.written_path(path)));
+            let [x, y] = session.canvas.free_place();
+            let at = [x, y + names.len() as f64 * BELOW];
+            let module_id = module.id.to_owned();
+            self.edit(&[
+                Edit::AddNode { module: module_id, name: Some(name.clone()), at },
+                Edit::SetParam { node: name.clone(), path: param.to_owned(), value },
+            ]);
+            if let Some(output) = module.outputs.first() {
+                let port = PortRef { node: name.clone(), port: output.name.to_owned() };
+                self.session_mut().pinned.insert(port);
+            }
+            names.push(name);
+        }
+        // What runs goes on: it may write files.
+        if !names.is_empty() && !self.session().runner.is_running() {
+            self.session_mut().run(Part::UpTo(names));
         }
     }
 
-    /// Opens a map, or adds a module that reads the file.
-    pub fn take_file(&mut self, path: &Path) {
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
-            self.open(path);
-        } else {
-            self.add_reader(path);
-        }
+    /// The first module with a parameter for input files that have the ending of this one, and the
+    /// parameter.
+    pub(super) fn reader_of(&self, path: &Path) -> Option<(&'static Module, &'static str)> {
+        let extension = path.extension()?.to_string_lossy().to_lowercase();
+        self.shared.registry.modules().iter().find_map(|info| {
+            let param = info.module.params.iter().find(|spec| {
+                let file = spec.input_file();
+                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
+            })?;
+            Some((info.module, param.name))
+        })
+    }
+
+    /// The endings of the files that modules read.
+    fn read_endings(&self) -> Vec<&'static str> {
+        let params = self.shared.registry.modules().iter().flat_map(|info| info.module.params);
+        let files = params.filter_map(mve_core::ParamSpec::input_file);
+        let mut endings: Vec<&str> = files.flat_map(|file| file.extensions).copied().collect();
+        endings.sort_unstable();
+        endings.dedup();
+        endings
+    }
+
+    /// Says why a file was not opened: what is no map, by its name, may be no file for mve at all.
+    pub(super) fn say_not_opened(&mut self, path: &Path, error: &MapError) {
+        let is_map = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+        let text = match error {
+            MapError::Io { .. } => error.to_string(),
+            _ if is_map => format!("{}: {error}", path.display()),
+            _ => format!(
+                "{}: neither a map nor a file that a module reads ({})",
+                path.display(),
+                self.read_endings().join(", "),
+            ),
+        };
+        self.toast(text);
     }
 
     /// Files that were chosen in a dialog.
@@ -228,7 +298,7 @@ impl Editor {
                 Purpose::Show(_) => {}
                 Purpose::OpenMap => {
                     self.boxes.close_open();
-                    self.open(&path);
+                    self.take_files(&[path]);
                 }
                 Purpose::SaveMap(id) => {
                     if let Some(place) = self.place_of(id) {
@@ -255,7 +325,8 @@ impl Editor {
     /// Opens the dialog of the system for a map.
     pub(super) fn ask_for_map(&mut self) {
         let folder = self.session().folder();
-        self.dialogs.ask(Purpose::OpenMap, &["json"], folder, &self.shared);
+        let endings: Vec<&str> = std::iter::once("json").chain(self.read_endings()).collect();
+        self.dialogs.ask(Purpose::OpenMap, &endings, folder, &self.shared);
     }
 
     /// Opens the dialog of the system for where to save.

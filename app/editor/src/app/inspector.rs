@@ -1,13 +1,15 @@
 //! The inspector: all about the selected node, drawn from the declaration of its module.
 
 use eframe::egui::{self, RichText, Ui};
-use mve_core::{NodeMode, PortRef, Value};
+use indexmap::IndexMap;
+use mve_core::{Link, NodeMode, PortRef, Problem, Value};
+use serde_json::Map as JsonMap;
 
 use super::Wish;
 use super::session::Session;
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
-use crate::forms::Form;
+use crate::forms::{Form, FormEvent};
 use crate::runner::{Part, Shared, Status};
 use crate::views::brief_text;
 
@@ -25,8 +27,64 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
     match selected.as_slice() {
         [] => nothing(ui, session, wishes),
         [name] => node(ui, session, shared, name, wishes),
-        many => {
-            ui.label(format!("{} nodes are selected.", many.len()));
+        many => several(ui, session, shared, many, wishes),
+    }
+}
+
+/// The parameters of several nodes, by module: what is set is set in all of one module.
+fn several(
+    ui: &mut Ui,
+    session: &Session,
+    shared: &Shared,
+    names: &[&String],
+    wishes: &mut Vec<Wish>,
+) {
+    ui.label(format!("{} nodes are selected.", names.len()));
+    let map = session.document.map();
+    let mut groups: IndexMap<&str, Vec<&String>> = IndexMap::new();
+    for name in names {
+        let Some(node) = map.nodes.get(*name) else { continue };
+        groups.entry(node.module.as_str()).or_default().push(*name);
+    }
+    for (module, names) in groups {
+        let Some(info) = shared.registry.find(module) else { continue };
+        ui.separator();
+        ui.heading(format!("{} {module}", names.len()));
+        ui.weak(names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", "));
+        let params = |name: &&String| &map.nodes[*name].params;
+        let same = |param: &str| {
+            let mut given = names.iter().map(|name| params(name).get(param));
+            given.next().filter(|first| given.all(|other| other == *first))
+        };
+        let linked = |param: &str| {
+            let is_it = |link: &Link| names.contains(&&link.to.node) && link.to.port == param;
+            map.links.iter().any(is_it)
+        };
+        let (mut given, mut differing) = (JsonMap::new(), Vec::new());
+        for spec in info.module.params.iter().filter(|spec| !linked(spec.name)) {
+            match same(spec.name) {
+                Some(value) => given.extend(value.map(|v| (spec.name.to_owned(), v.clone()))),
+                None => differing.push(spec.name.replace('_', " ")),
+            }
+        }
+        if !differing.is_empty() {
+            let text = format!("differ, and show the default: {}", differing.join(", "));
+            ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        }
+        let from_link = |path: &str| linked(path).then(|| "links".to_owned());
+        let form = Form { id: module, given: &given, wants_focus: false, link_of: &from_link };
+        for event in form.show(ui, info.module.params) {
+            wishes.push(Wish::Canvas(match event {
+                FormEvent::Set { path, value } => {
+                    let edit = |name: &&String| Edit::SetParam {
+                        node: (*name).clone(),
+                        path: path.clone(),
+                        value: value.clone(),
+                    };
+                    Action::Edit(names.iter().map(edit).collect())
+                }
+                other => Action::Form(names[0].clone(), other),
+            }));
         }
     }
 }
@@ -57,12 +115,7 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
         ui.weak("The map has no problems.");
     }
     for problem in problems {
-        let color = match problem.is_error() {
-            true => ui.visuals().error_fg_color,
-            false => ui.visuals().warn_fg_color,
-        };
-        let line = egui::Label::new(RichText::new(problem.to_string()).color(color));
-        if ui.add(line.sense(egui::Sense::click())).clicked()
+        if problem_line(ui, session, problem)
             && let Some(node) = &problem.place.node
         {
             wishes.push(Wish::ShowNode(node.clone()));
@@ -70,6 +123,23 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
     }
     ui.add_space(8.0);
     ui.weak("Select a node to see its parameters.");
+}
+
+/// Shows a problem of the map, with its line where the file is as it is here; whether it was
+/// clicked.
+fn problem_line(ui: &mut Ui, session: &Session, problem: &Problem) -> bool {
+    let color = match problem.is_error() {
+        true => ui.visuals().error_fg_color,
+        false => ui.visuals().warn_fg_color,
+    };
+    let document = &session.document;
+    let is_file = document.path().is_some() && !document.is_dirty();
+    let position = document.map().position_of(problem).filter(|_| is_file);
+    let position =
+        position.map(|at| format!(" (line {}, column {} of the file)", at.line, at.column));
+    let text = problem.to_string() + &position.unwrap_or_default();
+    let line = egui::Label::new(RichText::new(text).color(color)).wrap();
+    ui.add(line.sense(egui::Sense::click())).clicked()
 }
 
 fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mut Vec<Wish>) {
@@ -88,6 +158,14 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             "bypassed: it passes its input through"
         };
         ui.label(format!("It is {what}."));
+    }
+    let warnings = session
+        .runner
+        .problems()
+        .iter()
+        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
+    for warning in warnings {
+        problem_line(ui, session, warning);
     }
     let Some(info) = shared.registry.find(&node.module) else {
         ui.label("There is no module of this name. The node is kept as it stands.");
@@ -114,7 +192,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     }
     ui.separator();
     port_table(ui, session, name, module, false, wishes);
-    said(ui, session, name, &status);
+    said(ui, session, shared, name, &status);
 }
 
 /// A value in a line, cut where there is no room for it, with all its digits on hover.
@@ -160,6 +238,7 @@ pub fn port_table(
             }
             ui.weak(output.data_type.id);
             match session.runner.value(name, output.name) {
+                Some(value) if session.viewer.is_empty(&value) => ui.weak(value.summary()),
                 Some(value) => value_label(ui, &value, is_whole),
                 None => ui.weak("no value yet"),
             };
@@ -169,7 +248,7 @@ pub fn port_table(
 }
 
 /// What the node's module said when it ran last, and its files.
-fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
+fn said(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, status: &Status) {
     let Some(ended) = session.runner.ended(name) else { return };
     if matches!(status, Status::Running(_) | Status::Waiting) {
         return;
@@ -183,7 +262,8 @@ fn said(ui: &mut Ui, session: &Session, name: &str, status: &Status) {
         ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap());
     }
     for file in &ended.record.files {
-        let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let file = shared.output_folder.join(file);
+        let file = std::path::absolute(&file).unwrap_or(file);
         ui.add(egui::Label::new(format!("wrote {}", file.display())).wrap());
     }
 }

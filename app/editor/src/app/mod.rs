@@ -5,8 +5,10 @@ mod boxes;
 mod console;
 mod dialogs;
 mod files;
+mod find;
 mod inspector;
 mod panels;
+mod pictures;
 mod session;
 mod settings;
 mod top;
@@ -17,13 +19,14 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Ui};
 use eframe::egui_wgpu::RenderState;
-use mve_core::{MapError, Registry};
+use mve_core::Registry;
 
 use crate::canvas::Action;
 use crate::catalog::Catalog;
 use crate::document::{Document, Recovery};
 use crate::programs::ProgramAction;
 use crate::runner::{Part, Shared};
+use crate::views::Still;
 
 pub use session::Session;
 pub use settings::{Settings, Theme};
@@ -92,6 +95,10 @@ pub enum Command {
     Run,
     /// Stop the run.
     Stop,
+    /// The box in which a picture of the meshes is saved.
+    Picture,
+    /// The box in which a node is found.
+    Find,
     /// The list of keys.
     Shortcuts,
     /// Copy the selection.
@@ -120,6 +127,8 @@ pub struct Editor {
     recovery: Option<Recovery>,
     looked_at_files: Instant,
     render: Option<RenderState>,
+    /// Pictures in the making, each with its file.
+    stills: Vec<(PathBuf, Still)>,
     window_title: String,
     /// Number of the map that the hint for a first start is about.
     hint_for: Option<u64>,
@@ -132,8 +141,10 @@ pub struct Editor {
 pub struct Start {
     /// What was remembered.
     pub settings: Settings,
-    /// Maps to open.
-    pub maps: Vec<PathBuf>,
+    /// Maps to open, and files that modules read.
+    pub files: Vec<PathBuf>,
+    /// Whether the files alone are to be seen, without the canvas.
+    pub is_view: bool,
     /// Where maps are kept for the case of a crash; none keeps nothing.
     pub recovery: Option<PathBuf>,
     /// What draws meshes; without it they cannot be shown.
@@ -183,11 +194,22 @@ impl Editor {
             recovery,
             looked_at_files: Instant::now(),
             render: start.render,
+            stills: Vec::new(),
             window_title: String::new(),
             hint_for: None,
             may_close: false,
         };
-        start.maps.iter().for_each(|path| editor.open(path));
+        let is_map = |path: &&PathBuf| editor.reader_of(path).is_none();
+        let (maps, read): (Vec<_>, Vec<_>) = start.files.iter().partition(is_map);
+        maps.into_iter().for_each(|path| editor.open(path));
+        if !read.is_empty() {
+            editor.add(Document::new());
+            let read: Vec<PathBuf> = read.into_iter().cloned().collect();
+            editor.take_files(&read);
+            if start.is_view {
+                editor.middle = Middle::Viewer;
+            }
+        }
         if editor.sessions.is_empty() {
             let first = if start.has_example { Document::from_text(EXAMPLE).ok() } else { None };
             editor.hint_for = first.as_ref().map(Document::id);
@@ -232,13 +254,7 @@ impl Editor {
                 self.settings.remember(path);
                 self.replace_untouched(session);
             }
-            Err(error) => {
-                let text = match error {
-                    MapError::Io { .. } => error.to_string(),
-                    error => format!("{}: {error}", path.display()),
-                };
-                self.toast(text);
-            }
+            Err(error) => self.say_not_opened(path, &error),
         }
     }
 
@@ -269,6 +285,7 @@ impl Editor {
         self.take_dropped(ui.ctx());
         self.take_answers();
         self.look_at_files(ui.ctx());
+        self.go_on_with_pictures(ui.ctx());
         self.top(ui, &mut wishes);
         self.status_bar(ui, &mut wishes);
         self.lower(ui, &mut wishes);
@@ -314,6 +331,7 @@ impl Editor {
             (ctrl, Key::O, Command::Open),
             (ctrl, Key::W, Command::Close(self.active)),
             (ctrl, Key::Q, Command::Quit),
+            (ctrl, Key::F, Command::Find),
             (Modifiers::NONE, Key::F1, Command::Shortcuts),
             (Modifiers::SHIFT, Key::Escape, Command::Stop),
         ];

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
-use super::{Editor, Lower, Middle, Wish, console, files, inspector};
+use super::{Command, Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
 use crate::drag::DraggedParam;
+use crate::views::ViewerAction;
 
 /// Width of the window in points below which the inspector would take the canvas its room.
 const NARROW: f32 = 620.0;
@@ -56,8 +57,8 @@ impl Editor {
         }
         let panel = Panel::right("inspector").resizable(true).default_size(330.0);
         panel.min_size(200.0).max_size(width * 0.5).show(ui, |ui| {
-            // Long rows scroll; they must not push the canvas aside.
-            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            // Long rows are cut: they must neither push the canvas aside nor hide the names.
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
             });
         });
@@ -99,6 +100,8 @@ impl Editor {
     }
 
     fn viewer(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        // A panel remembers the size of what is in it, and keeps the one that a hand gave it.
+        ui.expand_to_include_rect(ui.max_rect());
         let render = self.render.clone();
         let session = &mut self.sessions[self.active];
         let pinned = session.pinned_values();
@@ -107,9 +110,13 @@ impl Editor {
             session.viewer.meshes.set_look(&self.settings.meshes);
             let actions = session.viewer.show(ui, &pinned, render.as_ref());
             self.settings.meshes = session.viewer.meshes.look();
-            for crate::views::ViewerAction::Unpin(place) in actions {
-                if let Some(port) = session.pinned.get_index(place) {
-                    wishes.push(Wish::Canvas(Action::Pin(port.clone())));
+            for action in actions {
+                match action {
+                    ViewerAction::Unpin(place) => {
+                        let port = session.pinned.get_index(place).cloned();
+                        wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
+                    }
+                    ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),
                 }
             }
         });

@@ -129,17 +129,32 @@ impl Session {
         }
         let has_settled = self.runner.checked().revision == revision;
         if runs_on_edit && has_settled && self.run_for != Some(revision) {
-            self.run_for = Some(revision);
-            // A note or a move makes nothing old; what writes files waits for a person.
-            if self.has_changes_to_run() == Some(false) {
-                self.run(Part::Quiet);
-            }
+            self.run_changes();
+        }
+    }
+
+    /// Runs what a change has made old. A run for an older state of the map gives way; one that a
+    /// person asked for goes on to its end.
+    fn run_changes(&mut self) {
+        if self.runner.is_running() && !self.runner.is_overtaken() {
+            return;
+        }
+        // A note or a move makes nothing old; what writes files waits for a person.
+        match self.runner.is_running() || self.has_changes_to_run() == Some(false) {
+            true => self.run(Part::Quiet),
+            false => self.run_for = Some(self.document.revision()),
         }
     }
 
     /// Has the map checked again, for files that it reads may have changed.
     pub fn check_again(&mut self) {
         self.checked = None;
+    }
+
+    /// The first node that was stopped before it was done, and has no value since.
+    pub fn first_stopped(&self) -> Option<&str> {
+        let mut nodes = self.document.map().nodes.keys();
+        nodes.find(|name| self.runner.status(name) == Status::Stopped).map(String::as_str)
     }
 
     /// Whether some node's outputs are not those of the map as it stands, and if so, whether all
@@ -172,7 +187,8 @@ impl Session {
         let mut values = Vec::new();
         for (name, node) in self.runner.all_ended() {
             let Some(info) = self.runner.registry().find(&node.record.module) else { continue };
-            for (output, value) in info.module.outputs.iter().zip(&node.outputs) {
+            let outputs = info.module.outputs.iter().zip(&node.outputs);
+            for (output, value) in outputs.filter(|(_, value)| !self.viewer.is_empty(value)) {
                 let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
                 values.push((port, value));
             }
@@ -201,16 +217,30 @@ impl Session {
     pub fn pinned_values(&self) -> Vec<Pinned> {
         let value_of = |port: &PortRef| self.runner.value(&port.node, &port.port);
         let state_of = |port: &PortRef| match self.runner.status(&port.node) {
-            Status::Done(_) | Status::Cached => PortState::Ready,
+            Status::Done(_) | Status::Cached(_) => PortState::Ready,
             _ if value_of(port).is_some() => PortState::Outdated,
             status => PortState::Absent(status.explanation()),
         };
-        let pinned = self.pinned.iter().map(|port| Pinned {
-            title: port.to_string(),
-            value: value_of(port),
-            state: state_of(port),
-        });
-        pinned.collect()
+        let pinned = |port: &PortRef| {
+            let title = port.to_string();
+            let Some(from) = self.behind_bypass(port) else {
+                let state = PortState::Absent(self.runner.status(&port.node).explanation());
+                return Pinned { title, value: None, state };
+            };
+            Pinned { title, value: value_of(&from), state: state_of(&from) }
+        };
+        self.pinned.iter().map(pinned).collect()
+    }
+
+    /// The output whose value is that of this one: another where its node is bypassed, none where
+    /// it is muted.
+    fn behind_bypass(&self, port: &PortRef) -> Option<PortRef> {
+        let map = self.document.map();
+        let is_active = map.nodes.get(&port.node).is_none_or(|node| node.mode.is_active());
+        match is_active {
+            true => Some(port.clone()),
+            false => mve_core::passed_on(map, self.runner.registry(), port),
+        }
     }
 
     /// Takes over a node's new name.

@@ -2,10 +2,10 @@
 
 use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
 
-use super::{Command, Editor, Lower, Middle, Theme, Wish};
+use super::{Command, Editor, Lower, Middle, Session, Theme, Wish};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
-use crate::runner::seconds_text;
+use crate::runner::{RunProgress, seconds_text};
 
 /// A line of a menu that gives a command.
 fn entry(ui: &mut Ui, label: &str, keys: &str, is_on: bool) -> bool {
@@ -17,6 +17,39 @@ fn trouble(ui: &mut Ui, text: &str) -> bool {
     let color = ui.visuals().error_fg_color;
     let label = egui::Label::new(RichText::new(text).color(color)).truncate();
     ui.add(label.sense(egui::Sense::click())).on_hover_text(text).clicked()
+}
+
+/// Where a map without trouble stands.
+fn state_text(session: &Session) -> String {
+    if session.runner.is_running() {
+        return "Running.".to_owned();
+    }
+    if session.document.map().nodes.is_empty() {
+        return "The map is empty: press Tab on the canvas to add a module.".to_owned();
+    }
+    if let Some(node) = session.first_stopped() {
+        return format!("{node} was stopped before it was done: Run (F5) starts it again.");
+    }
+    let time = || session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
+    match (session.has_changes_to_run(), time()) {
+        (Some(true), _) => "Up to date, but for files: Run (F5) writes them.".to_owned(),
+        (Some(false), _) => "Ready to run (F5).".to_owned(),
+        (None, Some(time)) => format!("Up to date; the last run took {time}."),
+        (None, None) => "Up to date.".to_owned(),
+    }
+}
+
+/// The node that works, how far it is, and how many are done.
+fn progress_text(progress: &RunProgress) -> String {
+    let RunProgress { working, n_ended, n_nodes, elapsed } = progress;
+    let elapsed = seconds_text(elapsed.as_secs_f64());
+    match working {
+        Some((node, share)) => {
+            let at = (n_ended + 1).min(*n_nodes);
+            format!("{node} {:.0} %, {at} of {n_nodes}, {elapsed}", share * 100.0)
+        }
+        None => elapsed,
+    }
 }
 
 impl Editor {
@@ -74,6 +107,7 @@ impl Editor {
         ui.separator();
         command(ui, "Save", "Ctrl+S", Command::Save);
         command(ui, "Save as…", "Ctrl+Shift+S", Command::SaveAs);
+        command(ui, "Save picture of the meshes…", "", Command::Picture);
         command(ui, "Close map", "Ctrl+W", Command::Close(self.active));
         ui.separator();
         command(ui, "Quit", "Ctrl+Q", Command::Quit);
@@ -110,6 +144,9 @@ impl Editor {
         if entry(ui, "Select all", "Ctrl+A", true) {
             wishes.push(Wish::Canvas(Action::Select(document.all_items())));
         }
+        if entry(ui, "Find a node…", "Ctrl+F", true) {
+            wishes.push(Wish::Command(Command::Find));
+        }
         if entry(ui, "Arrange all", "L", true) {
             wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Arrange { nodes: Vec::new() }])));
         }
@@ -133,7 +170,7 @@ impl Editor {
         ui.checkbox(&mut canvas.wheel_zooms, "The wheel zooms")
             .on_hover_text("Off: it scrolls, and zooms with the control key.");
         ui.checkbox(&mut canvas.shows_times, "Show where the time goes")
-            .on_hover_text("Colors the title of each node by its part of the seconds.");
+            .on_hover_text("Colors the title of each node by its part of the seconds: blue for little, red for most.");
         ui.separator();
         let before = self.settings.clone();
         ui.horizontal(|ui| {
@@ -185,20 +222,23 @@ impl Editor {
             self.session_mut().canvas.open_search();
         }
         ui.separator();
-        for (lower, label) in
-            [(Lower::Program, "Program"), (Lower::Values, "Values"), (Lower::Console, "Console")]
-        {
+        for (lower, label, hint) in [
+            (Lower::Program, "Program", "Runs of the map with varied parameters, as a table"),
+            (Lower::Values, "Values", "All ports of the selected nodes and their values"),
+            (Lower::Console, "Console", "What modules said"),
+        ] {
             let is_shown = self.is_lower_open && self.lower == lower;
-            if ui.selectable_label(is_shown, label).clicked() {
+            if ui.selectable_label(is_shown, label).on_hover_text(hint).clicked() {
                 self.is_lower_open = !is_shown;
                 self.lower = lower;
             }
         }
         ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
             .on_hover_text("All about the selected node, beside the canvas");
-        if let Some((share, elapsed)) = progress {
-            let text = format!("{:.0} %, {}", share * 100.0, seconds_text(elapsed.as_secs_f64()));
-            ui.add(ProgressBar::new(share as f32).text(text).desired_width(160.0));
+        if let Some(progress) = progress {
+            let share = progress.working.as_ref().map_or(0.0, |(_, share)| *share);
+            let bar = ProgressBar::new(share as f32).text(progress_text(&progress));
+            ui.add(bar.desired_width(260.0)).on_hover_text("The node that works, and the run");
         }
     }
 
@@ -253,25 +293,15 @@ impl Editor {
                     {
                         wishes.push(Wish::ShowNode(node));
                     }
-                } else if session.runner.is_running() {
-                    ui.label("running");
                 } else if let Some((node, error)) = session.first_failure() {
                     if trouble(ui, &format!("{node} failed: {error}")) {
                         wishes.push(Wish::ShowNode(node.to_owned()));
                     }
-                } else if session.document.map().nodes.is_empty() {
-                    ui.weak("The map is empty: press Tab on the canvas to add a module.");
-                } else if let Some(only_writers) = session.has_changes_to_run() {
-                    ui.weak(match only_writers {
-                        true => "Up to date, but for files: Run (F5) writes them.",
-                        false => "Ready to run (F5).",
-                    });
                 } else {
-                    let time =
-                        session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
-                    ui.weak(match time {
-                        Some(time) => format!("Up to date; the last run took {time}."),
-                        None => "Up to date.".to_owned(),
+                    let text = state_text(session);
+                    let label = ui.weak(&text);
+                    label.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::WidgetType::Label, true, &text)
                     });
                 }
             });

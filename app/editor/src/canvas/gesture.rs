@@ -4,6 +4,7 @@ use eframe::egui::{self, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, Widget
 use mve_core::{Link, PortRef};
 
 use super::camera::{pos, rect_of};
+use super::insert::Insertion;
 use super::menu::{self, TextEntry};
 use super::paint::Brush;
 use super::shape::Port;
@@ -326,6 +327,12 @@ impl Canvas {
             self.gesture = Gesture::Idle;
         }
         let delta = delta / brush.view.camera.zoom;
+        if let Gesture::Move { items, by } = &self.gesture
+            && let Some(Insertion { ends: [from, to], .. }) =
+                self.insertion(brush, scene, items, *by)
+        {
+            brush.wire(from, to, brush.palette.selected, 4.0);
+        }
         match &mut self.gesture {
             Gesture::Move { by, .. } | Gesture::Resize { by, .. } => *by += delta,
             Gesture::Select(from) => {
@@ -373,12 +380,15 @@ impl Canvas {
                 actions.push(Action::Select(items));
             }
             Gesture::Move { items, by } if by != Vec2::ZERO => {
+                let inserted = self.insertion(brush, scene, &items, by);
                 let snaps = scene.settings.snaps;
                 let moved = items.into_iter().map(|(item, at)| {
                     let to = [at[0] + f64::from(by.x), at[1] + f64::from(by.y)];
                     (item, if snaps { to.map(|x| (x / GRID).round() * GRID) } else { to })
                 });
-                actions.push(Action::Edit(vec![Edit::Move(moved.collect())]));
+                let mut edits = vec![Edit::Move(moved.collect())];
+                edits.extend(inserted.into_iter().flat_map(Insertion::edits));
+                actions.push(Action::Edit(edits));
             }
             Gesture::Move { .. } => {}
             Gesture::Resize { frame, size, by } => {

@@ -7,36 +7,31 @@ use super::{Action, Canvas, Scene, node_of, toggled};
 use crate::document::Edit;
 use crate::runner::Part;
 
-/// A key of the canvas, as the list of shortcuts shows it.
-pub struct Shortcut {
-    /// The keys.
-    pub keys: &'static str,
-    /// What they do.
-    pub what: &'static str,
-}
-
 /// All keys and gestures of the canvas.
-pub const SHORTCUTS: &[Shortcut] = &[
-    Shortcut { keys: "Tab, double click", what: "search a module and add it" },
-    Shortcut { keys: "drag a port", what: "link it; on empty canvas, add a module that fits" },
-    Shortcut { keys: "click an output", what: "look at its value" },
-    Shortcut { keys: "middle drag, Space + drag", what: "pan" },
-    Shortcut { keys: "wheel, pinch", what: "zoom" },
-    Shortcut { keys: "F", what: "show the selection, or all" },
-    Shortcut { keys: "Home", what: "show all" },
-    Shortcut { keys: "Delete, Backspace", what: "remove the selection" },
-    Shortcut { keys: "Ctrl + C, X, V", what: "copy, cut, paste" },
-    Shortcut { keys: "Ctrl + D", what: "duplicate with the links into it" },
-    Shortcut { keys: "Ctrl + A", what: "select all" },
-    Shortcut { keys: "F2, double click a title", what: "rename; edit the text of a note or frame" },
-    Shortcut { keys: "M", what: "mute: do not run" },
-    Shortcut { keys: "B", what: "bypass: pass the input through" },
-    Shortcut { keys: "H", what: "collapse to the title" },
-    Shortcut { keys: "G", what: "put a frame around the selection" },
-    Shortcut { keys: "N", what: "add a note" },
-    Shortcut { keys: "L", what: "arrange the selection, or all" },
-    Shortcut { keys: "Shift + F5", what: "run up to the selected nodes" },
-    Shortcut { keys: "double click a wire", what: "add a point to route it through" },
+pub const SHORTCUTS: &[(&str, &str)] = &[
+    ("Tab, double click", "search a module and add it"),
+    ("drag a port", "link it; on empty canvas, add a module that fits"),
+    ("drag a node onto a wire", "put it between the ends"),
+    ("click an output", "look at its value"),
+    ("middle drag, Space + drag", "pan"),
+    ("wheel, pinch", "zoom"),
+    ("drag on empty canvas", "select what the box touches"),
+    ("Shift, Ctrl + click", "select one more, or one less"),
+    ("F", "show the selection, or all"),
+    ("Home", "show all"),
+    ("Delete, Backspace", "remove the selection"),
+    ("Ctrl + C, X, V", "copy, cut, paste"),
+    ("Ctrl + D", "duplicate with the links into it"),
+    ("Ctrl + A", "select all"),
+    ("F2, double click a title", "rename; edit the text of a note or frame"),
+    ("M", "mute: do not run"),
+    ("B", "bypass: pass the input through"),
+    ("H", "collapse to the title"),
+    ("G", "put a frame around the selection"),
+    ("N", "add a note"),
+    ("L", "arrange the selection, or all"),
+    ("Shift + F5", "run up to the selected nodes"),
+    ("double click a wire", "add a point to route it through"),
 ];
 
 impl Canvas {
@@ -162,8 +157,8 @@ impl Canvas {
         }
     }
 
-    /// Puts a frame around the selected nodes.
-    fn frame_selection(&self, nodes: &[String], actions: &mut Vec<Action>) {
+    /// Puts a frame around the selected nodes, to be named at once.
+    fn frame_selection(&mut self, nodes: &[String], actions: &mut Vec<Action>) {
         let names = nodes.iter().map(String::as_str);
         let Some(bounds) = self.shapes.bounds(names).filter(|_| !nodes.is_empty()) else { return };
         let bounds = bounds.expand(20.0);
@@ -171,5 +166,6 @@ impl Canvas {
         let size = [f64::from(bounds.width()), f64::from(bounds.height()) + 20.0];
         let title = "Frame".to_owned();
         actions.push(Action::Edit(vec![Edit::AddFrame { title, at, size }]));
+        self.wants_to_write = true;
     }
 }

@@ -226,10 +226,10 @@ impl Canvas {
     /// The field in which a node, frame or note gets another text.
     pub(super) fn rename_popup(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         // What was added in the last frame is what is selected in this one.
-        if let Some(note @ Item::Note(_)) = scene.document.selection().first()
+        if let Some(new @ (Item::Note(_) | Item::Frame(_))) = scene.document.selection().first()
             && std::mem::take(&mut self.wants_to_write)
         {
-            self.rename(note, scene);
+            self.rename(new, scene);
         }
         let Some(TextEntry { item, text, is_new }) = &mut self.renaming else { return };
         let extras = scene.document.extras();

@@ -8,6 +8,7 @@
 
 mod camera;
 mod gesture;
+mod insert;
 mod keys;
 mod linking;
 mod menu;
@@ -23,10 +24,10 @@ use mve_core::{Link, NodeMode, PortRef, Registry};
 pub use camera::CanvasCamera;
 use camera::CanvasView;
 use gesture::{End, Gesture};
-pub use keys::{SHORTCUTS, Shortcut};
+pub use keys::SHORTCUTS;
 use menu::TextEntry;
 pub use paint::status_color;
-use paint::{Brush, NodeLook, Palette, distance_to_wire};
+use paint::{Brush, NodeLook, NodeState, Palette, distance_to_wire};
 use search::Search;
 use shape::{Port, Shape, Shapes};
 
@@ -351,10 +352,14 @@ impl Canvas {
             let status = scene.runner.status(name);
             let gesture = &self.gesture;
             let is_dimmed = |port: &Port| gesture.refuses(port, scene);
-            let look = NodeLook {
+            let state = NodeState {
                 name,
                 status: &status,
                 is_selected: scene.document.selection().contains(&Item::Node(name.clone())),
+                warning: scene.runner.warning(name),
+            };
+            let look = NodeLook {
+                state,
                 time_share: Some(total)
                     .filter(|total| *total > 0.0)
                     .and_then(|_| scene.runner.seconds(name))
@@ -362,8 +367,7 @@ impl Canvas {
                 is_dimmed: &is_dimmed,
             };
             brush.node(shape, &look);
-            let is_selected = look.is_selected;
-            self.touch_node(ui, brush, scene, (name, shape), (&status, is_selected), actions);
+            self.touch_node(ui, brush, scene, shape, &state, actions);
         }
         self.shapes = shapes;
     }

@@ -65,29 +65,59 @@ impl Palette {
 /// The color that stands for a state.
 pub fn status_color(status: &Status) -> Color32 {
     match status {
-        Status::New | Status::Waiting | Status::Off => Color32::from_gray(130),
+        Status::New | Status::Waiting | Status::Off(_) => Color32::from_gray(130),
         Status::Running(_) => Color32::from_rgb(70, 150, 240),
         Status::Done(_) => Color32::from_rgb(70, 175, 90),
-        Status::Cached => Color32::from_rgb(60, 160, 160),
+        Status::Cached(_) => Color32::from_rgb(60, 160, 160),
         Status::Dirty => Color32::from_rgb(205, 160, 40),
         Status::Stopped | Status::Skipped(_) => Color32::from_rgb(165, 125, 80),
         Status::Failed(_) | Status::Refused(_) => Color32::from_rgb(222, 72, 68),
     }
 }
 
-/// What a node's picture depends on beside its shape.
-pub struct NodeLook<'a> {
+/// What is said of a node beside its shape.
+#[derive(Clone, Copy)]
+pub struct NodeState<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Its state.
+    /// How far it is.
     pub status: &'a Status,
     /// Whether it is selected.
     pub is_selected: bool,
+    /// What it warned of when it ran last.
+    pub warning: Option<&'a str>,
+}
+
+/// What a node's picture depends on beside its shape.
+pub struct NodeLook<'a> {
+    /// What is said of it.
+    pub state: NodeState<'a>,
     /// Its part of the seconds of all nodes, where times are shown.
     pub time_share: Option<f64>,
     /// The type that a link under way carries, from which side: ports that do not fit are dimmed.
     pub is_dimmed: &'a dyn Fn(&Port) -> bool,
 }
+
+impl NodeState<'_> {
+    /// What it warned of, if it ran to its end.
+    fn warning_of_end(&self) -> Option<&str> {
+        self.warning.filter(|_| matches!(self.status, Status::Done(_) | Status::Cached(_)))
+    }
+
+    /// Its state in sentences.
+    pub fn state_text(&self) -> String {
+        let warning = self.warning_of_end().map(|text| format!("\nwarned: {text}"));
+        self.status.explanation() + &warning.unwrap_or_default()
+    }
+
+    /// The color that stands for its state.
+    fn color(&self) -> Color32 {
+        self.warning_of_end().map_or(status_color(self.status), |_| WARNED)
+    }
+}
+
+/// The color of what ran and warned.
+const WARNED: Color32 = Color32::from_rgb(240, 140, 20);
 
 /// Draws with a view and a theme.
 pub struct Brush<'a> {
@@ -167,9 +197,9 @@ impl Brush<'_> {
             0.0,
             kind,
         );
-        if *look.status != Status::New {
+        if *look.state.status != Status::New {
             let foot = Rect { min: Pos2::new(rect.min.x, rect.max.y - (title / 2.0)), ..rect };
-            self.painter.rect_filled(foot, 0.0, status_color(look.status));
+            self.painter.rect_filled(foot, 0.0, look.state.color());
         }
     }
 
@@ -179,10 +209,10 @@ impl Brush<'_> {
     }
 
     fn edge(&self, look: &NodeLook) -> Stroke {
-        match (look.is_selected, look.status) {
+        match (look.state.is_selected, look.state.status) {
             (true, _) => Stroke::new(2.0, self.palette.selected),
             (_, Status::Failed(_) | Status::Refused(_)) => {
-                Stroke::new(1.5, status_color(look.status))
+                Stroke::new(1.5, status_color(look.state.status))
             }
             _ => Stroke::new(1.0, self.palette.edge),
         }
@@ -213,7 +243,7 @@ impl Brush<'_> {
         let pad = 8.0 * self.zoom();
         let at = title.left_center() + Vec2::new(pad, 0.0);
         let white = Color32::from_gray(250);
-        self.line(at, Align2::LEFT_CENTER, look.name, 13.0, 112.0, white);
+        self.line(at, Align2::LEFT_CENTER, look.state.name, 13.0, 112.0, white);
         let mark = match (shape.mode, shape.summary) {
             (NodeMode::Muted, _) => "muted",
             (NodeMode::Bypassed, _) => "bypassed",
@@ -227,8 +257,8 @@ impl Brush<'_> {
 
     /// The line that says the node's state, with a bar while it runs.
     fn foot(&self, shape: &Shape, look: &NodeLook, rect: Rect) {
-        let color = status_color(look.status);
-        if let Status::Running(share) = look.status {
+        let color = look.state.color();
+        if let Status::Running(share) = look.state.status {
             let height = (3.0 * self.zoom()).max(2.0);
             let bar = Rect::from_min_size(
                 rect.left_bottom() - Vec2::new(0.0, height),
@@ -242,7 +272,7 @@ impl Brush<'_> {
         if self.zoom() < ROWS_FROM {
             return;
         }
-        let label = match look.status {
+        let label = match look.state.status {
             _ if shape.mode == NodeMode::Muted => "muted: does not run".to_owned(),
             _ if shape.mode == NodeMode::Bypassed => {
                 let has_input = shape.inputs.iter().any(|port| !port.is_param);
@@ -250,7 +280,7 @@ impl Brush<'_> {
                 format!("bypassed: {what}")
             }
             Status::New | Status::Dirty if shape.writes_files => {
-                format!("{}: writes files on Run", look.status.label())
+                format!("{}: writes files on Run", look.state.status.label())
             }
             Status::Failed(error) => format!("failed: {error}"),
             Status::Refused(why) => why.clone(),
@@ -260,9 +290,13 @@ impl Brush<'_> {
                 None => status.label(),
             },
         };
+        let label = match look.state.warning_of_end() {
+            Some(warning) if shape.mode == NodeMode::Active => format!("{label}, {warning}"),
+            _ => label,
+        };
         let at = dot + Vec2::new(9.0 * self.zoom(), 0.0);
         let width = shape.size.x - 28.0;
-        let ink = if matches!(look.status, Status::Failed(_) | Status::Refused(_)) {
+        let ink = if matches!(look.state.status, Status::Failed(_) | Status::Refused(_)) {
             color
         } else {
             self.palette.faint

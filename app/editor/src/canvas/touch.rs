@@ -3,13 +3,12 @@
 use eframe::egui::{self, Rect, Sense, Ui, WidgetInfo, WidgetType};
 
 use super::gesture::Gesture;
-use super::paint::{Brush, ROWS_FROM};
+use super::paint::{Brush, NodeState, ROWS_FROM};
 use super::shape::{FOOT, ParamRow, Port, ROW, Shape, TITLE};
 use super::{Action, Canvas, Scene, menu, param};
 use crate::document::Item;
 use crate::drag::DraggedParam;
 use crate::forms::FormEvent;
-use crate::runner::Status;
 use crate::views::brief_text;
 
 /// The menu of a parameter.
@@ -53,16 +52,19 @@ impl Canvas {
         ui: &mut Ui,
         brush: &Brush,
         scene: &Scene,
-        (name, shape): (&str, &Shape),
-        (status, is_selected): (&Status, bool),
+        shape: &Shape,
+        state: &NodeState,
         actions: &mut Vec<Action>,
     ) {
+        let name = state.name;
         let id = ui.id().with(("node", name));
         let rect = brush.view.rect_to_screen(shape.rect()).intersect(brush.view.screen);
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| {
-            WidgetInfo::selected(WidgetType::Button, true, is_selected, format!("node {name}"))
+            let label = format!("node {name}");
+            WidgetInfo::selected(WidgetType::Button, true, state.is_selected, label)
         });
+        ui.ctx().accesskit_node_builder(id, |node| node.set_description(state.state_text()));
         let item = Item::Node(name.to_owned());
         if response.clicked() || response.secondary_clicked() {
             self.click_item(ui, &item, response.secondary_clicked(), scene, actions);
@@ -76,7 +78,7 @@ impl Canvas {
         let is_idle = matches!(self.gesture, Gesture::Idle);
         if is_idle && response.hover_pos().is_some_and(|at| says_what_it_is(brush, shape, at)) {
             let what = shape.summary.unwrap_or("there is no module of this name here");
-            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, status.explanation());
+            let text = format!("{name}: {}\n{what}\n\n{}", shape.module, state.state_text());
             response.clone().on_hover_text_at_pointer(text);
         }
         response.context_menu(|ui| menu::of_node(ui, name, scene, actions, &mut self.renaming));

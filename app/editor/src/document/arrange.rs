@@ -5,7 +5,7 @@
 //! that put every node near the mean place of its neighbors. Long links get no dummy nodes: wires
 //! go straight from end to end, whatever lies between.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 use mve_core::Map;
@@ -84,6 +84,51 @@ pub(super) fn in_layers(
         left += widest + GAPS[0];
     }
     places
+}
+
+/// The same, with the nodes of each group together and no other among them: groups are arranged by
+/// themselves, and then like nodes as large as their frames.
+pub(super) fn in_layers_by_groups(
+    map: &Map,
+    names: &[String],
+    groups: &[Vec<String>],
+    size: impl Fn(&str) -> [f64; 2],
+) -> IndexMap<String, [f64; 2]> {
+    let group_of = |name: &str| groups.iter().position(|group| group.iter().any(|n| n == name));
+    // No node has such a name.
+    let end_of = |name: &str| match group_of(name) {
+        Some(group) => format!("\n{group}"),
+        None => name.to_owned(),
+    };
+    let mut outer = Map::default();
+    for link in &map.links {
+        let mut link = link.clone();
+        for end in [&mut link.from, &mut link.to] {
+            end.node = end_of(&end.node);
+        }
+        outer.links.push(link);
+    }
+    let inner: Vec<_> = groups.iter().map(|group| in_layers(map, group, &size)).collect();
+    let framed = |group: usize| {
+        let areas = inner[group].iter().map(|(name, at)| Area { at: *at, size: size(name) });
+        bounds(areas).map(|area| area.framed())
+    };
+    let frames: Vec<Option<Area>> = (0..groups.len()).map(framed).collect();
+    let frame_of = |end: &str| frames[end.strip_prefix('\n')?.parse::<usize>().ok()?];
+    let mut ends: Vec<String> = names.iter().map(|name| end_of(name)).collect();
+    let mut known = HashSet::new();
+    ends.retain(|end| known.insert(end.clone()));
+    let around = in_layers(&outer, &ends, |end| match frame_of(end) {
+        Some(frame) => frame.size,
+        None => size(end),
+    });
+    let place = |name: &String| {
+        let Some(group) = group_of(name) else { return (name.clone(), around[name]) };
+        let (at, frame) = (around[&end_of(name)], frames[group].map_or([0.0; 2], |area| area.at));
+        let within = inner[group][name];
+        (name.clone(), [0, 1].map(|i| at[i] + within[i] - frame[i]))
+    };
+    names.iter().map(place).collect()
 }
 
 /// The nodes that are arranged, by their places in the list of names.
@@ -259,6 +304,30 @@ mod tests {
         assert_eq!((left("a"), left("b"), left("c")), (0.0, 160.0, 320.0));
         assert_eq!(left("late"), 160.0);
         assert!((places["late"][1] - places["b"][1]).abs() >= 50.0, "{places:?}");
+    }
+
+    #[test]
+    fn no_other_node_stands_among_those_of_a_group() {
+        let map = Map::parse(
+            r#"{"mve": 1, "nodes": {"a": {"module": "X"}, "b": {"module": "X"}, "c": {"module": "X"},
+                "d": {"module": "X"}},
+                "links": ["a.o -> b.i", "b.o -> c.i", "a.o -> d.i", "d.o -> c.j"]}"#,
+        );
+        let map = map.unwrap();
+        let names: Vec<String> = map.nodes.keys().cloned().collect();
+        let groups = [vec!["b".to_owned(), "c".to_owned()]];
+        let size = |_: &str| [100.0, 50.0];
+        let places = in_layers_by_groups(&map, &names, &groups, size);
+        // Side by side within the frame, which is 20 wider and 40 higher than they are.
+        assert_eq!(places["c"], [places["b"][0] + 160.0, places["b"][1]]);
+        let inside = groups[0].iter().map(|name| area(places[name], [100.0, 50.0]));
+        let frame = bounds(inside).unwrap().framed();
+        for name in ["a", "d"] {
+            let [x, y] = places[name];
+            let is_beside = x + 100.0 <= frame.at[0] || x >= frame.at[0] + frame.size[0];
+            let is_above = y + 50.0 <= frame.at[1] || y >= frame.at[1] + frame.size[1];
+            assert!(is_beside || is_above, "{name} {places:?}");
+        }
     }
 
     #[test]

@@ -94,7 +94,7 @@ pub enum Edit {
 pub struct EditOutcome {
     /// New items, in the order of the edits.
     pub new_items: Vec<Item>,
-    /// Nodes under new names: the old, the new.
+    /// Nodes that were there, under new names: the old, the new.
     pub renamed: Vec<(String, String)>,
 }
 

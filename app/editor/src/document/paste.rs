@@ -70,7 +70,7 @@ impl Transaction<'_> {
     }
 
     /// Free names for the nodes of a clip.
-    fn new_names(&mut self, clip: &Clip) -> Renaming {
+    fn new_names(&self, clip: &Clip) -> Renaming {
         let mut taken = taken(&self.map, "nodes");
         let mut pairs = Vec::new();
         for old in clip.map.nodes.keys() {
@@ -78,8 +78,6 @@ impl Transaction<'_> {
             taken.insert(new.clone());
             pairs.push((old.clone(), new));
         }
-        let changed = pairs.iter().filter(|(old, new)| old != new).cloned();
-        self.applied.renamed.extend(changed);
         Renaming::new(pairs)
     }
 

@@ -52,7 +52,9 @@ impl ParamField<'_> {
     pub(super) fn switch(&mut self, ui: &mut Ui) {
         let mut is_on = !is_off(self.spec, self.given);
         let switch = ui.checkbox(&mut is_on, "");
-        if switch.on_hover_text(format!("whether {} is on", self.name)).changed() {
+        let name = format!("whether {} is on", self.name);
+        ui.ctx().accesskit_node_builder(switch.id, |node| node.set_label(name.as_str()));
+        if switch.on_hover_text(&name).changed() {
             self.set(Some(if is_on {
                 self.spec.value_when_on().unwrap_or_default()
             } else {
@@ -98,8 +100,12 @@ impl ParamField<'_> {
             FieldPlace::Cell => "no",
         };
         let response = ui.checkbox(&mut flag, text).on_hover_text(&self.name);
-        if self.place == FieldPlace::Cell {
-            name_it(&response, &self.name, 0);
+        match self.place {
+            FieldPlace::Cell => name_it(&response, &self.name, 0),
+            FieldPlace::Row => {
+                let name = self.name.as_str();
+                ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+            }
         }
         if response.changed() {
             self.set(Some(Json::from(flag)));
@@ -153,6 +159,13 @@ impl ParamField<'_> {
         if let Some(text) = typed.as_ref().filter(|text| read_number(text).is_none()) {
             let name = &self.name;
             let text = format!("{name}: \u{201c}{text}\u{201d} is no number; it stays {shown}");
+            return self.events.push(FormEvent::NotUnderstood(text));
+        }
+        let wanted = typed.as_deref().and_then(read_number);
+        if wanted.is_some_and(|wanted| wanted < hard.0.to_f64() || wanted > hard.1.to_f64()) {
+            let [from, to] = [hard.0, hard.1].map(|end| exact_text(end.to_f64()));
+            let (name, text) = (&self.name, typed.unwrap_or_default());
+            let text = format!("{name}: {text} is not within {from} and {to}; it stays {shown}");
             return self.events.push(FormEvent::NotUnderstood(text));
         }
         let is_allowed = changed.to_f64().is_finite() && changed >= hard.0 && changed <= hard.1;

@@ -29,8 +29,9 @@ pub struct MapCheck {
     pub keys: HashMap<String, Fingerprint>,
     /// The first thing that is wrong with each node that has problems of its own.
     pub faults: HashMap<String, String>,
-    /// Nodes that are left out of every run: they are muted, or need one that is.
-    pub off: HashSet<String>,
+    /// Nodes that are left out of every run, each with the reason: they are muted, or need one that
+    /// is.
+    pub off: HashMap<String, String>,
     /// Nodes that cannot run only because of others, each with the reason.
     pub left_out: IndexMap<String, String>,
 }
@@ -73,7 +74,13 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
     let is_off = |(name, node): &(&String, &Node)| {
         !checked.keys.contains_key(*name) && (plan.is_some() || node.mode != NodeMode::Active)
     };
-    checked.off = map.nodes.iter().filter(is_off).map(|(name, _)| name.clone()).collect();
+    let reason = |name: &str| {
+        let of_it = |problem: &&Problem| problem.place.node.as_deref() == Some(name);
+        let problem = checked.problems.iter().find(of_it);
+        problem.map_or("is muted or bypassed".to_owned(), |problem| problem.message.clone())
+    };
+    let off = map.nodes.iter().filter(is_off);
+    checked.off = off.map(|(name, _)| (name.clone(), reason(name))).collect();
     (checked, plan)
 }
 

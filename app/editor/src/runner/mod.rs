@@ -6,6 +6,7 @@ mod job;
 mod log;
 mod status;
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -90,10 +91,32 @@ pub struct NodeResult {
 
 /// A run under way.
 struct Job {
+    part: Part,
     cancel: CancelToken,
     started: Instant,
-    /// Nodes that take part, and how far each is: none before it starts, 1 when it has ended.
-    nodes: IndexMap<String, Option<f64>>,
+    /// Nodes that take part.
+    nodes: IndexMap<String, NodeProgress>,
+}
+
+/// How far a node is in a run.
+struct NodeProgress {
+    /// What its outputs will be those of.
+    key: Fingerprint,
+    /// None before it starts, 1 when it has ended.
+    share: Option<f64>,
+}
+
+/// How far a run is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunProgress {
+    /// The node that works, and how far it is, 0 to 1; of several the one that is least far.
+    pub working: Option<(String, f64)>,
+    /// Nodes that have ended.
+    pub n_ended: usize,
+    /// Nodes that take part.
+    pub n_nodes: usize,
+    /// For how long it has been under way.
+    pub elapsed: Duration,
 }
 
 /// Runs one map, and knows what became of each of its nodes.
@@ -107,6 +130,9 @@ pub struct Runner {
     is_checking: bool,
     checked: MapCheck,
     ended: IndexMap<String, NodeResult>,
+    /// Seconds that nodes ran when their values were made, by key: they hold for values that are
+    /// taken from there later, too.
+    measured: HashMap<Fingerprint, f64>,
     /// Seconds that the last run took.
     last_run: Option<Duration>,
     /// Everything that was said.
@@ -126,6 +152,7 @@ impl Runner {
             is_checking: false,
             checked: MapCheck::default(),
             ended: IndexMap::new(),
+            measured: HashMap::new(),
             last_run: None,
             log: Log::default(),
         }
@@ -156,7 +183,8 @@ impl Runner {
     pub fn run(&mut self, subject: Subject, part: Part) {
         self.stop();
         let cancel = CancelToken::new();
-        let job = Job { cancel: cancel.clone(), started: Instant::now(), nodes: IndexMap::new() };
+        let (started, nodes) = (Instant::now(), IndexMap::new());
+        let job = Job { part: part.clone(), cancel: cancel.clone(), started, nodes };
         // What an older run still has to say goes nowhere.
         let (outbox, inbox) = channel();
         self.drain();
@@ -179,12 +207,30 @@ impl Runner {
         self.job.is_some()
     }
 
-    /// How far the run is, 0 to 1, and for how long it has been under way.
-    pub fn progress(&self) -> Option<(f64, Duration)> {
+    /// Whether what runs was not asked for by a person, and makes something that is no longer what
+    /// the map asks for.
+    pub fn is_overtaken(&self) -> bool {
+        let Some(job) = self.job.as_ref().filter(|job| job.part == Part::Quiet) else {
+            return false;
+        };
+        let keys = &self.checked.keys;
+        job.nodes.iter().any(|(name, node)| keys.get(name).is_none_or(|key| *key != node.key))
+    }
+
+    /// How far the run is.
+    pub fn progress(&self) -> Option<RunProgress> {
         let job = self.job.as_ref()?;
-        let done: f64 = job.nodes.values().map(|share| share.unwrap_or(0.0)).sum();
-        // An empty sum is a negative zero.
-        Some((done.abs() / job.nodes.len().max(1) as f64, job.started.elapsed()))
+        let at_work = |(name, node): (&String, &NodeProgress)| {
+            let share = node.share.filter(|share| *share < 1.0)?;
+            Some((name.clone(), share))
+        };
+        let at_work = job.nodes.iter().filter_map(at_work);
+        Some(RunProgress {
+            working: at_work.min_by(|(_, a), (_, b)| a.total_cmp(b)),
+            n_ended: job.n_ended(),
+            n_nodes: job.nodes.len(),
+            elapsed: job.started.elapsed(),
+        })
     }
 
     /// How long the last run took.
@@ -212,9 +258,16 @@ impl Runner {
         self.ended.get(node)
     }
 
-    /// Seconds that a node took when it ran last, as it was then.
+    /// Seconds that a node took when what it gave last was made.
     pub fn seconds(&self, node: &str) -> Option<f64> {
-        self.ended.get(node)?.record.seconds
+        let record = &self.ended.get(node)?.record;
+        record.seconds.or_else(|| self.measured.get(&record.key).copied())
+    }
+
+    /// What a node warned of when it ran last.
+    pub fn warning(&self, node: &str) -> Option<&str> {
+        let log = &self.ended.get(node)?.record.log;
+        log.iter().find(|line| line.is_warning).map(|line| line.text.as_str())
     }
 
     /// What became of all nodes that ran, in the order in which they ended.
@@ -249,13 +302,17 @@ impl Runner {
     fn hear(&mut self, message: Message) {
         match message {
             Message::Checked(checked) => {
-                self.checked = *checked;
+                // A run checks the map that it was given, which may have changed since.
+                if checked.revision >= self.checked.revision {
+                    self.checked = *checked;
+                }
                 self.is_checking = false;
                 self.check_next();
             }
             Message::Planned(keys) => {
                 if let Some(job) = &mut self.job {
-                    job.nodes = keys.into_keys().map(|name| (name, None)).collect();
+                    let node = |(name, key)| (name, NodeProgress { key, share: None });
+                    job.nodes = keys.into_iter().map(node).collect();
                 }
             }
             Message::Started(node) => self.set_share(&node, 0.0),
@@ -269,7 +326,7 @@ impl Runner {
                 let Some(job) = self.job.take() else { return };
                 let time = job.started.elapsed();
                 self.last_run = Some(time);
-                let n_nodes = job.nodes.values().filter(|share| **share == Some(1.0)).count();
+                let n_nodes = job.n_ended();
                 let nodes = if n_nodes == 1 { "node" } else { "nodes" };
                 let text = format!("ran {n_nodes} {nodes} in {}", seconds_text(time.as_secs_f64()));
                 self.log.add(Line::of(None, Loudness::Note, text));
@@ -280,7 +337,7 @@ impl Runner {
     fn set_share(&mut self, node: &str, share: f64) {
         let known = self.job.as_mut().and_then(|job| job.nodes.get_mut(node));
         if let Some(known) = known {
-            *known = Some(share);
+            known.share = Some(share);
         }
     }
 
@@ -299,6 +356,9 @@ impl Runner {
                 self.log.add(Line::of(Some(&node), Loudness::Note, done));
             }
             _ => {}
+        }
+        if let (Some(seconds), NodeStatus::Done) = (ended.record.seconds, &ended.record.status) {
+            self.measured.insert(ended.record.key, seconds);
         }
         self.ended.shift_remove(&node);
         self.ended.insert(node, ended);
@@ -326,6 +386,12 @@ impl Runner {
         });
         kept.reverse();
         self.ended = kept;
+    }
+}
+
+impl Job {
+    fn n_ended(&self) -> usize {
+        self.nodes.values().filter(|node| node.share == Some(1.0)).count()
     }
 }
 

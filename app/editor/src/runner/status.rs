@@ -15,8 +15,8 @@ pub enum Status {
     Running(f64),
     /// Its outputs are those of the map as it stands; the seconds that it ran.
     Done(Option<f64>),
-    /// The same, taken from an earlier run.
-    Cached,
+    /// The same, taken from an earlier run; the seconds that it ran then.
+    Cached(Option<f64>),
     /// Its outputs are of an older state of the map.
     Dirty,
     /// It gave an error.
@@ -27,8 +27,8 @@ pub enum Status {
     Stopped,
     /// The map does not let it run.
     Refused(String),
-    /// It is muted or bypassed, or needs a node that is muted.
-    Off,
+    /// It is muted or bypassed, or needs a node that is muted; which.
+    Off(String),
 }
 
 impl Status {
@@ -40,13 +40,14 @@ impl Status {
             Self::Running(share) => format!("{:.0} %", share * 100.0),
             Self::Done(Some(seconds)) => seconds_text(*seconds),
             Self::Done(None) => "done".to_owned(),
-            Self::Cached => "cached".to_owned(),
+            Self::Cached(Some(seconds)) => format!("{}, cached", seconds_text(*seconds)),
+            Self::Cached(None) => "cached".to_owned(),
             Self::Dirty => "changed".to_owned(),
             Self::Failed(_) => "failed".to_owned(),
             Self::Skipped(_) => "skipped".to_owned(),
             Self::Stopped => "stopped".to_owned(),
             Self::Refused(_) => "cannot run".to_owned(),
-            Self::Off => "does not run".to_owned(),
+            Self::Off(_) => "does not run".to_owned(),
         }
     }
 
@@ -58,15 +59,17 @@ impl Status {
             Self::Running(share) => format!("is running: {:.0} %", share * 100.0),
             Self::Done(Some(seconds)) => format!("done in {}", seconds_text(*seconds)),
             Self::Done(None) => "done".to_owned(),
-            Self::Cached => "done; its outputs were known from an earlier run".to_owned(),
+            Self::Cached(seconds) => {
+                let then = seconds.map(|seconds| format!(", of {}", seconds_text(seconds)));
+                let then = then.unwrap_or_default();
+                format!("done; its outputs were known from an earlier run{then}")
+            }
             Self::Dirty => "was changed since it ran: its outputs are old".to_owned(),
             Self::Failed(error) => error.clone(),
             Self::Skipped(because_of) => format!("not run, because {because_of} failed"),
             Self::Stopped => "stopped before it was done".to_owned(),
             Self::Refused(why) => why.clone(),
-            Self::Off => {
-                "does not run: it is muted or bypassed, or needs a node that is muted".to_owned()
-            }
+            Self::Off(why) => format!("does not run: it {why}"),
         }
     }
 }
@@ -85,10 +88,10 @@ pub fn seconds_text(seconds: f64) -> String {
 impl Runner {
     /// The state of a node.
     pub fn status(&self, node: &str) -> Status {
-        if let Some(share) = self.job.as_ref().and_then(|job| job.nodes.get(node)) {
-            match share {
+        if let Some(known) = self.job.as_ref().and_then(|job| job.nodes.get(node)) {
+            match known.share {
                 None => return Status::Waiting,
-                Some(share) if *share < 1.0 => return Status::Running(*share),
+                Some(share) if share < 1.0 => return Status::Running(share),
                 Some(_) => {}
             }
         }
@@ -99,15 +102,15 @@ impl Runner {
             return Status::Refused(why.clone());
         }
         let key = self.checked.keys.get(node);
-        if key.is_none() && self.checked.off.contains(node) {
-            return Status::Off;
+        if let (None, Some(why)) = (key, self.checked.off.get(node)) {
+            return Status::Off(why.clone());
         }
         let Some(ended) = self.ended.get(node) else { return Status::New };
         if key.is_some_and(|key| *key != ended.record.key) {
             return Status::Dirty;
         }
         match &ended.record.status {
-            NodeStatus::Done if ended.record.cached.is_some() => Status::Cached,
+            NodeStatus::Done if ended.record.cached.is_some() => Status::Cached(self.seconds(node)),
             NodeStatus::Done => Status::Done(ended.record.seconds),
             NodeStatus::Failed { error } => Status::Failed(error.clone()),
             NodeStatus::Skipped { because_of } => Status::Skipped(because_of.clone()),

@@ -123,6 +123,8 @@ fn what_needs_a_muted_node_is_off() {
     assert!(matches!(runner.status("info"), Status::Done(_)));
     runner.check(subject(&map("muted"), 2));
     wait(&mut runner, |runner| runner.checked().revision == 2);
-    assert_eq!([runner.status("box"), runner.status("info")], [Status::Off, Status::Off]);
+    assert_eq!(runner.status("box"), Status::Off("is muted".to_owned()));
+    let why = "is left out: needs box.mesh, which is muted".to_owned();
+    assert_eq!(runner.status("info"), Status::Off(why));
     assert!(matches!(runner.status("vase"), Status::Done(_)));
 }

@@ -84,6 +84,10 @@ impl ValueView for FieldsView {
         value.get::<Field>().is_some_and(|field| !colors_a_mesh(&field, all))
     }
 
+    fn is_empty(&self, value: &Value) -> bool {
+        value.get::<Field>().is_some_and(|field| field.values.is_empty())
+    }
+
     fn n_parts(&self, n_values: usize) -> usize {
         n_values
     }

@@ -83,6 +83,10 @@ impl ValueView for ImagesView {
         value.get::<Images>().is_some()
     }
 
+    fn is_empty(&self, value: &Value) -> bool {
+        value.get::<Images>().is_some_and(|images| images.0.is_empty())
+    }
+
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction> {
         let sets = shown.of::<Images>().into_iter();
         let input = |(place, title, images): (usize, &str, Arc<Images>)| ImagesInput {
@@ -170,7 +174,8 @@ impl ImagesView {
                 if self.has_difference {
                     make_room(ui, 190.0);
                     let slider = egui::Slider::new(&mut self.gain.0, 1.0..=64.0).logarithmic(true);
-                    ui.add(slider.text("gain")).on_hover_text("Differences are multiplied by this");
+                    ui.label("Multiplied by");
+                    ui.add(slider).on_hover_text("What differences are multiplied by");
                 }
             }
         });

@@ -16,6 +16,7 @@ mod memo;
 mod number;
 mod picture;
 mod spread;
+mod still;
 mod table;
 mod wheel;
 
@@ -37,8 +38,10 @@ use mve_core::{Data, Value};
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
     Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
+    StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
+pub use still::Still;
 pub use table::{Column, SortOrder, Table, TableView};
 
 /// How long a value may be old before that is said.
@@ -72,6 +75,8 @@ pub struct Pinned {
 pub enum ViewerAction {
     /// To see the value at this place of the list no longer.
     Unpin(usize),
+    /// A picture of the meshes in a file.
+    TakePicture,
 }
 
 /// Where a view stands in a panel.
@@ -116,6 +121,11 @@ pub trait ValueView {
     /// Whether it shows a value, given all that is pinned. The first view of the list that does
     /// gets it; what no view takes is shown by its summary.
     fn takes(&self, value: &Value, all: &[Pinned]) -> bool;
+
+    /// Whether a value of its type has nothing that could be seen.
+    fn is_empty(&self, _value: &Value) -> bool {
+        false
+    }
 
     /// Shows its values.
     fn show(&mut self, ui: &mut egui::Ui, shown: &ViewInput) -> Vec<ViewerAction>;
@@ -197,7 +207,7 @@ impl Viewer {
                 ui.weak("Nothing is pinned here. Pin an output of a node to see its value.");
             });
         }
-        let mut actions = show_absences(ui, pinned);
+        let mut actions = self.show_absences(ui, pinned);
         self.show_outdated(ui, pinned);
         let (values, others) = self.sorted(pinned);
         let shown = |values: &[usize], height: f32| {
@@ -239,12 +249,37 @@ impl Viewer {
         actions
     }
 
-    /// The places of the values of each view, and of those that no view takes.
+    /// Whether a value has nothing that could be seen.
+    pub fn is_empty(&self, value: &Value) -> bool {
+        self.views().iter().any(|view| view.is_empty(value))
+    }
+
+    /// Says which values are not there or have nothing to be seen, and why.
+    fn show_absences(&self, ui: &mut egui::Ui, pinned: &[Pinned]) -> Vec<ViewerAction> {
+        let mut actions = Vec::new();
+        for (place, pinned) in pinned.iter().enumerate() {
+            let reason = match (&pinned.value, &pinned.state) {
+                (Some(value), _) if self.is_empty(value) => value.summary(),
+                (Some(_), _) => continue,
+                (None, PortState::Absent(reason)) => reason.clone(),
+                (None, PortState::Ready | PortState::Outdated) => "no value".to_owned(),
+            };
+            if heading::show_absence(ui, &pinned.title, &reason) {
+                actions.push(ViewerAction::Unpin(place));
+            }
+        }
+        actions
+    }
+
+    /// The places of the values of each view, and of those that no view takes; without those that
+    /// have nothing to be seen.
     fn sorted(&self, pinned: &[Pinned]) -> (Vec<Vec<usize>>, Vec<usize>) {
         let views = self.views();
         let (mut sorted, mut others) = (vec![Vec::new(); views.len()], Vec::new());
         for (place, value) in pinned.iter().enumerate() {
-            let Some(value) = &value.value else { continue };
+            let Some(value) = value.value.as_ref().filter(|value| !self.is_empty(value)) else {
+                continue;
+            };
             match views.iter().position(|view| view.takes(value, pinned)) {
                 Some(view) => sorted[view].push(place),
                 None => others.push(place),
@@ -287,21 +322,6 @@ impl Viewer {
             ui.weak(format!("From an earlier run: {}", titles.join(", ")));
         }
     }
-}
-
-/// Says which values are not there, and why.
-fn show_absences(ui: &mut egui::Ui, pinned: &[Pinned]) -> Vec<ViewerAction> {
-    let mut actions = Vec::new();
-    for (place, pinned) in pinned.iter().enumerate().filter(|(_, pinned)| pinned.value.is_none()) {
-        let reason = match &pinned.state {
-            PortState::Absent(reason) => reason,
-            PortState::Ready | PortState::Outdated => "no value",
-        };
-        if heading::show_absence(ui, &pinned.title, reason) {
-            actions.push(ViewerAction::Unpin(place));
-        }
-    }
-    actions
 }
 
 /// Shows what values that no view takes say of themselves.

@@ -15,9 +15,10 @@ use super::gpu::target::{FINE, Target};
 use super::gpu::texture::GpuTexture;
 use super::gpu::{Cursor, Drawing, Gpu, MOST_LINE_SETS, Uniforms};
 use super::lines::{LineChoice, MeshLines};
-use super::look::coloring::{Attribute, ColorSource, Reading, Spacing, Values, attribute};
+use super::look::coloring::{Attribute, ColorSource, Reading, attribute};
 use super::look::settings::{BackFaces, MeshSettings};
 use super::look::texture::{Pictures, TextureSource, pictures};
+use super::look::values::{Spacing, Values};
 use crate::views::camera::{Bounds, Camera, Projection};
 use crate::views::memo::{Memo, Same};
 

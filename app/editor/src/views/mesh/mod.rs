@@ -14,7 +14,9 @@ mod overlays;
 mod scene;
 mod view;
 
-pub use look::coloring::{ColorBy, ScaleSettings, Spacing};
+pub use hand::navigation::VIEW_KEYS;
+pub use look::coloring::{ColorBy, ScaleSettings};
 pub use look::settings::{Arrangement, BackFaces, MeshSettings};
 pub use look::stored::MeshLook;
-pub use view::MeshView;
+pub use look::values::Spacing;
+pub use view::{MeshView, StillOptions};

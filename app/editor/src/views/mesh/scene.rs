@@ -9,8 +9,8 @@ use mve_modules::data::{Images, TriMesh};
 
 use super::item::MeshItem;
 use super::layout::Tile;
-use super::look::coloring::Values;
 use super::look::settings::{Arrangement, MeshSettings};
+use super::look::values::Values;
 use crate::views::ViewerAction;
 use crate::views::camera::{Bounds, Camera};
 
@@ -77,6 +77,8 @@ pub struct MeshPicture<'a> {
     pub bounds: Option<Bounds>,
     /// The color of thin lines.
     pub line_color: Color32,
+    /// Whether it lies over another, where words would cover those below.
+    pub is_above: bool,
 }
 
 /// The whole panel of one frame.
@@ -101,6 +103,8 @@ pub struct MeshScene<'a> {
     pub values: &'a [Arc<Values>],
     /// The ends of the color scale, in numbers that colors follow.
     pub range: [f64; 2],
+    /// Whether it is a picture for a file.
+    pub is_still: bool,
     /// What the user wants of whoever shows the viewer.
     pub actions: Vec<ViewerAction>,
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
-use eframe::egui::{self, Color32, Rect, Sense, pos2};
+use eframe::egui::{self, Color32, Rect, Sense, Vec2, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::Value;
 use mve_modules::data::{Field, Images, TriMesh};
@@ -15,12 +15,13 @@ use super::hand::navigation::{by_keys, by_pointer};
 use super::item::{Colors, MeshItem, Viewport};
 use super::layout::{Tile, layout, part_of};
 use super::look::coloring::{
-    ColorBy, ColorSource, PinnedField, ScaleSettings, Values, number_layers, source_of,
+    ColorBy, ColorSource, PinnedField, ScaleSettings, number_layers, source_of,
 };
 use super::look::label_layers;
-use super::look::settings::{Arrangement, MeshSettings, Offers, controls};
+use super::look::settings::{Arrangement, MeshSettings, Offers, Wishes, controls};
 use super::look::stored::MeshLook;
 use super::look::texture::TextureSource;
+use super::look::values::Values;
 use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
@@ -45,6 +46,19 @@ pub struct MeshView {
     /// The color scale on the GPU, and how often there was another one.
     table: Option<(ScaleSettings, GpuTexture, u64)>,
     overlays: Overlays,
+    /// Width and height of the pictures in points when they were shown last.
+    size: Vec2,
+    /// Where it is no part of a window, but a picture for a file.
+    still: Option<StillOptions>,
+}
+
+/// How a picture for a file is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StillOptions {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Whether there is nothing behind the meshes.
+    pub is_transparent: bool,
 }
 
 /// Seconds after which a camera is at rest.
@@ -95,13 +109,27 @@ impl MeshView {
         MeshLook::of(&self.settings, &self.camera)
     }
 
+    /// Height of the pictures in points when they were shown last.
+    pub fn height(&self) -> f32 {
+        self.size.y
+    }
+
+    /// A view of the same, without what is there for a hand.
+    pub fn for_still(&self, options: StillOptions) -> Self {
+        Self {
+            camera: self.camera,
+            settings: self.settings.clone(),
+            // A camera that no hand has placed fits all into the other form.
+            fitted: self.fitted.filter(|_| self.has_moved),
+            has_moved: self.has_moved,
+            still: Some(options),
+            ..Self::default()
+        }
+    }
+
     /// Shows meshes as another view did.
     pub fn set_look(&mut self, look: &MeshLook) {
-        let up = self.settings.up;
         look.apply(&mut self.settings, &mut self.camera);
-        if self.settings.up != up {
-            self.fitted = None;
-        }
     }
 
     /// How many pictures were drawn so far.
@@ -123,23 +151,28 @@ impl MeshView {
         };
         self.take_over(meshes);
         let offers = self.offers(meshes, fields, pictures);
-        let wishes = controls(ui, &mut self.settings, &mut self.camera, &offers);
+        let color_by = offers.in_force(&self.settings.color_by);
+        let wishes = match self.still {
+            None => controls(ui, &mut self.settings, &mut self.camera, &offers),
+            Some(_) => Wishes::default(),
+        };
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
         let lines = self.overlays.lines(&mut self.settings);
         for (item, input) in self.items.iter_mut().zip(meshes) {
-            let source = source_of(&item.mesh, &self.settings.color_by, fields);
+            let source = source_of(&item.mesh, &color_by, fields);
             let source = source.unwrap_or(ColorSource::Plain);
             let texture = match source {
                 ColorSource::Materials => {
                     Some(TextureSource::Materials(Same(Arc::clone(&input.mesh))))
                 }
-                ColorSource::Picture => pinned_picture(&self.settings.color_by, pictures),
+                ColorSource::Picture => pinned_picture(&color_by, pictures),
                 _ => None,
             };
             item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
         }
-        let actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
+        let mut actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
         self.gpu = Some(gpu);
+        actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
         actions
     }
 
@@ -180,7 +213,7 @@ impl MeshView {
             color_by.push((ColorBy::Labels(layer.name.clone()), format!("By {}", layer.name)));
         }
         color_by.push((ColorBy::Materials, "Texture of the material".to_owned()));
-        color_by.push((ColorBy::Checker, "Squares in texture space".to_owned()));
+        color_by.push((ColorBy::Checker, "Checkerboard in texture space".to_owned()));
         for picture in pictures {
             let text = format!("Texture {}", picture.title);
             color_by.push((ColorBy::Picture(picture.title.clone()), text));
@@ -196,8 +229,16 @@ impl MeshView {
             titles: meshes.iter().map(|input| input.title.clone()).collect(),
             color_by,
             switches: self.overlays.switches(),
-            has_scalar: self.items.iter().any(|item| item.values().is_some()),
+            range: self.range(),
         }
+    }
+
+    /// The values at the ends of the color scale, where some mesh is colored by values.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
+        let scale = &self.settings.scale;
+        let range = scale.range(values.iter().map(AsRef::as_ref));
+        (!values.is_empty()).then(|| range.map(|number| scale.spacing.back(number)))
     }
 
     fn panel(
@@ -214,8 +255,10 @@ impl MeshView {
         if !(whole.width() >= 4.0 && whole.height() >= 4.0) || meshes.is_empty() {
             return Vec::new();
         }
-        let is_dark = ui.visuals().dark_mode;
-        paint_background(&ui.painter_at(whole), whole, is_dark);
+        self.size = whole.size();
+        if self.still.is_none_or(|still| !still.is_transparent) {
+            paint_background(&ui.painter_at(whole), whole, ui.visuals().dark_mode);
+        }
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
@@ -247,6 +290,7 @@ impl MeshView {
             bar,
             values: &values,
             range,
+            is_still: self.still.is_some(),
             actions: Vec::new(),
         };
         self.overlays.show(ui, &mut scene);
@@ -383,6 +427,9 @@ impl MeshView {
                 camera: &self.camera,
                 bounds: item.bounds(),
                 line_color,
+                is_above: self.settings.arrangement == Arrangement::Blend
+                    && tiles.len() == 2
+                    && at == 1,
             };
             self.overlays.paint(Depth::Behind, &picture, &mut self.settings);
             if let Some(target) = item.picture(gpu, &self.settings, &colors, &viewport) {

@@ -43,14 +43,13 @@ impl TablePlot {
         if self.column.is_none() {
             return;
         }
-        egui::ComboBox::new("plot kind", "as").selected_text(name_of(self.kind)).show_ui(
-            ui,
-            |ui| {
-                for kind in [PlotKind::Line, PlotKind::Points, PlotKind::Histogram] {
-                    ui.selectable_value(&mut self.kind, kind, name_of(kind));
-                }
-            },
-        );
+        ui.label("as");
+        let kinds = egui::ComboBox::from_id_salt("plot kind").selected_text(name_of(self.kind));
+        kinds.show_ui(ui, |ui| {
+            for kind in [PlotKind::Line, PlotKind::Points, PlotKind::Histogram] {
+                ui.selectable_value(&mut self.kind, kind, name_of(kind));
+            }
+        });
         if self.kind != PlotKind::Histogram {
             choose(ui, "over", "row", &mut self.over, &numeric, table);
         }
@@ -110,7 +109,8 @@ fn choose(
 ) {
     let named = chosen.and_then(|column| table.columns.get(column));
     let text = named.map_or(nothing.to_owned(), title_of);
-    egui::ComboBox::new(label, label).selected_text(text).show_ui(ui, |ui| {
+    ui.label(label);
+    egui::ComboBox::from_id_salt(label).selected_text(text).show_ui(ui, |ui| {
         ui.selectable_value(chosen, None, nothing);
         for &column in columns {
             ui.selectable_value(chosen, Some(column), title_of(&table.columns[column]));

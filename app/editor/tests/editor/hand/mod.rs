@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Key, Modifiers, Pos2, Vec2};
 use eframe::egui_wgpu::RenderState;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use mve_core::Map;
 use mve_editor::app::{Editor, Session, Settings, Start};
@@ -59,6 +59,11 @@ impl Hand {
         Self::drawn_by(render, folder, Maps::Example, size)
     }
 
+    /// A window on maps and on files that modules read.
+    pub fn with_files(folder: &Path, files: Vec<PathBuf>) -> Self {
+        Self::with(folder, files)
+    }
+
     fn with(folder: &Path, maps: Vec<PathBuf>) -> Self {
         let setup = egui_kittest::wgpu::default_wgpu_setup();
         let render = egui_kittest::wgpu::create_render_state(
@@ -76,7 +81,7 @@ impl Hand {
             let start = || Start {
                 settings: Settings { has_seen_hint: true, ..Settings::default() },
                 output_folder: Some(out.clone()),
-                maps: match &maps {
+                files: match &maps {
                     Maps::Files(maps) => maps.clone(),
                     Maps::Example => Vec::new(),
                 },
@@ -189,6 +194,17 @@ impl Hand {
         self.step();
     }
 
+    /// Whether something has a name that begins so.
+    pub fn sees_beginning(&self, beginning: &str) -> bool {
+        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+            [node.label(), node.value()]
+                .into_iter()
+                .flatten()
+                .any(|text| text.starts_with(beginning))
+        };
+        self.harness.query_all_by(begins).next().is_some()
+    }
+
     /// Clicks the last of the things that have this name.
     pub fn click_last(&mut self, name: &str) {
         let last = self.harness.query_all_by_label(name).last();
@@ -199,6 +215,25 @@ impl Hand {
     /// Whether something has this name.
     pub fn sees(&self, name: &str) -> bool {
         self.harness.query_all_by_label(name).next().is_some()
+    }
+
+    /// What a screen reader adds to this name.
+    pub fn description(&self, name: &str) -> String {
+        let node = self.harness.get_by_label(name);
+        node.accesskit_node().description().unwrap_or_default()
+    }
+
+    /// The height in points of what has a name that begins so.
+    pub fn height_of(&self, beginning: &str) -> f32 {
+        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+            node.label().is_some_and(|label| label.starts_with(beginning))
+        };
+        self.harness.get_by(begins).rect().height()
+    }
+
+    /// After what time the window at rest wants to be drawn again.
+    pub fn next_frame_wanted(&self) -> Duration {
+        self.harness.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
     }
 
     /// Presses a key.
@@ -288,6 +323,13 @@ impl Hand {
         self.step();
     }
 
+    /// Drags what has this name by its upper edge.
+    pub fn drag_held(&mut self, name: &str, by: Vec2) {
+        let rect = self.harness.get_by_label(name).rect();
+        let from = rect.center_top() + Vec2::new(0.0, 6.0);
+        self.drag(from, from + by);
+    }
+
     /// Drags from one thing to another.
     pub fn link(&mut self, from: &str, to: &str) {
         let (from, to) = (self.place_of(from), self.place_of(to));
@@ -318,6 +360,30 @@ impl Hand {
         self.step();
         self.harness.drop_at(to);
         self.step();
+    }
+
+    /// Draws frames until a run is under way.
+    pub fn wait_until_it_runs(&mut self) {
+        self.wait(|session| session.runner.is_running());
+    }
+
+    /// Draws frames until all outputs are those of the map as it stands.
+    pub fn wait_until_up_to_date(&mut self) {
+        self.wait(|session| {
+            let is_checked = session.runner.checked().revision == session.document.revision();
+            is_checked && !session.runner.is_running() && session.has_changes_to_run().is_none()
+        });
+    }
+
+    /// Draws frames until an output is no longer that of the map and its files.
+    pub fn wait_until_something_is_to_be_run(&mut self) {
+        self.wait(|session| session.has_changes_to_run().is_some());
+    }
+
+    /// The value of an output.
+    pub fn value<T: mve_core::Data>(&self, node: &str, port: &str) -> Arc<T> {
+        let value = self.editor().session().runner.value(node, port);
+        value.and_then(|value| value.get::<T>()).expect("it has run")
     }
 
     /// Draws frames until the run has come to its end.

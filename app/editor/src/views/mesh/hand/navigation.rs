@@ -17,6 +17,20 @@ pub struct Moved {
     pub is_fit: bool,
 }
 
+/// All keys and gestures of the pictures of meshes.
+pub const VIEW_KEYS: &[(&str, &str)] = &[
+    ("drag", "turn"),
+    ("Shift + drag, right or middle drag", "pan"),
+    ("wheel, pinch", "zoom to the pointer"),
+    ("double click, R, Home", "show all of it"),
+    ("1, 3, 7, 0", "from the front, the side, the top, a corner"),
+    ("5", "perspective or parallel"),
+    ("W", "edges of all faces"),
+    ("B", "edges of one face"),
+    ("arrows", "turn in steps"),
+    ("plus, minus", "zoom in steps"),
+];
+
 /// Part of a picture that one press of an arrow key turns by.
 const KEY_STEP: f64 = 1.0 / 24.0;
 

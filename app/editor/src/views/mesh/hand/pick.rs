@@ -8,7 +8,7 @@ use mve_modules::data::{Domain, TriMesh};
 use rayon::prelude::*;
 
 use crate::views::camera::Ray;
-use crate::views::mesh::look::coloring::Values;
+use crate::views::mesh::look::values::Values;
 use crate::views::number::number_text;
 
 /// The nearest face that a ray meets.

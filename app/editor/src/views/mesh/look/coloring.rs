@@ -9,21 +9,21 @@ use std::sync::Arc;
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
 use mve_modules::picture::color_map::{
-    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
+    ColorMap, ColorMapOptions, Outside, bytes_of, range_of, share,
 };
 use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::mesh::arrays::{Arrays, CornerSharing};
 use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
+use crate::views::mesh::look::values::{CLIP_PERCENTS, Spacing, Values};
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum ColorBy {
-    /// A field if there is exactly one, else textures of materials, else colors if there are, else
-    /// plain.
+    /// The field that was pinned last, else textures of materials, else colors, else the only layer
+    /// of numbers, else plain.
     #[default]
     Auto,
     /// One color.
@@ -128,9 +128,8 @@ pub fn source_of(mesh: &TriMesh, by: &ColorBy, fields: &[PinnedField]) -> Option
             Some(ColorSource::Field(Arc::clone(&pinned.field)))
         }
         ColorBy::Auto => {
-            let mut pinned = fitting();
-            if let (Some(one), None) = (pinned.next(), pinned.next()) {
-                return Some(ColorSource::Field(Arc::clone(&one.field)));
+            if let Some(last) = fitting().next_back() {
+                return Some(ColorSource::Field(Arc::clone(&last.field)));
             }
             if has_textures(mesh) {
                 return Some(ColorSource::Materials);
@@ -170,23 +169,6 @@ impl ColorSource {
     }
 }
 
-/// The numbers of a scalar source, by element.
-#[derive(Clone, Debug)]
-pub struct Values {
-    /// What is measured.
-    pub name: String,
-    /// Its unit, or empty.
-    pub unit: String,
-    /// What the values belong to.
-    pub domain: Domain,
-    /// One for each element; not a number where there is none. Logarithms where they are wanted.
-    pub values: Vec<f64>,
-    /// Lowest and highest finite value; 0 and 1 without one.
-    pub extent: [f64; 2],
-    /// Whether they are logarithms.
-    pub spacing: Spacing,
-}
-
 /// How the eight bytes of a drawn vertex are to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
@@ -213,35 +195,6 @@ pub struct Attribute {
     pub words: Vec<[u32; 2]>,
     /// The numbers of a scalar source.
     pub values: Option<Arc<Values>>,
-}
-
-/// Whether colors follow values or their decimal logarithms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Spacing {
-    /// Values.
-    #[default]
-    Linear,
-    /// Logarithms; what is not above 0 has none.
-    Logarithmic,
-}
-
-impl Spacing {
-    /// The number that colors follow.
-    pub fn of(self, value: f64) -> f64 {
-        match self {
-            Self::Linear => value,
-            Self::Logarithmic if value > 0.0 => value.log10(),
-            Self::Logarithmic => f64::NAN,
-        }
-    }
-
-    /// The value of such a number.
-    pub fn back(self, number: f64) -> f64 {
-        match self {
-            Self::Linear => number,
-            Self::Logarithmic => 10f64.powf(number),
-        }
-    }
 }
 
 /// Makes the array for a source, O(n).
@@ -361,7 +314,7 @@ fn values_of(
     domain: Domain,
     spacing: Spacing,
 ) -> Option<Values> {
-    let (name, unit, values) = match source {
+    let (name, unit, mut values) = match source {
         ColorSource::Field(field) => {
             let values = field.values.iter().map(|&value| spacing.of(value)).collect();
             (field.name.clone(), field.unit.clone(), values)
@@ -377,8 +330,25 @@ fn values_of(
         }
         _ => return None,
     };
-    let extent = extent_of(&values);
-    Some(Values { name, unit, domain, values, extent, spacing })
+    if domain == Domain::Vertex {
+        leave_out_isolated(mesh, &mut values);
+    }
+    Some(Values::new((name, unit), domain, values, spacing))
+}
+
+/// Takes the values from vertices that no face has: nobody sees them.
+fn leave_out_isolated(mesh: &TriMesh, values: &mut [f64]) {
+    let mut is_seen = vec![false; values.len()];
+    for vertex in mesh.faces.as_flattened() {
+        if let Some(is_seen) = is_seen.get_mut(vertex.idx()) {
+            *is_seen = true;
+        }
+    }
+    for (value, is_seen) in values.iter_mut().zip(is_seen) {
+        if !is_seen {
+            *value = f64::NAN;
+        }
+    }
 }
 
 /// How values become colors: what the module `ColorMap` offers, and logarithms.
@@ -390,6 +360,9 @@ pub struct ScaleSettings {
     pub low: Option<f64>,
     /// Value of the last color; `None`: from the data.
     pub high: Option<f64>,
+    /// How many of the values may lie beyond each end that comes from the data: one of
+    /// [`CLIP_PERCENTS`].
+    pub clip_percent: f64,
     /// Whether a range from the data lies evenly around 0.
     pub is_symmetric: bool,
     /// Values or logarithms.
@@ -406,6 +379,7 @@ impl Default for ScaleSettings {
             scale: Scale::Viridis,
             low: None,
             high: None,
+            clip_percent: CLIP_PERCENTS[1],
             is_symmetric: false,
             spacing: Spacing::Linear,
             outside: Outside::Clamp,
@@ -431,7 +405,9 @@ impl ScaleSettings {
     /// The range over all of some values, in numbers that colors follow; the data's own where the
     /// given ends make none.
     pub fn range<'a>(&self, all: impl IntoIterator<Item = &'a Values>) -> [f64; 2] {
-        let ends: Vec<f64> = all.into_iter().flat_map(|values| values.extent).collect();
+        let clip = CLIP_PERCENTS.iter().position(|percent| *percent == self.clip_percent);
+        let ends = all.into_iter().flat_map(|values| values.clipped[clip.unwrap_or(0)]);
+        let ends: Vec<f64> = ends.collect();
         let options = self.options();
         let of_data = ColorMapOptions { low: None, high: None, ..options };
         range_of(&ends, &options).or_else(|_| range_of(&ends, &of_data)).unwrap_or([0.0, 1.0])

@@ -3,7 +3,7 @@
 use mve_core::Control;
 use mve_core::Enumeration;
 use mve_modules::mesh::fixtures::tetrahedron;
-use mve_modules::picture::color_map::{bytes_of, colors};
+use mve_modules::picture::color_map::{bytes_of, colors, extent_of};
 
 use super::*;
 use crate::views::mesh::arrays::arrays;
@@ -82,6 +82,39 @@ fn a_single_field_is_shown_at_once() {
 }
 
 #[test]
+fn of_several_fields_the_last_is_shown() {
+    let [first, last] = [pinned(&[0.0; 4]), pinned(&[1.0; 4])];
+    let shown = source_of(&tetrahedron(), &ColorBy::Auto, &[first, last.clone()]);
+    assert_eq!(shown, Some(ColorSource::Field(last.field)));
+}
+
+#[test]
+fn a_range_leaves_out_rare_extremes_and_vertices_that_nobody_sees() {
+    let mut mesh = tetrahedron();
+    // One that no face has.
+    mesh.positions.push(mesh.positions[0]);
+    let source = ColorSource::Field(field(Domain::Vertex, &[0.0, 1.0, 2.0, 3.0, 99.0]));
+    let values = values_of(&mesh, &source, Domain::Vertex, Spacing::Linear).unwrap();
+    assert_eq!(values.extent, [0.0, 3.0]);
+    assert!(values.values[4].is_nan());
+
+    let name = || (String::new(), String::new());
+    let of = |values: Vec<f64>| Values::new(name(), Domain::Vertex, values, Spacing::Linear);
+    // 0, 1, …, 100 and two that are far away.
+    let rare = of((0..=100).map(f64::from).chain([-1e6, 1e6]).collect());
+    let range = |clip_percent: f64, values: &Values| {
+        ScaleSettings { clip_percent, ..ScaleSettings::default() }.range([values])
+    };
+    assert_eq!(range(0.0, &rare), [-1e6, 1e6]);
+    // One of the 103 values at each end.
+    assert_eq!(range(1.0, &rare), [0.0, 100.0]);
+    assert_eq!(ScaleSettings::default().range([&rare]), [0.0, 100.0]);
+    let mut flat = vec![0.0; 1000];
+    flat[7] = 5.0;
+    assert_eq!(range(5.0, &of(flat)), [0.0, 5.0]);
+}
+
+#[test]
 fn layers_with_holes_and_numbers_that_are_none_are_marked() {
     let mut mesh = tetrahedron();
     mesh.layers.push(number_layer("quality"));
@@ -124,9 +157,7 @@ fn a_range_upside_down_falls_back_to_the_data() {
     let settings = ScaleSettings { low: Some(5.0), high: Some(1.0), ..ScaleSettings::default() };
     let values = vec![2.0, 3.0];
     let (name, unit) = (String::new(), String::new());
-    let extent = extent_of(&values);
-    let (domain, spacing) = (Domain::Vertex, Spacing::Linear);
-    let values = Values { name, unit, domain, values, extent, spacing };
+    let values = Values::new((name, unit), Domain::Vertex, values, Spacing::Linear);
     assert_eq!(settings.range([&values]), [2.0, 3.0]);
     assert_eq!(settings.range([]), [0.0, 1.0]);
 }

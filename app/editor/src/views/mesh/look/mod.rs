@@ -5,5 +5,6 @@ mod palette;
 pub mod settings;
 pub mod stored;
 pub mod texture;
+pub mod values;
 
 pub use palette::label_layers;

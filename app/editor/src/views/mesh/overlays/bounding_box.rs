@@ -59,7 +59,7 @@ fn paint_box(layer: Depth, picture: &MeshPicture, bounds: &Bounds) {
                 labeled = Some((middle + 14.0 * out.normalized() * vec2(1.8, 1.0), score));
             }
         }
-        if let (Some((place, _)), Depth::Ahead) = (labeled, layer) {
+        if let (Some((place, _)), Depth::Ahead, false) = (labeled, layer, picture.is_above) {
             let length = (bounds.high - bounds.low)[axis];
             let text = format!("{} {}", ["x", "y", "z"][axis], number_text(length));
             painter.text(place, Align2::CENTER_CENTER, text, FontId::proportional(12.0), *color);

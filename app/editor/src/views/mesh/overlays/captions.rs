@@ -23,7 +23,7 @@ impl Overlay for Captions {
                 if at == 0 { rect.max.x = middle } else { rect.min.x = middle }
             }
             let text = caption(&mesh.title, &scene.items[tile.item]);
-            if heading::caption(ui, rect, &text, Some(&mesh.title)) {
+            if heading::caption(ui, rect, &text, (!scene.is_still).then_some(&*mesh.title)) {
                 scene.actions.push(ViewerAction::Unpin(mesh.place));
             }
         }

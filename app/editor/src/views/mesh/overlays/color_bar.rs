@@ -6,22 +6,56 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Stroke, pos2, vec2};
 use mve_modules::data::Domain;
 
 use super::Overlay;
-use crate::views::mesh::look::coloring::{ScaleSettings, Spacing, Values};
+use crate::views::mesh::look::coloring::ScaleSettings;
+use crate::views::mesh::look::values::{Spacing, Values};
 use crate::views::mesh::scene::MeshScene;
 use crate::views::number::{number_text, round_numbers};
 use crate::views::spread::histogram;
 
-/// The color bar, with the histogram of the values that it was last shown for.
+/// The color bar, with what is known of the values that it was last shown for.
 #[derive(Default)]
 pub struct ColorBar {
-    histogram: Option<RangeHistogram>,
+    known: Option<RangeCounts>,
 }
 
-/// How often the values are in each part of a range.
-struct RangeHistogram {
-    values: Arc<Values>,
+/// How many of some values are in each part of a range, and beyond its ends.
+struct RangeCounts {
+    values: Vec<Arc<Values>>,
     range: [f64; 2],
-    counts: Vec<usize>,
+    /// Of the first values.
+    histogram: Vec<usize>,
+    /// Below and above: how many of all in percent, and the farthest.
+    beyond: [Option<(f64, f64)>; 2],
+}
+
+impl RangeCounts {
+    /// Counts, O(n).
+    fn of(values: &[Arc<Values>], range: [f64; 2]) -> Self {
+        let finite =
+            || values.iter().flat_map(|values| &values.values).filter(|value| value.is_finite());
+        let n_all = finite().count();
+        let beyond = |is_beyond: &dyn Fn(f64) -> bool, end: fn(f64, f64) -> f64| {
+            let outside = || finite().copied().filter(|value| is_beyond(*value));
+            let farthest = outside().reduce(end)?;
+            Some((100.0 * outside().count() as f64 / n_all as f64, farthest))
+        };
+        // Less than a pixel of the bar is nothing that could be seen.
+        let least = 1e-3 * (range[1] - range[0]);
+        let beyond = [
+            beyond(&|value| value < range[0] - least, f64::min),
+            beyond(&|value| value > range[1] + least, f64::max),
+        ];
+        let of_first = |first: &Arc<Values>| histogram(&first.values, range, N_PARTS);
+        let histogram = values.first().map(of_first).unwrap_or_default();
+        Self { values: values.to_vec(), range, histogram, beyond }
+    }
+
+    fn is_of(&self, values: &[Arc<Values>], range: [f64; 2]) -> bool {
+        let is_same = |(a, b)| Arc::ptr_eq(a, b);
+        self.range == range
+            && self.values.len() == values.len()
+            && self.values.iter().zip(values).all(is_same)
+    }
 }
 
 /// Parts of a histogram beside the color bar.
@@ -29,24 +63,86 @@ const N_PARTS: usize = 64;
 
 impl Overlay for ColorBar {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
-        let (Some(rect), Some(values)) = (scene.bar, scene.values.first()) else { return };
+        let (Some(rect), Some(first)) = (scene.bar, scene.values.first()) else { return };
         let range = scene.range;
-        let is_of_these = |histogram: &RangeHistogram| {
-            Arc::ptr_eq(&histogram.values, values) && histogram.range == range
-        };
-        let known = self.histogram.take().filter(is_of_these);
-        let histogram = self.histogram.insert(known.unwrap_or_else(|| RangeHistogram {
-            values: Arc::clone(values),
-            range,
-            counts: histogram(&values.values, range, N_PARTS),
-        }));
-        paint_color_bar(ui, rect, &scene.settings.scale, range, values, &histogram.counts);
+        let known = self.known.take().filter(|known| known.is_of(scene.values, range));
+        let known =
+            self.known.insert(known.unwrap_or_else(|| RangeCounts::of(scene.values, range)));
+        let scale = &mut scene.settings.scale;
+        let bar = paint_color_bar(ui, rect, scale, range, first, &known.histogram);
+        if let Some(bar) = bar {
+            show_ends(ui, (rect, bar), scale, range);
+            show_beyond(ui, (rect, bar), known.beyond, scale.spacing);
+        }
     }
+}
+
+/// Height of a field at an end of the bar.
+const FIELD: f32 = 18.0;
+
+/// The values at the ends of the bar, to be dragged or typed.
+fn show_ends(
+    ui: &mut egui::Ui,
+    (rect, bar): (Rect, Rect),
+    scale: &mut ScaleSettings,
+    range: [f64; 2],
+) {
+    let [low, high] = range.map(|number| scale.spacing.back(number));
+    let speed = ((high - low) / 200.0).max(f64::MIN_POSITIVE);
+    let ends = [
+        ("minimum of the colors", bar.bottom() + 2.0, low, f64::NEG_INFINITY..=high),
+        ("maximum of the colors", bar.top() - 2.0 - FIELD, high, low..=f64::INFINITY),
+    ];
+    for ((name, top, present, allowed), end) in
+        ends.into_iter().zip([&mut scale.low, &mut scale.high])
+    {
+        let place =
+            Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right() - 4.0, top + FIELD));
+        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(name));
+        let mut value = present;
+        let field = egui::DragValue::new(&mut value).speed(speed).range(allowed);
+        let field = field.update_while_editing(false);
+        let field = field.custom_formatter(|number, _| number_text(number));
+        let field = child.add(field);
+        ui.ctx().accesskit_node_builder(field.id, |node| node.set_label(name));
+        if value != present {
+            *end = Some(value);
+        }
+        field.on_hover_text(
+            "Drag or type the value; Range ▸ Minimum and Maximum give it back to the data",
+        );
+    }
+}
+
+/// Says up to where values lie beyond the ends, and how many of them.
+fn show_beyond(
+    ui: &mut egui::Ui,
+    (rect, bar): (Rect, Rect),
+    beyond: [Option<(f64, f64)>; 2],
+    spacing: Spacing,
+) {
+    let places = [("below", bar.bottom() + FIELD + 4.0), ("above", bar.top() - FIELD - 18.0)];
+    for ((side, top), beyond) in places.into_iter().zip(beyond) {
+        let Some((percent, farthest)) = beyond else { continue };
+        let text = format!("{} to {}", percent_text(percent), number_text(spacing.back(farthest)));
+        let place =
+            Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right(), top + 14.0));
+        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(side));
+        let text = egui::RichText::new(text).size(10.0).weak();
+        let said = format!("So many values lie {side} the range, the farthest at this one");
+        child.add(egui::Label::new(text).extend()).on_hover_text(said);
+    }
+}
+
+/// A part in percent, in one digit after the point.
+fn percent_text(percent: f64) -> String {
+    if percent < 0.1 { "< 0.1 %".to_owned() } else { format!("{percent:.1} %") }
 }
 
 const BAR_WIDTH: f32 = 16.0;
 
-/// Paints the colors of a range with their values, and how the values are spread to the left.
+/// Paints the colors of a range with their values, and how the values are spread to the left;
+/// where the colors are.
 fn paint_color_bar(
     ui: &egui::Ui,
     rect: Rect,
@@ -54,7 +150,7 @@ fn paint_color_bar(
     range: [f64; 2],
     values: &Values,
     histogram: &[usize],
-) {
+) -> Option<Rect> {
     let painter = ui.painter_at(rect);
     let text_color = ui.visuals().text_color();
     let font = FontId::proportional(12.0);
@@ -68,12 +164,12 @@ fn paint_color_bar(
     let title = format!("{}{unit}\n{place}", values.name);
     let title = painter.layout(title, font.clone(), text_color, rect.width() - 8.0);
     let bar = Rect::from_min_max(
-        rect.left_top() + vec2(28.0, title.size().y + 18.0),
-        pos2(rect.left() + 28.0 + BAR_WIDTH, rect.bottom() - 14.0),
+        rect.left_top() + vec2(28.0, title.size().y + FIELD + 28.0),
+        pos2(rect.left() + 28.0 + BAR_WIDTH, rect.bottom() - FIELD - 22.0),
     );
     painter.galley(rect.left_top() + vec2(6.0, 6.0), title, text_color);
     if bar.height() < 20.0 {
-        return;
+        return None;
     }
     paint_gradient(&painter, bar, settings);
     let place = |t: f64| bar.bottom() - (t.clamp(0.0, 1.0) as f32) * bar.height();
@@ -97,6 +193,7 @@ fn paint_color_bar(
         );
         painter.rect_filled(strip, 0.0, text_color.gamma_multiply(0.45));
     }
+    Some(bar)
 }
 
 fn paint_gradient(painter: &egui::Painter, bar: Rect, settings: &ScaleSettings) {

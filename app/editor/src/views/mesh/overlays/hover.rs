@@ -25,8 +25,9 @@ pub struct Hover {
 
 impl Overlay for Hover {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
+        let is_covered = ui.ctx().memory(|memory| memory.top_modal_layer().is_some());
         let place = scene.responses.iter().enumerate().find_map(|(at, response)| {
-            let place = response.hover_pos().filter(|_| response.hovered())?;
+            let place = response.hover_pos().filter(|_| response.hovered() && !is_covered)?;
             Some((at, place))
         });
         let (Some((at, place)), Some(bounds)) = (place, &scene.bounds) else {
