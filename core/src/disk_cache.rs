@@ -7,6 +7,8 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use indexmap::IndexMap;
@@ -31,7 +33,13 @@ const HASH: usize = 32;
 pub struct DiskCache {
     folder: PathBuf,
     budget: u64,
+    /// Bytes that may be written before the folder is looked through again. Other processes write
+    /// too, so it is a part of what is free.
+    leeway: Arc<AtomicU64>,
 }
+
+/// The part of what is free that is written before the folder is looked through again.
+const LEEWAY: u64 = 8;
 
 #[derive(Serialize, Deserialize)]
 struct FileContent {
@@ -40,13 +48,15 @@ struct FileContent {
     log: Vec<LogLine>,
     missed: Vec<MissedTarget>,
     seconds: f64,
+    phases: IndexMap<String, f64>,
 }
 
 impl DiskCache {
     /// A cache in this folder, which is made if it is not there.
     pub fn open(folder: &Path, budget: u64) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
-        Ok(Self { folder: folder.to_owned(), budget })
+        let leeway = Arc::default();
+        Ok(Self { folder: folder.to_owned(), budget, leeway })
     }
 
     /// The folder, in which modules write files that it may keep.
@@ -80,8 +90,7 @@ impl DiskCache {
         // The time of the file is the time of its last use; if it cannot be set, it goes sooner.
         let _ = fs::File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         let is_whole = outputs.len() == module.outputs.len();
-        let phases = IndexMap::new();
-        let FileContent { log, missed, seconds, .. } = kept;
+        let FileContent { log, missed, seconds, phases, .. } = kept;
         is_whole.then_some(NodeOutputs { outputs, log, missed, seconds, phases })
     }
 
@@ -98,6 +107,7 @@ impl DiskCache {
             log: results.log.clone(),
             missed: results.missed.clone(),
             seconds: results.seconds,
+            phases: results.phases.clone(),
         };
         // A full disk costs the next process time, and nothing else.
         if let Ok(content) = postcard::to_stdvec(&kept) {
@@ -118,7 +128,12 @@ impl DiskCache {
         file.write_all(content)?;
         file.persist(self.path(key))?;
         new.push(self.path(key));
-        self.evict(self.own_files()?, &new);
+        let n_written = (HASH + content.len()) as u64 + of_files;
+        let take = |leeway: u64| leeway.checked_sub(n_written);
+        if self.leeway.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_err() {
+            let left = self.evict(self.own_files()?, &new);
+            self.leeway.store(self.budget.saturating_sub(left) / LEEWAY, Ordering::Relaxed);
+        }
         Ok(())
     }
 
@@ -137,8 +152,9 @@ impl DiskCache {
         Ok(files)
     }
 
-    /// Removes the files used longest ago, none of the new ones, until the budget holds.
-    fn evict(&self, mut files: Vec<(SystemTime, u64, PathBuf)>, new: &[PathBuf]) {
+    /// Removes the files used longest ago, none of the new ones, until the budget holds. The bytes
+    /// of those that are left.
+    fn evict(&self, mut files: Vec<(SystemTime, u64, PathBuf)>, new: &[PathBuf]) -> u64 {
         files.sort();
         let mut total: u64 = files.iter().map(|(_, size, _)| size).sum();
         for (_, size, path) in files {
@@ -150,6 +166,7 @@ impl DiskCache {
                 total -= size;
             }
         }
+        total
     }
 }
 

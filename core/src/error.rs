@@ -44,6 +44,18 @@ pub enum ModuleError {
     Bug(String),
 }
 
+impl ModuleError {
+    /// Whether it quotes an error of the system, such as a full disk or a missing permission: the
+    /// same work may succeed another time.
+    pub(crate) fn is_of_the_system(&self) -> bool {
+        match self {
+            // The sign that the standard library puts behind such an error.
+            Self::Io { message, .. } | Self::Failed(message) => message.contains("(os error "),
+            _ => false,
+        }
+    }
+}
+
 impl From<Cancelled> for ModuleError {
     fn from(Cancelled: Cancelled) -> Self {
         Self::Cancelled

@@ -50,19 +50,19 @@ pub use files::{FileHashes, is_below};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
-pub use map::{Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
+pub use map::{Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};
 pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
-pub use problem::{Place, Problem, Severity, did_you_mean, nearest};
+pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};
 pub use program::{
-    ColumnRecord, Columns, Measure, PlanFile, Program, ProgramEvent, ProgramOptions,
-    ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step, StepRecord,
-    StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, are_alike, brief, brief_value, exact,
-    median, run_program, stands_for,
+    ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,
+    ProgramOptions, ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step,
+    StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, Unneeded, are_alike, brief,
+    brief_value, exact, median, run_program, stands_for,
 };
 pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};

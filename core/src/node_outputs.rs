@@ -13,7 +13,7 @@ pub(crate) struct NodeOutputs {
     pub log: Vec<LogLine>,
     pub missed: Vec<MissedTarget>,
     pub seconds: f64,
-    /// Seconds of parts of the work, where the module says them; none of a value from the disk.
+    /// Seconds of parts of the work, where the module says them.
     pub phases: IndexMap<String, f64>,
 }
 

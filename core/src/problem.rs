@@ -1,5 +1,6 @@
 //! What is wrong with a map: where, what, and what to do.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use serde::Serialize;
@@ -90,19 +91,33 @@ impl fmt::Display for Problem {
 const LONGEST_NAME: usize = 80;
 const LONGEST_MESSAGE: usize = 2000;
 
-/// A text from a file as a terminal can show it: what would steer the terminal is written out, and
-/// a very long text is cut.
+/// A text from a file as a terminal can show it, cut where it is very long.
 fn plain(text: &str, longest: usize) -> String {
-    let is_odd = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
-    let mut shown = String::with_capacity(text.len().min(longest));
-    for (place, c) in text.chars().enumerate() {
-        if place == longest {
-            shown.push('…');
-            break;
-        }
-        if is_odd(c) { shown.extend(c.escape_default()) } else { shown.push(c) }
+    match text.char_indices().nth(longest) {
+        Some((end, _)) => printable(&text[..end]).into_owned() + "…",
+        None => printable(text).into_owned(),
     }
-    shown
+}
+
+/// Whether a character steers what shows it, in place of being seen: a terminal, or the order in
+/// which the letters of a line are set (UAX 9, explicit directional formatting).
+pub fn is_steering(c: char) -> bool {
+    let is_directional = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}')
+        || ('\u{202a}'..='\u{202e}').contains(&c)
+        || ('\u{2066}'..='\u{2069}').contains(&c);
+    c.is_control() || is_directional || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+/// A text with what would steer a terminal, a log or a page written out, in one line: `\u{1b}`.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_steering) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 8);
+    for c in text.chars() {
+        if is_steering(c) { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    Cow::Owned(shown)
 }
 
 /// `; did you mean "…"?` where one of the candidates is close to `name`, else nothing.
@@ -138,6 +153,14 @@ mod tests {
         assert_eq!(did_you_mean("path", ["cost"].into_iter()), "");
         assert_eq!(nearest("rn", ["program", "run", "man"].into_iter()), Some("run"));
         assert_eq!(nearest("x", ["y"].into_iter()), None);
+    }
+
+    #[test]
+    fn what_steers_a_terminal_is_written_out() {
+        assert_eq!(printable("a\u{1b}[31m\u{202e}b\n"), "a\\u{1b}[31m\\u{202e}b\\n");
+        assert_eq!(printable("\u{9b}\u{2066}\u{200f}"), "\\u{9b}\\u{2066}\\u{200f}");
+        assert!(matches!(printable("Stanford-Hase, Ωμέγα, 兎"), Cow::Borrowed(_)));
+        assert_eq!(plain("äöüß", 3), "äöü…");
     }
 
     #[test]

@@ -125,7 +125,7 @@ impl RunOutcome {
     /// The nodes that failed, and why.
     pub fn failures(&self) -> impl Iterator<Item = (&str, &str)> {
         self.nodes.iter().filter_map(|(name, node)| match &node.record.status {
-            NodeStatus::Failed { error } => Some((name.as_str(), error.as_str())),
+            NodeStatus::Failed { error, .. } => Some((name.as_str(), error.as_str())),
             _ => None,
         })
     }
@@ -296,7 +296,10 @@ impl Runner<'_> {
             Err((error, log)) => {
                 let status = match error {
                     ModuleError::Cancelled => NodeStatus::Stopped,
-                    error => NodeStatus::Failed { error: error.to_string() },
+                    error => {
+                        let is_of_files = error.is_of_the_system();
+                        NodeStatus::Failed { error: error.to_string(), is_of_files }
+                    }
                 };
                 return (self.not_run(node, status, log), None);
             }
@@ -330,7 +333,7 @@ impl Runner<'_> {
                 record.scalars.extend(cells);
             }
         }
-        if cached.is_none() {
+        if cached != Some(CacheUse::Memory) {
             record.seconds = Some(results.seconds);
             record.phases.clone_from(&results.phases);
         }

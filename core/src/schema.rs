@@ -21,7 +21,11 @@ pub fn schema(registry: &Registry) -> Json {
             "nodes": {
                 "description": "Uses of modules, by name.",
                 "type": "object",
-                "propertyNames": { "pattern": "^[^\\s./\\\\{}>]+$" },
+                "propertyNames": {
+                    "pattern": "^[^\\s./\\\\{}>]+$",
+                    "maxLength": crate::Map::LONGEST_NAME,
+                    "not": { "const": "seconds" }
+                },
                 "additionalProperties": node(registry)
             },
             "links": {
@@ -107,7 +111,10 @@ fn programs() -> Json {
                 "axes": {
                     "description": "Axes multiply; the lists of one axis advance together.",
                     "type": "array",
-                    "items": assignment(json!({ "type": "array", "minItems": 1 }))
+                    "items": assignment(json!({ "anyOf": [
+                        { "type": "array", "minItems": 1, "items": true },
+                        spread()
+                    ] }))
                 },
                 "steps": { "type": "array", "items": assignment(json!(true)) },
                 "repeats": { "type": "integer", "minimum": 1 },
@@ -118,6 +125,35 @@ fn programs() -> Json {
                 },
                 "report": report()
             }
+        }
+    })
+}
+
+/// The schema of a value that stands for many in an axis.
+fn spread() -> Json {
+    let ends = |what: &str| {
+        json!({
+            "description": what,
+            "type": "array",
+            "prefixItems": [
+                { "type": "number" }, { "type": "number" }, { "type": "integer", "minimum": 2 }
+            ],
+            "minItems": 3,
+            "maxItems": 3
+        })
+    };
+    json!({
+        "type": "object",
+        "minProperties": 1,
+        "maxProperties": 1,
+        "additionalProperties": false,
+        "properties": {
+            "glob": {
+                "description": "Files by a pattern from the map's folder, in order of their names.",
+                "type": "string"
+            },
+            "range": ends("From, to, and how many numbers at equal distances."),
+            "log": ends("From, to, and how many numbers at equal ratios, to six digits.")
         }
     })
 }

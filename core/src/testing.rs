@@ -19,7 +19,7 @@ use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
-use crate::program::{ProgramOptions, Retry, Shard, Sharing};
+use crate::program::{Part, Patience, ProgramOptions, Retry, Sharing};
 use crate::registry::{ModuleList, Registry};
 use crate::run::{Keep, RunOptions};
 
@@ -53,13 +53,14 @@ pub fn program_options(cancel: &CancelToken) -> ProgramOptions<'_> {
     ProgramOptions {
         jobs: 1,
         threads: 1,
-        shard: Shard { index: 0, count: 1 },
+        part: Part::default(),
         sharing: Sharing::Shared,
         timings: 1,
         memory: 1 << 30,
         disk_cache: None,
         time_limit: None,
         retry: Retry::Nothing,
+        patience: Patience::None,
         cancel,
         observer: &|_| {},
     }

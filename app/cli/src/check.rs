@@ -120,14 +120,14 @@ fn report(loaded: &Loaded, groups: &[Group], facts: &[String]) -> Result<Exit, S
     let n_warnings = all().count() - n_errors;
     let mut text = String::new();
     for group in groups.iter().filter(|group| !group.problems.is_empty()) {
-        let _ = writeln!(text, "{}", console::style(&group.title).bold());
+        let _ = writeln!(text, "{}", out::styled(&group.title, out::Style::Bold));
         for problem in &group.problems {
             let mut line = problem.clone();
             // The title says which program it is.
             line.place.program = None;
             let mark = match problem.is_error() {
-                true => console::style("error:").red().bold(),
-                false => console::style("warning:").yellow().bold(),
+                true => out::error_mark(),
+                false => out::warning_mark(),
             };
             let place = match loaded.map.position_of(problem) {
                 Some(position) => format!("{position}: "),

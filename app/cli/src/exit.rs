@@ -18,6 +18,8 @@ pub enum Exit {
     Refused = 3,
     /// A file or folder could not be read or written.
     Files = 4,
+    /// Steps are missing that no failure accounts for: with other processes, or left by them.
+    Incomplete = 5,
     /// Stopped by a person.
     Interrupted = 130,
 }

@@ -108,6 +108,14 @@ impl MapArgs {
     pub fn set_paths(&self) -> impl Iterator<Item = &str> {
         self.set.set.iter().map(|assignment| assignment.path.as_str())
     }
+
+    /// Paths and values of what `--set` sets.
+    pub fn settings(&self, loaded: &Loaded) -> Vec<(String, Json)> {
+        let value = |assignment: &Assignment| {
+            (assignment.path.clone(), assignment.value_for(&loaded.map, &loaded.registry))
+        };
+        self.set.set.iter().map(value).collect()
+    }
 }
 
 impl SetArgs {
@@ -183,7 +191,7 @@ impl Loaded {
             let last = serde_json::json!({
                 "event": "finished", "status": "refused", "errors": n_errors
             });
-            let _ = out::json(&last);
+            let _ = out::event(&last);
         }
         let path = self.path.display();
         let count = if n_errors == 1 { "1 problem".into() } else { format!("{n_errors} problems") };
@@ -195,7 +203,7 @@ impl Loaded {
         for problem in problems {
             if json {
                 // A reader that is gone reads no more problems.
-                let _ = out::json(&self.problem_line(problem));
+                let _ = out::event(&self.problem_line(problem));
             }
             let mark = if problem.is_error() { error_mark() } else { warning_mark() };
             out::tell(&format!("{mark} {}: {problem}", self.place_of(problem)));

@@ -1,6 +1,7 @@
 //! What the machine has: cores and memory.
 
 use std::fs;
+use std::path::Path;
 
 use crate::exit::Stop;
 
@@ -52,15 +53,69 @@ pub fn half_of_memory() -> usize {
         let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
         line.trim().trim_end_matches("kB").trim().parse::<usize>().ok().map(|k| k * 1024)
     });
-    // Containers have less than their machine.
-    let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
-    let group = group.and_then(|text| text.trim().parse::<usize>().ok());
-    machine.unwrap_or(SOME_MEMORY).min(group.unwrap_or(usize::MAX)) / 2
+    // Containers and jobs of a cluster have less than their machine.
+    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let limit = limit_of(&groups, Path::new("/sys/fs/cgroup"));
+    machine.unwrap_or(SOME_MEMORY).min(limit.unwrap_or(usize::MAX)) / 2
+}
+
+/// The least limit of the control groups that a process is in, by the lines of its
+/// `/proc/self/cgroup`: of each group and of those around it, of either version of such groups.
+fn limit_of(groups: &str, root: &Path) -> Option<usize> {
+    let limits = groups.lines().flat_map(|line| {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (controllers, path) = (parts.next().unwrap_or(""), parts.next().unwrap_or(""));
+        let (folder, file) = match controllers {
+            "" => (root.to_owned(), "memory.max"),
+            list if list.split(',').any(|name| name == "memory") => {
+                (root.join(list), "memory.limit_in_bytes")
+            }
+            _ => return Vec::new(),
+        };
+        let group = folder.join(path.trim_start_matches('/'));
+        let around = group.ancestors().take_while(|above| above.starts_with(&folder));
+        let limit = |group: &Path| fs::read_to_string(group.join(file)).ok()?.trim().parse().ok();
+        around.filter_map(limit).collect()
+    });
+    limits.min()
+}
+
+/// A tenth of what is free on the disk of a folder; `None` where the system does not tell.
+pub fn tenth_of_disk(folder: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let about = rustix::fs::statvfs(folder).ok()?;
+        Some(about.f_bavail.saturating_mul(about.f_frsize) / 10)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = folder;
+        None
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_least_limit_of_nested_groups_counts() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            let path = root.path().join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        write("slurm/job_7/memory.max", "4096\n");
+        write("slurm/job_7/step_0/memory.max", "max\n");
+        write("slurm/memory.max", "8192\n");
+        let of = |groups: &str| limit_of(groups, root.path());
+        assert_eq!(of("0::/slurm/job_7/step_0\n"), Some(4096));
+        assert_eq!(of("0::/slurm\n"), Some(8192));
+        assert_eq!(of("0::/other\n"), None);
+        write("memory/slurm/job_8/memory.limit_in_bytes", "1024\n");
+        assert_eq!(of("5:cpu:/slurm/job_7\n4:memory:/slurm/job_8/step_1\n"), Some(1024));
+    }
 
     #[test]
     fn sizes_have_units() {

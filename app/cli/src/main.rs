@@ -1,6 +1,7 @@
 //! The `mve` command: one file a subcommand, and what they share.
 
 mod check;
+mod clean;
 mod edit;
 mod exit;
 mod load;
@@ -41,6 +42,7 @@ Examples:
   mve run first.json                    run it
   mve program first.json                run its program into a table and a report
   mve report mve-out/first-sizes        write the report of a program again
+  mve clean mve-out/first-sizes         list what its results do not need
   mve modules Simplificator             read what a module does
   mve edit first.json                   open it in the window
   mve view bunny.obj                    look at a mesh
@@ -51,6 +53,7 @@ Exit codes:
   2    wrong usage of the command
   3    the map or the program has problems; nothing was run
   4    a file or folder could not be read or written
+  5    the program is not complete: other processes have steps, or left some
   130  interrupted; a program resumes when the same command runs again
 
 Color and live progress appear on terminals only; NO_COLOR=1 turns color off.";
@@ -72,6 +75,7 @@ enum Command {
     Run(run::Args),
     Program(program::Args),
     Report(report::Args),
+    Clean(clean::Args),
     Check(check::Args),
     Modules(modules::Args),
     Schema(schema::Args),
@@ -119,6 +123,7 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
         Some(Command::Run(args)) => run::run(&args, cli.quiet),
         Some(Command::Program(args)) => program::run(&args, cli.quiet),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Clean(args)) => clean::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Modules(args)) => modules::run(&args),
         Some(Command::Schema(args)) => schema::run(&args),

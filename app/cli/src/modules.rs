@@ -74,7 +74,7 @@ fn list(all: &[ModuleInfo]) -> String {
     categories.dedup();
     let mut text = String::new();
     for category in categories {
-        let _ = writeln!(text, "{}", console::style(category).bold());
+        let _ = writeln!(text, "{}", out::styled(category, out::Style::Bold));
         for info in all.iter().filter(|info| info.category == category) {
             let summary = wrap(info.module.summary, out::width(), widest + 4);
             let _ = writeln!(text, "  {:widest$}  {summary}", info.module.id);
@@ -95,7 +95,7 @@ fn for_terminal(markdown: &str) -> String {
     for line in markdown.lines() {
         let indent = line.len() - line.trim_start().len();
         match line.strip_prefix("### ") {
-            Some(title) => text.push_str(&console::style(title).bold().to_string()),
+            Some(title) => text.push_str(&out::styled(title, out::Style::Bold)),
             None => {
                 let rest = line.trim_start().replace('`', "");
                 let hang = if rest.starts_with("- ") { indent + 2 } else { indent };

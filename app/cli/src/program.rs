@@ -6,20 +6,23 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use mve_core::{
-    CancelToken, EventKind, Problem, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry,
-    Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS, did_you_mean,
+    CancelToken, DiskCache, EventKind, Part, Patience, Problem, Program, ProgramEvent,
+    ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS,
+    did_you_mean, is_steering,
 };
 use mve_report::Report;
 use serde::Serialize;
+use serde_json::Value as Json;
 
 use crate::exit::{Exit, Stop};
 use crate::load::{Loaded, MapArgs};
-use crate::machine::{half_of_memory, parse_count, parse_size, set_threads};
+use crate::machine::{half_of_memory, parse_count, parse_size, set_threads, tenth_of_disk};
+use crate::out;
 use crate::out::warning_mark;
 use crate::program_report as report;
 use crate::progress::{Progress, seconds};
-use crate::run::open_cache;
-use crate::{out, stop};
+use crate::run::{DISK_CACHE_BYTES, open_cache};
+use crate::stop::Signals;
 
 /// Warnings that are said while steps run; all of them are in the logs of their steps.
 const MOST_WARNINGS: usize = 20;
@@ -35,10 +38,19 @@ const STOPPING: &str = "stopping; finished steps are kept, run the same command 
   mve program maps/classic_experiment.json costs --timing         seconds that can be compared
   mve program maps/classic_experiment.json costs --timing=9       from nine runs of each step
   mve program maps/classic_experiment.json costs --shard 1/8      one of eight processes
+  mve program maps/classic_experiment.json costs --only simplify.cost=Quadric
 
 Finished steps are kept and never run twice: the same command resumes. A step whose inputs, \
 parameters or modules changed is another step. Failed steps are rows of the table; \
---retry-failed runs them again.
+--retry-failed runs them again; steps that failed for want of space, a permission or a file run \
+again by themselves. A step that was running when its process ended runs alone the next time; if \
+that process ends too, the step is a row that says so, and the others go on.
+
+The exit code is 5 where steps are missing that this process was to run and others hold or left; \
+--wait waits for them. --set is a column: results with other settings stay in the table.
+
+Values that take time are kept in the folder, in cache/, so that a module that is added to the map \
+runs alone; `mve clean` removes them.
 
 The folder holds results.csv and results.jsonl (all columns, every digit), summary.md, outputs/ \
 (files that the steps wrote), steps/ (a record of each step, and what its modules said), and \
@@ -61,8 +73,14 @@ pub struct Args {
     /// run that does not count: seconds that can be compared. N runs of each step, 3 if not said;
     /// as many as the program has repeats where it has some
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true)]
-    #[arg(value_parser = parse_count, conflicts_with_all = ["jobs", "cache"])]
+    #[arg(value_parser = parse_count, conflicts_with_all = ["jobs", "cache", "cache_size"])]
     timing: Option<Option<usize>>,
+    /// Run only steps that set a parameter so, by its value or by the id of an entry
+    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_only)]
+    only: Vec<(String, Json)>,
+    /// Wait for steps that other processes are at, and run those that they leave
+    #[arg(long)]
+    wait: bool,
     /// List the steps and write nothing
     #[arg(long)]
     dry_run: bool,
@@ -78,9 +96,16 @@ pub struct Args {
     /// Run failed steps again
     #[arg(long)]
     retry_failed: bool,
-    /// Keep values in this folder, and take what it holds instead of making it again
+    /// Keep values in this folder, and take what it holds instead of making it again [default:
+    /// cache/ in the folder of the results]
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
+    /// Bytes of values to keep: 20G [default: a tenth of the free disk; 16G in a folder of --cache]
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    cache_size: Option<usize>,
+    /// Keep no values for the next call
+    #[arg(long, conflicts_with_all = ["cache", "cache_size"])]
+    no_cache: bool,
     /// Write no report.html
     #[arg(long)]
     no_report: bool,
@@ -110,6 +135,13 @@ fn parse_shard(text: &str) -> Result<Shard, String> {
     }
 }
 
+fn parse_only(text: &str) -> Result<(String, Json), String> {
+    let form = "write NODE.PARAM=VALUE, such as simplify.cost=Quadric";
+    let (path, value) = text.split_once('=').ok_or(form)?;
+    let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));
+    Ok((path.trim().to_owned(), value))
+}
+
 fn parse_seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0);
     let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
@@ -118,6 +150,7 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
 
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
+    let signals = Signals::listen(args.json)?;
     let loaded = args.map.load()?;
     let is_named =
         |problem: &&Problem| problem.place.program.is_some() && problem.place.program == args.name;
@@ -132,20 +165,34 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let mut program = Program::new(&loaded.map, name, &loaded.registry, loaded.folder())
         .map_err(|problems| loaded.refuse(&problems, args.json))?;
     program.map_file = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    program.map_path = std::path::absolute(&loaded.path).unwrap_or_default();
     loaded.report(&program.warnings, args.json);
     for path in args.map.set_paths().filter(|path| program.varied.iter().any(|v| v == path)) {
         let mark = warning_mark();
         out::tell(&format!("{mark} --set {path} has no effect: the program varies it"));
     }
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&loaded, name));
-    let shard = args.shard.unwrap_or(Shard { index: 0, count: 1 });
+    let part = part_of(args, &program)?;
+    // What cannot be looked at is told below, when it is opened.
+    let known = Store::look(&folder).ok().flatten();
+    if let Some(other) = known.as_ref().and_then(|store| store.other_map(&program.map_path))
+        && args.out.is_none()
+    {
+        return Err(Stop::usage(format!(
+            "{}: holds the results of another map of this name, {}; name a folder for these with \
+             --out, this one to go on in it",
+            folder.display(),
+            other.display()
+        )));
+    }
+    program.set_apart(&args.map.settings(&loaded), known.as_ref());
     if args.dry_run {
-        let store = Store::look(&folder)?;
-        let timings = args.timings();
-        return report::dry_run(&program, store.as_ref(), &folder, shard, timings, args.json);
+        Store::look(&folder)?;
+        let how = (&part, args.timings());
+        return report::dry_run(&program, known.as_ref(), &folder, how, args.json);
     }
     let store = Store::open(&folder)?;
-    let outcome = run_steps(args, quiet, &program, &store, shard)?;
+    let outcome = run_steps(args, quiet, &program, &store, (part, &signals))?;
     // Whoever stops a program wants it to stop; `mve report` shows what is there.
     let is_wanted = !args.no_report && !outcome.is_stopped;
     let page = is_wanted.then(|| write_report(&folder)).flatten();
@@ -154,7 +201,40 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     } else {
         out::print(&report::results(&program, &store, &outcome, page.as_ref()))?;
     }
-    conclude(&outcome, args.shard)
+    conclude(&outcome)
+}
+
+/// The steps that are asked for.
+fn part_of(args: &Args, program: &Program) -> Result<Part, Stop> {
+    let shard = args.shard.unwrap_or(Shard { index: 0, count: 1 });
+    let part = Part { shard, only: args.only.clone() };
+    for (path, value) in &part.only {
+        if !program.varied.contains(path) {
+            let hint = did_you_mean(path, program.varied.iter().map(String::as_str));
+            let all = program.varied.join(", ");
+            return Err(Stop::usage(format!(
+                "--only {path}: the program does not vary it; it varies {all}{hint}"
+            )));
+        }
+        let only = Part { only: vec![(path.clone(), value.clone())], ..Part::default() };
+        if program.places(&only).is_empty() {
+            return Err(Stop::usage(format!("--only {path}: no step has it as {value}")));
+        }
+    }
+    Ok(part)
+}
+
+/// The values that outlive the call.
+fn cache_of(args: &Args, store: &Store) -> Result<Option<DiskCache>, Stop> {
+    let asked = args.cache_size.map(|bytes| bytes as u64);
+    match &args.cache {
+        _ if args.no_cache || args.timing.is_some() => Ok(None),
+        Some(folder) => open_cache(folder, asked.unwrap_or(DISK_CACHE_BYTES)).map(Some),
+        None => {
+            let tenth = || tenth_of_disk(store.folder()).unwrap_or(DISK_CACHE_BYTES);
+            open_cache(&store.cache_folder(), asked.unwrap_or_else(tenth)).map(Some)
+        }
+    }
 }
 
 /// The program that is meant.
@@ -189,7 +269,7 @@ fn write_report(folder: &Path) -> Option<Report> {
 
 fn default_folder(loaded: &Loaded, name: &str) -> PathBuf {
     let stem = loaded.path.file_stem().map_or("map".into(), |stem| stem.to_string_lossy());
-    let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+    let plain = |c: char| if is_steering(c) || "/\\:*?\"<>|".contains(c) { '-' } else { c };
     let folder: String = format!("{stem}-{name}").chars().map(plain).collect();
     Path::new("mve-out").join(folder)
 }
@@ -199,11 +279,11 @@ fn run_steps(
     quiet: bool,
     program: &Program,
     store: &Store,
-    shard: Shard,
+    (part, signals): (Part, &Signals),
 ) -> Result<ProgramOutcome, Stop> {
-    let disk_cache = open_cache(args.cache.as_deref())?;
+    let disk_cache = cache_of(args, store)?;
     let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
-    let places = report::places(program, shard);
+    let places = program.places(&part);
     let is_found = |place: &&usize| {
         let record = program.record(store, **place);
         let is_kept = record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done);
@@ -212,22 +292,23 @@ fn run_steps(
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);
     let cancel = CancelToken::new();
-    stop::on_signal(&cancel, &progress, STOPPING)?;
+    signals.stop(&cancel, &progress, STOPPING);
     let warned = Mutex::new(HashSet::new());
     let options = ProgramOptions {
         jobs: args.jobs.unwrap_or(threads),
         threads,
-        shard,
+        part,
         sharing: args.sharing(),
         timings: args.timings().unwrap_or(TIMINGS),
         memory: args.memory.unwrap_or_else(half_of_memory),
         disk_cache,
         time_limit: args.time_limit,
         retry: if args.retry_failed { Retry::Failed } else { Retry::Nothing },
+        patience: if args.wait { Patience::Wait } else { Patience::None },
         cancel: &cancel,
         observer: &|event| match args.json {
             // A reader that is gone misses nothing that the store does not have.
-            true => drop(out::json(event)),
+            true => drop(out::event(event)),
             false => observe(event, program, &progress, &warned),
         },
     };
@@ -241,6 +322,7 @@ fn observe(
     warned: &Mutex<HashSet<String>>,
 ) {
     match event {
+        ProgramEvent::Began { .. } | ProgramEvent::StepFound { .. } => {}
         ProgramEvent::StepStarted { place, step } => {
             progress.start(&place.to_string(), report::label(step));
         }
@@ -279,6 +361,7 @@ fn ended_line(record: &StepRecord, step: &mve_core::Step) -> String {
 fn exit_of(outcome: &ProgramOutcome) -> Exit {
     match outcome {
         outcome if outcome.is_stopped && outcome.missing > 0 => Exit::Interrupted,
+        outcome if outcome.missing_of_part > 0 => Exit::Incomplete,
         outcome if outcome.failed > 0 => Exit::Failed,
         _ => Exit::Done,
     }
@@ -297,22 +380,30 @@ fn print_json(outcome: &ProgramOutcome, folder: &Path, exit: Exit) -> Result<Exi
     let status = match exit {
         Exit::Done => "done",
         Exit::Failed => "failed",
+        Exit::Incomplete => "incomplete",
         _ => "stopped",
     };
-    out::json(&Summary { event: "finished", status, folder, outcome })
+    out::event(&Summary { event: "finished", status, folder, outcome })
 }
 
-fn conclude(outcome: &ProgramOutcome, shard: Option<Shard>) -> Result<Exit, Stop> {
-    let ProgramOutcome { steps, failed, missing, .. } = *outcome;
+fn conclude(outcome: &ProgramOutcome) -> Result<Exit, Stop> {
+    let ProgramOutcome { steps, failed, missing, missing_of_part, .. } = *outcome;
     let exit = exit_of(outcome);
     if exit == Exit::Interrupted {
         let message =
             format!("stopped; {missing} of {steps} steps remain, the same command resumes");
         return Err(Stop { exit, message });
     }
+    if exit == Exit::Incomplete {
+        let message = format!(
+            "{missing_of_part} of {steps} steps are with other processes, or were left by them; \
+             --wait waits for them"
+        );
+        return Err(Stop { exit, message });
+    }
     if missing > 0 {
-        let whose = if shard.is_some() { "other shards" } else { "other processes" };
-        out::tell(&format!("this process is done; {missing} of {steps} steps remain for {whose}"));
+        let whose = "for other shards or calls";
+        out::tell(&format!("this process is done; {missing} of {steps} steps remain {whose}"));
     }
     match exit {
         Exit::Failed => {
@@ -335,6 +426,13 @@ mod tests {
         for bad in ["0/3", "4/3", "1", "a/b", "1/0", "-1/3"] {
             assert!(parse_shard(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn steps_are_chosen_by_json_or_text() {
+        assert_eq!(parse_only("a.x=Quadric"), Ok(("a.x".to_owned(), "Quadric".into())));
+        assert_eq!(parse_only("a.x=0.5"), Ok(("a.x".to_owned(), 0.5.into())));
+        assert!(parse_only("a.x").is_err());
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! What a program gave, or would do, for a person.
 
-use std::collections::HashSet;
 use std::path::Path;
 
-use mve_core::{Program, ProgramOutcome, Shard, Step, StepStatus, Store, brief_value};
+use mve_core::{Part, Program, ProgramOutcome, Step, StepStatus, Store, brief_value};
 use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -16,15 +15,6 @@ use crate::table::{Table, wrap};
 
 /// Rows of a table on a terminal, where more would scroll away.
 const MOST_ROWS: usize = 100;
-
-/// Places of the steps of a shard, each step once.
-pub fn places(program: &Program, shard: Shard) -> Vec<usize> {
-    let mut seen = HashSet::new();
-    (0..program.steps.len())
-        .filter(|place| seen.insert(&program.steps[*place].id))
-        .filter(|place| place % shard.count == shard.index)
-        .collect()
-}
 
 /// Whether a step has as many times as are asked for, where any are.
 pub fn is_timed(program: &Program, store: &Store, place: usize, timings: Option<usize>) -> bool {
@@ -61,11 +51,10 @@ pub fn dry_run(
     program: &Program,
     store: Option<&Store>,
     folder: &Path,
-    shard: Shard,
-    timings: Option<usize>,
+    (part, timings): (&Part, Option<usize>),
     json: bool,
 ) -> Result<Exit, Stop> {
-    let steps = places(program, shard);
+    let steps = program.places(part);
     let rows: Vec<_> = steps
         .iter()
         .map(|place| {
@@ -81,9 +70,9 @@ pub fn dry_run(
     let failed = rows.len() - todo - done;
     if json {
         for row in &rows {
-            out::json(row)?;
+            out::event(row)?;
         }
-        return out::json(&serde_json::json!({
+        return out::event(&serde_json::json!({
             "event": "finished", "status": "dry run", "steps": rows.len(), "done": done,
             "failed": failed, "to_do": todo, "varied": program.varied, "folder": folder,
         }));
@@ -93,6 +82,7 @@ pub fn dry_run(
     let header = ["step", "status", "parameters"].map(str::to_owned).to_vec();
     let table = Table { header, rows: cells.collect(), n_fixed: 0 };
     let (mut text, _) = table.render(out::width());
+    let shard = part.shard;
     let part = match shard.count {
         1 => String::new(),
         n => format!(" in shard {}/{n}", shard.index + 1),
@@ -154,6 +144,11 @@ pub fn results(
         let others = count(others, "step");
         text.push_str(&format!("{others} of earlier versions of the program stay in the folder\n"));
     }
+    if outcome.damaged > 0 {
+        let records = count(outcome.damaged, "record");
+        let line = "could not be read or changed since they were written; their steps ran again";
+        text.push_str(&format!("{records} {line}\n"));
+    }
     let folder = store.folder();
     let mut place = |what: &str, name: &str| {
         if folder.join(name).exists() {
@@ -172,8 +167,7 @@ pub fn results(
 
 /// Failed steps with their reasons.
 fn failures(program: &Program, store: &Store) -> String {
-    let all = Shard { index: 0, count: 1 };
-    let records = places(program, all).into_iter().filter_map(|place| {
+    let records = program.places(&Part::default()).into_iter().filter_map(|place| {
         let record = program.record(store, place)?;
         (record.status != StepStatus::Done).then_some((place, record))
     });

@@ -19,7 +19,10 @@ const FRAME: Duration = Duration::from_millis(100);
 const WORTH_A_LINE: Duration = Duration::from_millis(150);
 
 /// Without a terminal, what runs long says so this often.
-const REMINDER: Duration = Duration::from_secs(10);
+const REMINDER: Duration = Duration::from_secs(60);
+
+/// … and the first time after this.
+const FIRST_REMINDER: Duration = Duration::from_secs(10);
 
 /// Lines of running things that are drawn; more would push each other off the terminal.
 const MOST_LINES: usize = 16;
@@ -199,7 +202,9 @@ impl Progress {
             if let Some(bar) = &task.bar {
                 bar.set_prefix(clock(task.since.elapsed()));
                 // A full line would be broken in two by the `^C` that terminals echo.
-                bar.set_message(console::truncate_str(&task.text(), width, "…").into_owned());
+                let text = task.text();
+                let text = mve_core::printable(&text);
+                bar.set_message(console::truncate_str(&text, width, "…").into_owned());
                 bar.tick();
             }
         }
@@ -255,7 +260,8 @@ impl Task {
 fn remind(state: &mut State, unit: &str) {
     let (ended, total) = (state.ended, state.total);
     for task in state.tasks.values_mut() {
-        if task.told.elapsed() >= REMINDER {
+        let is_first = task.told == task.since;
+        if task.told.elapsed() >= if is_first { FIRST_REMINDER } else { REMINDER } {
             task.told = Instant::now();
             let (text, time) = (task.text(), clock(task.since.elapsed()));
             out::tell(&format!("running for {time}: {text} ({ended}/{total} {unit} ended)"));

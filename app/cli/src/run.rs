@@ -14,13 +14,14 @@ use crate::check::count;
 use crate::exit::{Exit, Stop};
 use crate::load::MapArgs;
 use crate::machine::{parse_count, set_threads};
+use crate::out;
 use crate::out::warning_mark;
 use crate::progress::{Progress, seconds};
+use crate::stop::Signals;
 use crate::table::Table;
-use crate::{out, stop};
 
 /// Values that a cache folder may hold.
-const DISK_CACHE_BYTES: u64 = 16 << 30;
+pub const DISK_CACHE_BYTES: u64 = 16 << 30;
 
 const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 
@@ -54,16 +55,14 @@ pub struct Args {
     json: bool,
 }
 
-/// Opens the folder of a disk cache.
-pub fn open_cache(folder: Option<&Path>) -> Result<Option<DiskCache>, Stop> {
-    let open = |folder: &Path| {
-        DiskCache::open(folder, DISK_CACHE_BYTES).map_err(|error| Stop::file(folder, &error))
-    };
-    folder.map(open).transpose()
+/// Opens the folder of a disk cache of so many bytes.
+pub fn open_cache(folder: &Path, budget: u64) -> Result<DiskCache, Stop> {
+    DiskCache::open(folder, budget).map_err(|error| Stop::file(folder, &error))
 }
 
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
+    let signals = Signals::listen(args.json)?;
     let loaded = args.map.load()?;
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
     let plan = loaded
@@ -74,12 +73,16 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         std::fs::create_dir_all(&args.out).map_err(|error| Stop::file(&args.out, &error))?;
     }
     // Values in memory would have no second reader within one run.
-    let cache = open_cache(args.cache.as_deref())?.map(|disk| Cache::new(0, Some(disk)));
+    let cache = args.cache.as_deref().map(|folder| open_cache(folder, DISK_CACHE_BYTES));
+    let cache = cache.transpose()?.map(|disk| Cache::new(0, Some(disk)));
     let threads = set_threads(args.threads)?;
     let cancel = CancelToken::new();
     let progress = Progress::new("nodes", plan.nodes.len(), 0, !quiet && !args.json);
-    stop::on_signal(&cancel, &progress, STOPPING)?;
+    signals.stop(&cancel, &progress, STOPPING);
     let start = Instant::now();
+    if args.json {
+        out::event(&serde_json::json!({"event": "began", "nodes": plan.nodes.len()}))?;
+    }
     let options = RunOptions {
         output_folder: &args.out,
         threads,
@@ -107,7 +110,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
 fn observe(event: &Event, progress: &Progress, json: bool) {
     if json {
         // A reader that is gone misses nothing else, and the run goes on.
-        let _ = out::json(event);
+        let _ = out::event(event);
         return;
     }
     let node = event.node;
@@ -170,7 +173,7 @@ fn print_json(outcome: &RunOutcome, out: &Path, exit: Exit, seconds: f64) -> Res
         _ => "stopped",
     };
     let nodes = outcome.nodes.iter().map(|(name, node)| (name.as_str(), &node.record)).collect();
-    out::json(&Summary { event: "finished", status, seconds, output_folder: out, nodes })
+    out::event(&Summary { event: "finished", status, seconds, output_folder: out, nodes })
 }
 
 /// A scalar for a person; `--json` and results tables have all digits.

@@ -1,6 +1,9 @@
 //! Aligned tables, fitted to the terminal.
 
+use std::borrow::Cow;
+
 use console::{measure_text_width, truncate_str};
+use mve_core::printable;
 
 /// No column is made narrower, and no number is ever cut.
 const NARROWEST: usize = 12;
@@ -23,7 +26,13 @@ impl Table {
     /// Within `width`, names stand below those of their nodes and the widest columns are trimmed.
     /// Where that is not enough columns are left out, of the node with the most; the number of
     /// those comes with the text.
-    pub fn render(&self, width: Option<usize>) -> (String, usize) {
+    pub fn render(mut self, width: Option<usize>) -> (String, usize) {
+        // A cell is one line, whatever a map says in it.
+        for cell in self.rows.iter_mut().flatten().chain(&mut self.header) {
+            if let Cow::Owned(safe) = printable(cell) {
+                *cell = safe;
+            }
+        }
         let Some(limit) = width else {
             let shown: Vec<_> = (0..self.header.len()).collect();
             let widths: Vec<_> = shown.iter().map(|place| self.natural(*place)).collect();
@@ -40,10 +49,10 @@ impl Table {
             n_fixed: self.n_fixed,
         };
         let mut shown: Vec<usize> = (0..self.header.len()).collect();
-        let mut widths = split.fitted(&shown, self, limit);
+        let mut widths = split.fitted(&shown, &self, limit);
         while total(&widths) > limit && shown.len() > 1 {
             shown.remove(self.least_missed(&shown));
-            widths = split.fitted(&shown, self, limit);
+            widths = split.fitted(&shown, &self, limit);
         }
         let above = split.rows.iter().take(1).filter(|row| row.iter().any(|c| !c.is_empty()));
         let lines = above.chain([&split.header]).chain(&self.rows);

@@ -177,7 +177,9 @@ fn numbers_of(record: &StepRecord, column: &str) -> Vec<f64> {
 fn is_work(record: &StepRecord) -> bool {
     let nodes = || record.nodes.values();
     let is_cached = nodes().any(|node| node.cached.is_some());
-    let is_own = |node: &NodeRecord| node.seconds.is_some() && node.files.is_empty();
+    let is_own = |node: &NodeRecord| {
+        node.cached.is_none() && node.seconds.is_some() && node.files.is_empty()
+    };
     record.status == StepStatus::Done && (!is_cached || nodes().any(is_own))
 }
 

@@ -4,6 +4,7 @@
 //! not fit is kept as it stands, saved back unchanged, and reported by [`Map::problems`]; whether
 //! the rest makes sense (do the modules exist, do the links fit) is for [`crate::Plan`] to say.
 
+mod axes;
 mod link;
 mod position;
 mod read;
@@ -25,7 +26,7 @@ pub use position::Position;
 
 use crate::files::fresh_file;
 use crate::json;
-use crate::problem::Problem;
+use crate::problem::{Problem, is_steering};
 
 /// The version of the format that this mve writes.
 const FORMAT: u64 = 1;
@@ -38,6 +39,9 @@ const MIGRATIONS: &[Migration] = &[];
 
 /// Some text editors put it at the beginning of a file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// Of this node, `seconds.area` would be an output and the time of a node `area`.
+const RESERVED: &str = "seconds";
 
 /// Nodes, links, layout and programs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,14 +108,20 @@ impl NodeMode {
     }
 }
 
+/// Lists of values by the dotted paths of their parameters.
+pub type Axis = IndexMap<String, Vec<Json>>;
+
 /// A named sweep of the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object with \"axes\" or \"steps\"")]
 pub struct ProgramSpec {
     /// Axes multiply; within an axis the lists are equally long and advance together. The last
     /// axis varies fastest.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub axes: Vec<IndexMap<String, Vec<Json>>>,
+    ///
+    /// A value may stand for many, `{"glob": "scans/*.obj"}`, `{"range": [0.1, 0.5, 5]}` or
+    /// `{"log": [0.02, 0.5, 5]}`; alone, it stands in the file without the brackets of a list.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "axes")]
+    pub axes: Vec<Axis>,
     /// Explicit assignments, after those of the axes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<IndexMap<String, Json>>,
@@ -201,11 +211,15 @@ impl Map {
         Ok(map)
     }
 
-    /// Whether a node may have this name: the signs that links, paths and templates are made of
+    /// Letters of the longest name of a node.
+    pub const LONGEST_NAME: usize = 100;
+
+    /// Whether a node may have this name: it is none of a column of results, and the signs that links, paths and templates are made of
     /// are not for names.
     pub fn can_name_a_node(name: &str) -> bool {
-        let is_bad = |c: char| c.is_whitespace() || c.is_control() || ".{}>/\\".contains(c);
-        !(name.is_empty() || name.contains(is_bad))
+        let is_bad = |c: char| c.is_whitespace() || is_steering(c) || ".{}>/\\".contains(c);
+        let is_long = name.chars().nth(Self::LONGEST_NAME).is_some();
+        !(name.is_empty() || name.contains(is_bad) || is_long || name == RESERVED)
     }
 
     /// What the file says that could not be understood.

@@ -76,7 +76,10 @@ pub(super) fn of_form(section: &str, field: Option<&str>) -> &'static str {
         ("nodes", _) => "an object, such as {\"ratio\": 0.5}",
         ("layout", _) => "two numbers, such as [240, 80]",
         (_, None) => "an object with \"axes\" or \"steps\"",
-        (_, Some("axes")) => "a list of axes, such as [{\"simplify.ratio\": [0.5, 0.2]}]",
+        (_, Some("axes")) => {
+            "a list of axes, such as [{\"simplify.ratio\": [0.5, 0.2]}] or \
+             [{\"load.path\": {\"glob\": \"scans/*.obj\"}}]"
+        }
         (_, Some("steps")) => "a list of steps, such as [{\"simplify.ratio\": 0.5}]",
         (_, Some("repeats")) => "a whole number above 0",
         (_, _) => "a number of seconds above 0",

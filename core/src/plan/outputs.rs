@@ -258,13 +258,14 @@ pub(crate) fn one_case(path: &Path) -> PathBuf {
     path.to_string_lossy().to_lowercase().into()
 }
 
-/// The path without `.`; `None` if it names no file, or leaves the folder where it must not.
+/// The path without `.` and `..`; `None` if it names no file, or leaves the folder where it must not.
 fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
     let mut path = PathBuf::new();
     for part in Path::new(text).components() {
         match part {
             Component::CurDir => {}
             Component::Normal(name) => path.push(name),
+            Component::ParentDir if path.file_name().is_some() => drop(path.pop()),
             other if scope == OutputScope::Anywhere => path.push(other),
             _ => return None,
         }
@@ -319,6 +320,7 @@ mod tests {
     fn paths_stay_in_their_folder() {
         let inside = |text| tidy(text, OutputScope::Folder);
         assert_eq!(inside("./a//b.obj"), Some(PathBuf::from("a/b.obj")));
+        assert_eq!(inside("a/../ok.obj"), Some(PathBuf::from("ok.obj")));
         for bad in ["../a", "/etc/a", "a/../../b", "", ".", "a/"] {
             assert_eq!(inside(bad), None, "{bad}");
         }

@@ -56,7 +56,11 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
 
 fn check_name(name: &str, problems: &mut Vec<Problem>) {
     if !Map::can_name_a_node(name) {
-        let message = "a node's name cannot be empty or hold spaces, slashes or any of . { } >";
+        let n = Map::LONGEST_NAME;
+        let message = format!(
+            "a node's name cannot be empty or longer than {n} letters, hold spaces, slashes, \
+             invisible signs or any of . {{ }} >, or be \"seconds\", which stands for times"
+        );
         problems.push(Problem::error(message).at(name));
     }
 }

@@ -10,17 +10,18 @@ use serde_json::Value as Json;
 
 use super::columns::Columns;
 use super::report_spec::About;
+use super::spread::spread;
 use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
-use crate::map::{Map, ProgramSpec};
+use crate::map::{Axis, Map, ProgramSpec};
 use crate::param::MODULE;
 use crate::plan::{Plan, assign, no_file, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
 
 /// No table that a person reads is longer; it stops a slip from filling the memory.
-const MOST_STEPS: usize = 1_000_000;
+pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// Problems of single steps that are listed; more say nothing new.
 const MOST_PROBLEMS: usize = 20;
@@ -46,8 +47,8 @@ impl Program {
             return Err(vec![Problem::error(message).in_program(name)]);
         };
         let in_program = |problem: Problem| problem.in_program(name);
-        let assignments =
-            assignments(spec).map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
+        let assignments = assignments(spec, map_folder)
+            .map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
         let values = values_of(&assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
         let refused = |faults: Vec<String>| {
@@ -63,6 +64,7 @@ impl Program {
             report: report.unwrap_or_default(),
             columns: Columns::default(),
             map_file: String::new(),
+            map_path: PathBuf::new(),
             spec: spec.clone(),
             map: map.without_programs(),
             map_folder: map_folder.to_owned(),
@@ -260,10 +262,10 @@ fn values_of(assignments: &[Assignment]) -> IndexMap<String, Vec<&Json>> {
 
 /// The values that stand more than once in an axis, and the parameters that an earlier axis varies
 /// already: of either only one step would be left.
-fn slips_of(spec: &ProgramSpec) -> Vec<Problem> {
+fn slips_of(axes: &[Axis]) -> Vec<Problem> {
     let mut slips = Vec::new();
     let mut axis_of = HashMap::new();
-    for (place, axis) in spec.axes.iter().enumerate() {
+    for (place, axis) in axes.iter().enumerate() {
         for path in axis.keys() {
             if let Some(earlier) = axis_of.insert(path, place + 1) {
                 let message = format!(
@@ -289,12 +291,24 @@ fn slips_of(spec: &ProgramSpec) -> Vec<Problem> {
     slips
 }
 
-/// All assignments of a program: the product of its axes, then its explicit steps.
-fn assignments(spec: &ProgramSpec) -> Result<Vec<Assignment>, Vec<Problem>> {
-    let mut problems = slips_of(spec);
+/// All assignments of a program: the product of its axes, then its explicit steps. Files are looked
+/// for from `folder`.
+fn assignments(spec: &ProgramSpec, folder: &Path) -> Result<Vec<Assignment>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let mut axes = Vec::new();
+    for (place, axis) in spec.axes.iter().enumerate() {
+        match spread(axis, folder) {
+            Ok(axis) => axes.push(axis),
+            Err(why) => problems.push(Problem::error(format!("axis {}: {why}", place + 1))),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    problems.extend(slips_of(&axes));
     let mut all = vec![Assignment::new()];
     let mut total = 1_usize;
-    for (place, axis) in spec.axes.iter().enumerate() {
+    for (place, axis) in axes.iter().enumerate() {
         let lengths: Vec<String> =
             axis.iter().map(|(path, list)| format!("{path} has {}", list.len())).collect();
         let length = axis.values().map(Vec::len).min().unwrap_or(0);
@@ -346,13 +360,17 @@ mod tests {
         serde_json::from_str(json).unwrap()
     }
 
+    fn of(json: &str) -> Result<Vec<Assignment>, Vec<Problem>> {
+        assignments(&spec(json), Path::new(""))
+    }
+
     #[test]
     fn axes_multiply_and_lists_advance_together() {
         let spec = spec(
             r#"{"axes": [{"a.x": [1, 2], "a.y": ["p", "q"]}, {"b.z": [5, 6, 7]}],
                 "steps": [{"a.x": 9}]}"#,
         );
-        let all = assignments(&spec).unwrap();
+        let all = assignments(&spec, Path::new("")).unwrap();
         assert_eq!(all.len(), 2 * 3 + 1);
         assert_eq!(shown(&all[0]), "a.x = 1, a.y = \"p\", b.z = 5");
         assert_eq!(shown(&all[4]), "a.x = 2, a.y = \"q\", b.z = 6");
@@ -361,28 +379,32 @@ mod tests {
 
     #[test]
     fn steps_alone_do_not_add_the_map_as_it_is() {
-        assert_eq!(assignments(&spec(r#"{"steps": [{"a.x": 1}]}"#)).unwrap().len(), 1);
-        assert_eq!(assignments(&spec("{}")).unwrap().len(), 1);
+        assert_eq!(of(r#"{"steps": [{"a.x": 1}]}"#).unwrap().len(), 1);
+        assert_eq!(of("{}").unwrap().len(), 1);
     }
 
     #[test]
     fn a_parameter_has_one_axis_and_a_value_one_place_in_it() {
-        let said = |json: &str| assignments(&spec(json)).unwrap_err()[0].message.clone();
+        let said = |json: &str| of(json).unwrap_err()[0].message.clone();
         let two = said(r#"{"axes": [{"a.x": [1, 2]}, {"b.y": [1]}, {"a.x": [3]}]}"#);
         assert!(two.starts_with("axes 1 and 3 both vary \"a.x\""), "{two}");
         let doubled = said(r#"{"axes": [{"a.x": [1, 2, 1], "a.y": [1, 2, 1]}]}"#);
         assert!(doubled.starts_with("axis 1 has a.x = 1, a.y = 1 twice"), "{doubled}");
         let fine = r#"{"axes": [{"a.x": [1, 2, 1], "a.y": [1, 2, 3]}]}"#;
-        assert_eq!(assignments(&spec(fine)).unwrap().len(), 3);
+        assert_eq!(of(fine).unwrap().len(), 3);
     }
 
     #[test]
     fn slips_are_reported_before_they_cost_memory() {
         let uneven = spec(r#"{"axes": [{"a.x": [1, 2], "a.y": [1]}]}"#);
-        assert!(assignments(&uneven).unwrap_err()[0].message.contains("equally long"));
+        assert!(
+            assignments(&uneven, Path::new("")).unwrap_err()[0].message.contains("equally long")
+        );
         let list = (0..1000).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
         let axis = |name: &str| format!("{{\"a.{name}\": [{list}]}}");
         let huge = spec(&format!("{{\"axes\": [{}, {}, {}]}}", axis("x"), axis("y"), axis("z")));
-        assert!(assignments(&huge).unwrap_err()[0].message.contains("1000000000 steps"));
+        assert!(
+            assignments(&huge, Path::new("")).unwrap_err()[0].message.contains("1000000000 steps")
+        );
     }
 }

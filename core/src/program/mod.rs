@@ -3,32 +3,37 @@
 mod columns;
 mod expand;
 mod plan_file;
+mod record;
 mod report_spec;
 mod rounds;
+mod spread;
 mod store;
 mod tables;
 mod timing;
+mod unneeded;
 mod usage;
+mod work;
 
 pub use columns::{ColumnRecord, Columns, are_alike};
 pub use plan_file::{PlanFile, RunNote};
+pub use record::{StepRecord, StepStatus};
 pub use report_spec::{Measure, Question, ReportSpec, TIMES, stands_for};
 pub use rounds::TIMINGS;
-pub use store::{StepRecord, StepStatus, Store, StoreError};
+pub use store::{Store, StoreError};
 pub use tables::{brief, brief_value, exact};
 pub use timing::{Timing, median};
+pub use unneeded::Unneeded;
+pub use work::run_program;
 
 use std::collections::{BTreeMap, HashSet};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::cache::Cache;
 use crate::cancel::CancelToken;
 use crate::disk_cache::DiskCache;
 use crate::files::FileHashes;
@@ -37,7 +42,7 @@ use crate::map::{Map, ProgramSpec};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::problem::Problem;
 use crate::registry::Registry;
-use crate::run::{Event, Keep, NodeStatus, RunOptions, RunOutcome, run};
+use crate::run::Event;
 
 /// A program whose steps are all known and checked.
 pub struct Program {
@@ -55,6 +60,8 @@ pub struct Program {
     pub columns: Columns,
     /// Name of the map's file, for the records; empty where there is none.
     pub map_file: String,
+    /// Where that file is, to tell two of one name apart; empty where there is none.
+    pub map_path: PathBuf,
     map: Map,
     /// As the map says it.
     spec: ProgramSpec,
@@ -92,6 +99,22 @@ pub struct Shard {
     pub count: usize,
 }
 
+/// The steps that a call is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// This process's share of them.
+    pub shard: Shard,
+    /// Only those that set these parameters so, by the value or by the id of an entry.
+    pub only: Vec<(String, Json)>,
+}
+
+impl Default for Part {
+    /// All of them.
+    fn default() -> Self {
+        Self { shard: Shard { index: 0, count: 1 }, only: Vec::new() }
+    }
+}
+
 /// Whether steps share what they have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sharing {
@@ -108,8 +131,8 @@ pub struct ProgramOptions<'a> {
     pub jobs: usize,
     /// Threads that modules share; only written down.
     pub threads: usize,
-    /// Which steps are this process's.
-    pub shard: Shard,
+    /// Which steps it runs.
+    pub part: Part,
     /// Whether steps share what they have in common.
     pub sharing: Sharing,
     /// How often each step is timed, where its program has no repeats.
@@ -122,6 +145,8 @@ pub struct ProgramOptions<'a> {
     pub time_limit: Option<Duration>,
     /// Whether steps that failed before run again.
     pub retry: Retry,
+    /// Whether it ends while other processes are at steps of its part.
+    pub patience: Patience,
     /// Stops the program; a later one goes on where it was.
     pub cancel: &'a CancelToken,
     /// Hears what happens, from several threads.
@@ -137,10 +162,33 @@ pub enum Retry {
     Failed,
 }
 
+/// What a call does while other processes are at the steps that it lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// It ends.
+    None,
+    /// It waits for them, and runs what they leave.
+    Wait,
+}
+
 /// Something that happened to a step; `place` is its place among the steps.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum ProgramEvent<'a> {
+    /// It is known what there is to do.
+    Began {
+        /// Steps of the part that is run, each counted once.
+        steps: usize,
+        /// Of these, steps that the store has.
+        found: usize,
+    },
+    /// It is in the store from an earlier call.
+    StepFound {
+        /// Which.
+        place: usize,
+        /// What is kept of it.
+        record: &'a StepRecord,
+    },
     /// It runs.
     StepStarted {
         /// Which.
@@ -148,19 +196,21 @@ pub enum ProgramEvent<'a> {
         /// Its id and parameters.
         step: &'a Step,
     },
-    /// Something happened to one of its nodes.
-    Node {
-        /// Which step.
-        place: usize,
-        /// What happened.
-        node_event: &'a Event<'a>,
-    },
     /// It is in the store.
     StepEnded {
         /// Which.
         place: usize,
         /// What is kept of it.
         record: &'a StepRecord,
+    },
+    /// Something happened to one of its nodes; written as an event of a run, with the place.
+    #[serde(untagged)]
+    Node {
+        /// Which step.
+        place: usize,
+        /// What happened.
+        #[serde(flatten)]
+        node_event: &'a Event<'a>,
     },
 }
 
@@ -177,259 +227,18 @@ pub struct ProgramOutcome {
     pub failed: usize,
     /// Steps in the store that did not reach their target.
     pub missed: usize,
-    /// Steps that are not in the store: stopped, of another shard, or with another process.
+    /// Steps that are not in the store: stopped, of another part, or with another process.
     pub missing: usize,
+    /// Of these, steps of the part that was to run.
+    pub missing_of_part: usize,
+    /// Steps whose records could not be read or were changed by hand, and that ran again.
+    pub damaged: usize,
     /// Steps of earlier plans that the store keeps and the table leaves out.
     pub others: usize,
     /// Seconds that the call took.
     pub seconds: f64,
     /// Whether it was stopped.
     pub is_stopped: bool,
-}
-
-/// Runs the steps that the store does not have, and writes the tables.
-pub fn run_program(
-    program: &Program,
-    store: &Store,
-    options: &ProgramOptions,
-) -> Result<ProgramOutcome, StoreError> {
-    let start = Instant::now();
-    let ids: HashSet<&str> = program.steps.iter().map(|step| step.id.as_str()).collect();
-    store.belong_to(&program.name)?;
-    let limit = options.time_limit.or(program.time_limit);
-    for id in &ids {
-        if store.record(id).is_some_and(|record| must_run_again(&record, options, limit)) {
-            store.forget(id)?;
-        }
-    }
-    let is_found = |id: &&&str| program.is_answered(store, id, options);
-    let found = ids.iter().filter(is_found).count();
-    let workers = Workers::new(program, store, options);
-    let mut note = (!workers.todo.is_empty()).then(|| RunNote::begin(options));
-    program.write_plan(store, note.as_ref())?;
-    workers.run_all()?;
-    if let Some(note) = &mut note {
-        note.ran = workers.ran.load(Ordering::Relaxed);
-        note.seconds = Some(start.elapsed().as_secs_f64());
-        program.write_plan(store, Some(note))?;
-    }
-    let records: Vec<_> = ids.iter().filter_map(|id| store.record(id)).collect();
-    // A process that was killed may have finished a step and not come to this.
-    records.iter().try_for_each(|record| store.publish(record))?;
-    tables::write(program, store)?;
-    Ok(ProgramOutcome {
-        steps: ids.len(),
-        ran: workers.ran.load(Ordering::Relaxed),
-        found,
-        failed: records.iter().filter(|record| record.status != StepStatus::Done).count(),
-        missed: records.iter().filter(|record| record.missed().next().is_some()).count(),
-        missing: ids.len() - records.len(),
-        others: store.count_others(&ids),
-        seconds: start.elapsed().as_secs_f64(),
-        is_stopped: options.cancel.is_cancelled(),
-    })
-}
-
-/// Whether a finished step does not answer what is asked now.
-fn must_run_again(record: &StepRecord, options: &ProgramOptions, limit: Option<Duration>) -> bool {
-    let may_take_longer = match &record.status {
-        StepStatus::TimedOut { limit: old, .. } => limit.is_none_or(|new| new.as_secs_f64() > *old),
-        _ => false,
-    };
-    // The seconds of a step that shared its work, or the machine, are no measure.
-    let is_not_timed = options.sharing == Sharing::Timing && !record.is_timed;
-    let is_failed = options.retry == Retry::Failed && record.status != StepStatus::Done;
-    may_take_longer || is_not_timed || is_failed
-}
-
-struct Workers<'a> {
-    program: &'a Program,
-    store: &'a Store,
-    options: &'a ProgramOptions<'a>,
-    cache: Option<Cache>,
-    /// Places of the steps that are still to be looked at.
-    todo: Vec<usize>,
-    next: AtomicUsize,
-    running: AtomicUsize,
-    ran: AtomicUsize,
-    /// When the tables were written last, and how long that took.
-    tables: Mutex<(Instant, Duration)>,
-    trouble: Mutex<Option<StoreError>>,
-}
-
-impl<'a> Workers<'a> {
-    fn new(program: &'a Program, store: &'a Store, options: &'a ProgramOptions) -> Self {
-        let Shard { index, count } = options.shard;
-        let mut seen = HashSet::new();
-        let todo = (0..program.steps.len())
-            .filter(|place| seen.insert(&program.steps[*place].id))
-            .filter(|place| place % count.max(1) == index)
-            .filter(|place| !program.is_answered(store, &program.steps[*place].id, options));
-        let cache = (options.sharing == Sharing::Shared).then(|| {
-            let disk = options.disk_cache.clone();
-            Cache::new(options.memory / 2, disk).only(program.shared.clone())
-        });
-        Self {
-            program,
-            store,
-            options,
-            cache,
-            todo: todo.collect(),
-            next: AtomicUsize::new(0),
-            running: AtomicUsize::new(0),
-            ran: AtomicUsize::new(0),
-            tables: Mutex::new((Instant::now(), Duration::ZERO)),
-            trouble: Mutex::default(),
-        }
-    }
-
-    fn run_all(&self) -> Result<(), StoreError> {
-        if self.options.sharing == Sharing::Timing {
-            return self.time_all();
-        }
-        let jobs = self.options.jobs.clamp(1, self.todo.len().max(1));
-        std::thread::scope(|scope| {
-            for _ in 0..jobs {
-                scope.spawn(|| {
-                    if let Err(error) = self.work() {
-                        let mut trouble = self.lock_trouble();
-                        trouble.get_or_insert(error);
-                    }
-                });
-            }
-        });
-        self.lock_trouble().take().map_or(Ok(()), Err)
-    }
-
-    fn lock_trouble(&self) -> std::sync::MutexGuard<'_, Option<StoreError>> {
-        self.trouble.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Takes steps until none is left, somebody stops the program, or the store gives trouble.
-    fn work(&self) -> Result<(), StoreError> {
-        while !self.options.cancel.is_cancelled() && self.lock_trouble().is_none() {
-            let Some(&place) = self.todo.get(self.next.fetch_add(1, Ordering::Relaxed)) else {
-                return Ok(());
-            };
-            self.wait_for_memory();
-            self.running.fetch_add(1, Ordering::Relaxed);
-            let result = self.work_on(place);
-            self.running.fetch_sub(1, Ordering::Relaxed);
-            if result? {
-                self.ran.fetch_add(1, Ordering::Relaxed);
-                self.refresh_tables()?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Waits until the process is within its budget or no step runs.
-    fn wait_for_memory(&self) {
-        let is_full = || usage::resident_bytes().is_some_and(|bytes| bytes > self.options.memory);
-        while self.running.load(Ordering::Relaxed) > 0
-            && is_full()
-            && !self.options.cancel.is_cancelled()
-        {
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// Runs one step, unless it is done or another process has it. Whether it came to its end.
-    fn work_on(&self, place: usize) -> Result<bool, StoreError> {
-        let step = &self.program.steps[place];
-        let Some(claim) = self.store.claim(&step.id)? else { return Ok(false) };
-        (self.options.observer)(&ProgramEvent::StepStarted { place, step });
-        let Some(record) = self.run_step(place, &claim.outputs()) else {
-            self.store.abandon(&claim);
-            return Ok(false);
-        };
-        let record = self.store.commit(claim, record)?;
-        (self.options.observer)(&ProgramEvent::StepEnded { place, record: &record });
-        Ok(true)
-    }
-
-    /// Runs one step; `None` if it was stopped by hand.
-    fn run_step(&self, place: usize, outputs: &Path) -> Option<StepRecord> {
-        let start = Instant::now();
-        let step = &self.program.steps[place];
-        let limit = self.options.time_limit.or(self.program.time_limit);
-        let cancel = self.options.cancel.child(limit.map(|limit| start + limit));
-        let outcome = match self.program.plan(&step.params, step.repeat) {
-            // An input file was changed or removed since the program was checked.
-            Err(problems) => Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>()),
-            Ok(plan) if plan.id.short() != step.id => {
-                Err(vec!["an input file was changed while the program ran".to_owned()])
-            }
-            Ok(plan) => Ok(run(
-                &plan,
-                &RunOptions {
-                    output_folder: outputs,
-                    threads: 1,
-                    cache: self.cache.as_ref(),
-                    cancel: &cancel,
-                    observer: &|event| {
-                        let event = ProgramEvent::Node { place, node_event: event };
-                        (self.options.observer)(&event);
-                    },
-                    keep: Keep::Scalars,
-                    output_scope: OutputScope::Folder,
-                },
-            )),
-        };
-        let (status, nodes) = match outcome {
-            Err(complaints) => {
-                (StepStatus::Failed { reason: complaints.join("; ") }, IndexMap::new())
-            }
-            Ok(outcome) => {
-                let status = step_status(&outcome, &cancel, limit)?;
-                let nodes = outcome.nodes.into_iter().map(|(name, node)| (name, node.record));
-                (status, nodes.collect())
-            }
-        };
-        Some(StepRecord {
-            id: step.id.clone(),
-            repeat: step.repeat,
-            params: step.params.clone(),
-            status,
-            seconds: start.elapsed().as_secs_f64(),
-            is_timed: self.options.sharing == Sharing::Timing,
-            timings: Vec::new(),
-            version: crate::VERSION.to_owned(),
-            nodes,
-        })
-    }
-
-    /// Brings the tables up to date now and then, so that a long program can be looked at. Takes
-    /// at most a twentieth of the time.
-    fn refresh_tables(&self) -> Result<(), StoreError> {
-        let Ok(mut last) = self.tables.try_lock() else { return Ok(()) };
-        if last.0.elapsed() > Duration::from_secs(1).max(last.1 * 20) {
-            let start = Instant::now();
-            tables::write(self.program, self.store)?;
-            *last = (Instant::now(), start.elapsed());
-        }
-        Ok(())
-    }
-}
-
-/// How a step ended; `None` if it was stopped by hand.
-fn step_status(
-    outcome: &RunOutcome,
-    cancel: &CancelToken,
-    limit: Option<Duration>,
-) -> Option<StepStatus> {
-    let failures: Vec<_> =
-        outcome.failures().map(|(name, error)| format!("{name}: {error}")).collect();
-    if !failures.is_empty() {
-        return Some(StepStatus::Failed { reason: failures.join("; ") });
-    }
-    if !outcome.is_stopped() {
-        return Some(StepStatus::Done);
-    }
-    let at = outcome.nodes.iter().find(|(_, node)| node.record.status == NodeStatus::Stopped);
-    let (at, limit) = (at.map_or("", |(name, _)| name.as_str()), limit?.as_secs_f64());
-    let reason = format!("{at}: not done within the time limit of {limit} s");
-    cancel.is_overdue().then_some(StepStatus::TimedOut { reason, limit })
 }
 
 impl Program {
@@ -445,6 +254,43 @@ impl Program {
             let text = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
             store.write("plan.json", text.as_bytes())
         })
+    }
+
+    /// Makes columns of parameters that somebody set for this call, in every step, and takes the
+    /// steps of earlier calls in that set the same ones otherwise and are still what they were.
+    pub fn set_apart(&mut self, settings: &[(String, Json)], store: Option<&Store>) {
+        let is_varied = |path: &String| self.varied.contains(path);
+        let own = settings.iter().filter(|(path, _)| !is_varied(path));
+        let own: IndexMap<String, Json> = own.cloned().collect();
+        if own.is_empty() {
+            return;
+        }
+        for step in &mut self.steps {
+            step.params = own.clone().into_iter().chain(step.params.drain(..)).collect();
+        }
+        self.varied = own.keys().cloned().chain(self.varied.drain(..)).collect();
+        let Some((store, plan)) = store.and_then(|store| Some((store, store.plan().ok()?))) else {
+            return;
+        };
+        let mut known: HashSet<String> = self.steps.iter().map(|step| step.id.clone()).collect();
+        let is_same = |step: &Step| {
+            own.keys().all(|path| step.params.contains_key(path))
+                && step.params.keys().all(|path| self.varied.contains(path))
+                && store.record(&step.id).is_some()
+                && self.plan(&step.params, step.repeat).is_ok_and(|p| p.id.short() == step.id)
+        };
+        let earlier = plan.steps.into_iter().filter(|step| !known.contains(&step.id));
+        let mut earlier: Vec<Step> = earlier.filter(is_same).collect();
+        earlier.retain(|step| known.insert(step.id.clone()));
+        let inputs = earlier.iter().filter_map(|step| self.inputs_of(step)).flatten();
+        let inputs: Vec<_> = inputs.collect();
+        self.inputs.extend(inputs);
+        self.steps.splice(0..0, earlier);
+    }
+
+    fn inputs_of(&self, step: &Step) -> Option<Vec<(PathBuf, Fingerprint)>> {
+        let plan = self.plan(&step.params, step.repeat).ok()?;
+        Some(plan.nodes.into_iter().flat_map(|node| node.reads).collect())
     }
 
     fn plan_options(&self, repeat: u32) -> PlanOptions<'_> {
@@ -473,6 +319,24 @@ impl Program {
     pub fn brief_table(&self, store: &Store) -> (Vec<String>, Vec<Vec<String>>) {
         let (header, rows) = self.table(store);
         tables::brief_table(self, &header, &rows)
+    }
+
+    /// Places of the steps of a part, each step once.
+    pub fn places(&self, part: &Part) -> Vec<usize> {
+        let Shard { index, count } = part.shard;
+        let is_meant = |step: &Step| {
+            part.only.iter().all(|(path, side)| {
+                step.params.get(path).is_some_and(|value| stands_for(side, value))
+            })
+        };
+        let mut seen = HashSet::new();
+        (0..self.steps.len())
+            .filter(|place| seen.insert(&self.steps[*place].id))
+            .filter(|place| is_meant(&self.steps[*place]))
+            .enumerate()
+            .filter(|(n, _)| n % count.max(1) == index)
+            .map(|(_, place)| place)
+            .collect()
     }
 
     /// The record of a step, if the store has it.

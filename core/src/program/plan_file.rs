@@ -1,6 +1,7 @@
 //! `plan.json`: what a program runs, kept in its store, for whoever reads the results.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use indexmap::IndexMap;
@@ -27,6 +28,9 @@ pub struct PlanFile {
     /// Name of the map's file.
     #[serde(default)]
     pub map_file: String,
+    /// Where that file is; empty where it is not known.
+    #[serde(default)]
+    pub map_path: PathBuf,
     /// Calls that ran steps, each with its machine, the oldest first.
     #[serde(default)]
     pub runs: Vec<RunNote>,
@@ -109,6 +113,7 @@ impl PlanFile {
             program: program.name.clone(),
             mve: crate::VERSION.to_owned(),
             map_file: program.map_file.clone(),
+            map_path: program.map_path.clone(),
             runs,
             inputs: inputs.collect(),
             modules: modules.collect(),

@@ -9,9 +9,11 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use super::store::{StepRecord, StepStatus, Store, StoreError};
+use super::record::{StepRecord, StepStatus};
+use super::store::{Store, StoreError};
 use super::timing::Timing;
-use super::{Program, ProgramEvent, ProgramOptions, Sharing, Workers, usage};
+use super::work::{MOST_CRASHES, Workers};
+use super::{Program, ProgramEvent, ProgramOptions, Sharing, usage};
 use crate::fingerprint::FingerprintBuilder;
 
 /// How often a step is timed where nobody says.
@@ -111,6 +113,11 @@ impl Workers<'_> {
         (self.options.observer)(&ProgramEvent::StepStarted { place, step });
         let Some(known) = self.store.record(&step.id) else {
             let Some(claim) = self.store.claim(&step.id)? else { return Ok(()) };
+            if let Some(record) = self.crashed(step, &claim) {
+                let record = self.store.commit(claim, record)?;
+                return self.tell(place, &record, wanted);
+            }
+            self.store.begin(&step.id, claim.n_crashes)?;
             let Some((mut record, timing)) = self.timed(place, &claim.outputs()) else {
                 self.store.abandon(&claim);
                 return Ok(());
@@ -158,10 +165,18 @@ impl Workers<'_> {
         Some((record, timing))
     }
 
-    /// Runs a step whose outputs nobody keeps, in a folder of its own.
+    /// Runs a step whose outputs nobody keeps, in a folder of its own; not one that took processes
+    /// along too often.
     fn apart(&self, place: usize, run: &mut dyn FnMut(&Path)) -> Result<(), StoreError> {
-        let folder = self.store.scratch(&self.program.steps[place].id)?;
+        let id = &self.program.steps[place].id;
+        let n_crashes = self.store.attempts(id);
+        if n_crashes >= MOST_CRASHES {
+            return Ok(());
+        }
+        let folder = self.store.scratch(id)?;
+        self.store.begin(id, n_crashes)?;
         run(&folder);
+        self.store.end(id);
         // What cannot be removed is in nobody's way: it is never read.
         let _ = std::fs::remove_dir_all(&folder);
         Ok(())

@@ -6,35 +6,37 @@
 //! outputs/           the outputs of all steps under the names that the map gives them
 //! results.csv, results.jsonl, summary.md     made anew from the steps
 //! claims/, work/     steps under way; both can be deleted when nothing runs
+//! cache/             values for the next call; can be deleted at any time
 //! ```
 //!
 //! A step is worked on in `work/` and becomes part of `steps/` by one rename. A process claims a
 //! step by locking a file in `claims/`; the system gives the lock back when the process dies, so
 //! a claim never outlives its owner. (A claim by rename, which needs no locks, would.) Where the
 //! file system has no locks two processes may do the same work, and the second rename fails.
+//!
+//! A claim that is free and has a count of attempts beside it was given back by the system alone:
+//! the process ended while it worked on the step.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use indexmap::IndexMap;
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use thiserror::Error;
 
 use super::plan_file::PlanFile;
-use super::timing::Timing;
-use crate::control::MissedTarget;
+use super::record::{StepRecord, is_sound, log_of, with_checksum};
 use crate::files::{fresh_file, is_below, refuse_links};
-use crate::run::{NodeRecord, NodeStatus};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.
 const WORTH_SYNC_SECONDS: f64 = 0.1;
 
 const PLAN: &str = "plan.json";
 const PARTS: [&str; 3] = ["steps", "claims", "work"];
+/// Values that outlive a call.
+pub(super) const CACHE: &str = "cache";
 const RECORD: &str = "record.json";
 
 /// The folder of a program's results.
@@ -43,94 +45,6 @@ pub struct Store {
     folder: PathBuf,
     /// Records read so far; a record never changes.
     known: Mutex<HashMap<String, Arc<StepRecord>>>,
-}
-
-/// What is kept of a finished step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepRecord {
-    /// Hash of what determines its result, short.
-    pub id: String,
-    /// Number of the repeat, from 0.
-    pub repeat: u32,
-    /// The parameters that the program set.
-    pub params: IndexMap<String, Json>,
-    /// How it ended.
-    #[serde(flatten)]
-    pub status: StepStatus,
-    /// Seconds from its start to its end.
-    pub seconds: f64,
-    /// Whether it ran alone, with nothing shared, so that its seconds can be compared.
-    #[serde(default)]
-    pub is_timed: bool,
-    /// What each of its runs took, where it did.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub timings: Vec<Timing>,
-    /// Version of mve.
-    pub version: String,
-    /// Its nodes by name.
-    pub nodes: IndexMap<String, NodeRecord>,
-}
-
-impl StepRecord {
-    /// The targets that its nodes did not reach, with their nodes.
-    pub fn missed(&self) -> impl Iterator<Item = (&str, &MissedTarget)> {
-        let nodes = self.nodes.iter();
-        nodes.flat_map(|(name, node)| node.missed.iter().map(move |missed| (name.as_str(), missed)))
-    }
-
-    /// The same in a line: `simplify: 144 of 126 faces`; empty where all were reached.
-    pub fn missed_in_words(&self) -> String {
-        let missed = self.missed().map(|(node, missed)| format!("{node}: {missed}"));
-        missed.collect::<Vec<_>>().join("; ")
-    }
-
-    /// What its nodes warned of, with their names.
-    pub fn warnings(&self) -> impl Iterator<Item = (&str, &str)> {
-        let lines = self
-            .nodes
-            .iter()
-            .flat_map(|(name, node)| node.log.iter().map(move |line| (name.as_str(), line)));
-        lines.filter(|(_, line)| line.is_warning).map(|(name, line)| (name, line.text.as_str()))
-    }
-}
-
-/// How a step ended. A step that was stopped by hand has not ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
-pub enum StepStatus {
-    /// Every node is done.
-    Done,
-    /// A node failed.
-    Failed {
-        /// Which, and why.
-        reason: String,
-    },
-    /// It took longer than the time limit.
-    TimedOut {
-        /// What it was at, and the limit.
-        reason: String,
-        /// The limit in seconds.
-        limit: f64,
-    },
-}
-
-impl StepStatus {
-    /// The word for a table.
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::Failed { .. } => "failed",
-            Self::TimedOut { .. } => "timed out",
-        }
-    }
-
-    /// Why it is not done.
-    pub fn reason(&self) -> Option<&str> {
-        match self {
-            Self::Done => None,
-            Self::Failed { reason } | Self::TimedOut { reason, .. } => Some(reason),
-        }
-    }
 }
 
 /// Why a store could not be used.
@@ -168,7 +82,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub(super) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, source }
     }
@@ -182,6 +96,8 @@ pub(crate) struct StepClaim {
     _lock: File,
     /// Where the step is worked on.
     pub work: PathBuf,
+    /// How often a process ended while it worked on the step.
+    pub n_crashes: u32,
 }
 
 impl StepClaim {
@@ -211,6 +127,13 @@ impl Store {
             Ok(_) => refuse_other_things(folder)?,
         }
         Ok(Some(Self { folder: folder.to_owned(), known: Mutex::default() }))
+    }
+
+    /// The map whose results these are, if it is another file than `map` and still there.
+    pub fn other_map(&self, map: &Path) -> Option<PathBuf> {
+        let other = self.plan().ok()?.map_path;
+        let same = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        (other.is_file() && same(&other) != same(map)).then_some(other)
     }
 
     /// Refuses to mix the steps of two programs, whose tables would take each other's place.
@@ -248,8 +171,8 @@ impl Store {
         if let Some(record) = known.get(id) {
             return Some(Arc::clone(record));
         }
-        let bytes = fs::read(self.step_folder(id).join(RECORD)).ok()?;
-        let record: StepRecord = serde_json::from_slice(&bytes).ok()?;
+        let text = fs::read_to_string(self.step_folder(id).join(RECORD)).ok()?;
+        let record: StepRecord = serde_json::from_str(&text).ok().filter(|_| is_sound(&text))?;
         let outputs = self.step_folder(id).join("outputs");
         let files = || record.nodes.values().flat_map(|node| &node.files);
         let is_whole = files().all(|file| is_below(file) && outputs.join(file).is_file());
@@ -261,8 +184,29 @@ impl Store {
         Some(record)
     }
 
+    /// Whether the store has a step of this id whose record cannot be believed.
+    pub(crate) fn is_damaged(&self, id: &str) -> bool {
+        self.step_folder(id).exists() && self.record(id).is_none()
+    }
+
+    /// Where values are kept for the next call.
+    pub fn cache_folder(&self) -> PathBuf {
+        self.folder.join(CACHE)
+    }
+
+    fn attempts_file(&self, id: &str) -> PathBuf {
+        self.folder.join("claims").join(format!("{id}.attempts"))
+    }
+
+    /// How often a step was begun and neither finished nor given up. Of a step that no process
+    /// works on, that many processes ended over it.
+    pub(crate) fn attempts(&self, id: &str) -> u32 {
+        let text = fs::read_to_string(self.attempts_file(id)).unwrap_or_default();
+        text.trim().parse().unwrap_or(0)
+    }
+
     /// How many steps the store holds that are not among `ids`.
-    pub(crate) fn count_others(&self, ids: &std::collections::HashSet<&str>) -> usize {
+    pub(crate) fn count_others(&self, ids: &HashSet<&str>) -> usize {
         let steps = fs::read_dir(self.folder.join("steps")).into_iter().flatten().flatten();
         steps.filter(|step| !ids.contains(&*step.file_name().to_string_lossy())).count()
     }
@@ -284,12 +228,13 @@ impl Store {
     pub(crate) fn claim(&self, id: &str) -> Result<Option<StepClaim>, StoreError> {
         let path = self.folder.join("claims").join(id);
         let lock = File::create(&path).map_err(StoreError::at(&path))?;
-        match lock.try_lock() {
-            Ok(()) => {}
+        let n_crashes = match lock.try_lock() {
+            Ok(()) => self.attempts(id),
             Err(TryLockError::WouldBlock) => return Ok(None),
-            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {}
+            // Another process may be at it, which is no crash.
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => 0,
             Err(TryLockError::Error(error)) => return Err(StoreError::at(&path)(error)),
-        }
+        };
         // The lock is on this file even if its owner before removed the name; whoever finished
         // the step did so before that, and the record tells.
         if self.record(id).is_some() {
@@ -299,7 +244,18 @@ impl Store {
         self.clear_work(id);
         let work = self.folder.join("work").join(format!("{id}.{}", std::process::id()));
         fs::create_dir(&work).map_err(StoreError::at(&work))?;
-        Ok(Some(StepClaim { id: id.to_owned(), path, _lock: lock, work }))
+        Ok(Some(StepClaim { id: id.to_owned(), path, _lock: lock, work, n_crashes }))
+    }
+
+    /// Notes that the work on a step begins, over which so many processes have ended.
+    pub(crate) fn begin(&self, id: &str, n_crashes: u32) -> Result<(), StoreError> {
+        let path = self.attempts_file(id);
+        fs::write(&path, (n_crashes + 1).to_string()).map_err(StoreError::at(&path))
+    }
+
+    /// Notes that the process has not ended over it.
+    pub(crate) fn end(&self, id: &str) {
+        let _ = fs::remove_file(self.attempts_file(id));
     }
 
     /// Removes what an earlier owner of the claim left half done.
@@ -321,15 +277,19 @@ impl Store {
         record: StepRecord,
     ) -> Result<Arc<StepRecord>, StoreError> {
         let path = claim.work.join(RECORD);
-        let text = serde_json::to_vec_pretty(&record)
+        let text = serde_json::to_string_pretty(&record)
             .map_err(|error| StoreError::at(&path)(error.into()))?;
         let mut file = File::create(&path).map_err(StoreError::at(&path))?;
-        file.write_all(&text).map_err(StoreError::at(&path))?;
+        file.write_all(with_checksum(&text).as_bytes()).map_err(StoreError::at(&path))?;
         if record.seconds >= WORTH_SYNC_SECONDS {
             file.sync_all().map_err(StoreError::at(&path))?;
         }
         drop(file);
-        write_log(&claim.work, &record)?;
+        let log = log_of(&record);
+        if !log.is_empty() {
+            let path = claim.work.join("log.txt");
+            fs::write(&path, log).map_err(StoreError::at(&path))?;
+        }
         let target = self.step_folder(&claim.id);
         if let Err(error) = fs::rename(&claim.work, &target) {
             if let Some(other) = self.record(&claim.id) {
@@ -345,6 +305,7 @@ impl Store {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.insert(claim.id.clone(), Arc::clone(&record));
         drop(known);
+        self.end(&claim.id);
         let _ = fs::remove_file(&claim.path);
         Ok(record)
     }
@@ -352,9 +313,9 @@ impl Store {
     /// Puts a record of a finished step into the place of an older one of the same step.
     pub(crate) fn amend(&self, record: StepRecord) -> Result<Arc<StepRecord>, StoreError> {
         let path = Path::new("steps").join(&record.id).join(RECORD);
-        let text = serde_json::to_vec_pretty(&record)
+        let text = serde_json::to_string_pretty(&record)
             .map_err(|error| StoreError::at(&self.folder.join(&path))(error.into()))?;
-        self.with_lock(|| self.write(&path, &text))?;
+        self.with_lock(|| self.write(&path, with_checksum(&text).as_bytes()))?;
         let record = Arc::new(record);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.insert(record.id.clone(), Arc::clone(&record));
@@ -372,6 +333,7 @@ impl Store {
     /// Gives up a claimed step, and all that was done for it.
     pub(crate) fn abandon(&self, claim: &StepClaim) {
         let _ = fs::remove_dir_all(&claim.work);
+        self.end(&claim.id);
     }
 
     /// Puts the outputs of a step into `outputs/`, as second names of the same files where the
@@ -441,7 +403,7 @@ impl Store {
 fn refuse_other_things(folder: &Path) -> Result<(), StoreError> {
     let content = fs::read_dir(folder).map_err(StoreError::at(folder))?;
     let mut names = content.flatten().map(|entry| entry.file_name());
-    let has_others = names.any(|name| !PARTS.iter().any(|part| name == *part));
+    let has_others = names.any(|name| name != CACHE && !PARTS.iter().any(|part| name == *part));
     if has_others && !folder.join(PLAN).exists() {
         return Err(StoreError::NotAStore(folder.to_owned()));
     }
@@ -454,20 +416,4 @@ fn is_same(one: &Path, other: &Path) -> bool {
         (Ok(a), Ok(b)) => a.len() == b.len() && a.modified().ok() == b.modified().ok(),
         _ => false,
     }
-}
-
-/// `log.txt`, for steps that have something to say.
-fn write_log(work: &Path, record: &StepRecord) -> Result<(), StoreError> {
-    let mut text = String::new();
-    for (name, node) in &record.nodes {
-        for line in &node.log {
-            let mark = if line.is_warning { "warning: " } else { "" };
-            text.push_str(&format!("{name}: {mark}{}\n", line.text));
-        }
-        if let NodeStatus::Failed { error } = &node.status {
-            text.push_str(&format!("{name}: error: {error}\n"));
-        }
-    }
-    let path = work.join("log.txt");
-    if text.is_empty() { Ok(()) } else { fs::write(&path, text).map_err(StoreError::at(&path)) }
 }

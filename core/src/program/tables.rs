@@ -1,5 +1,6 @@
 //! The tables of a program's results, made from the records of its store.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -8,10 +9,12 @@ use indexmap::IndexSet;
 use serde_json::{Map as JsonMap, Value as Json, json};
 
 use super::Program;
+use super::record::StepRecord;
 use super::report_spec::TIMES;
-use super::store::{StepRecord, Store, StoreError};
+use super::store::{Store, StoreError};
 use super::timing::{Timing, median};
 use crate::data::Scalar;
+use crate::problem::printable;
 use crate::quantity::Role;
 
 /// How many outputs of one node a person reads first.
@@ -216,12 +219,22 @@ pub fn exact(value: f64) -> String {
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
+/// A cell that no spreadsheet computes: what begins like a formula and is no number gets a quote
+/// before it, as spreadsheets write a text.
+fn inert(cell: &str) -> Cow<'_, str> {
+    let is_formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    match is_formula && cell.parse::<f64>().is_err() {
+        true => Cow::Owned(format!("'{cell}")),
+        false => Cow::Borrowed(cell),
+    }
+}
+
 /// RFC 4180, lines ended by a line feed.
 fn csv(header: &[String], rows: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in std::iter::once(header).chain(rows.iter().map(Vec::as_slice)) {
         // Writing equally long rows to memory cannot fail.
-        let _ = writer.write_record(row);
+        let _ = writer.write_record(row.iter().map(|cell| inert(cell).into_owned()));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
@@ -270,7 +283,8 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
     let records = finished(program, store);
     let failed: Vec<_> = records.iter().filter(|(_, r)| r.status.reason().is_some()).collect();
     let title = if program.map.title.is_empty() { "Results" } else { &program.map.title };
-    let mut text = format!("# {title}\n\nProgram `{}`: ", program.name);
+    let (title, name) = (markdown(title), markdown(&program.name));
+    let mut text = format!("# {title}\n\nProgram {name}: ");
     text.push_str(&format!(
         "{} of {} steps finished, {} failed. Made by mve {}.\n\n",
         records.len(),
@@ -285,7 +299,7 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
     }
     let (header, rows) = brief_table(program, header, rows);
     let line = |cells: &[String]| {
-        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        let cells: Vec<_> = cells.iter().map(|cell| markdown(cell)).collect();
         format!("| {} |\n", cells.join(" | "))
     };
     text.push_str(&line(&header));
@@ -296,7 +310,8 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
         for (_, record) in failed {
             let reason = record.status.reason().unwrap_or_default();
             let params: Vec<_> = record.params.iter().map(|(p, v)| format!("{p} = {v}")).collect();
-            text.push_str(&format!("- `{}` ({}): {reason}\n", record.id, params.join(", ")));
+            let (params, reason) = (markdown(&params.join(", ")), markdown(reason));
+            text.push_str(&format!("- `{}` ({params}): {reason}\n", record.id));
         }
     }
     text.push_str(
@@ -304,6 +319,21 @@ fn summary(program: &Program, store: &Store, header: &[String], rows: &[Vec<Stri
          exactly ran: `plan.json` and `steps/`.\n",
     );
     text
+}
+
+/// A text of a map or a file as Markdown shows it: signs that mean something there are written out,
+/// and so is what would steer a terminal.
+fn markdown(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in printable(text).chars() {
+        match c {
+            '<' => shown.push_str("&lt;"),
+            '&' => shown.push_str("&amp;"),
+            '\\' | '`' | '*' | '[' | ']' | '|' => shown.extend(['\\', c]),
+            c => shown.push(c),
+        }
+    }
+    shown
 }
 
 /// Without zeros at the end of the fraction.
@@ -383,5 +413,22 @@ mod tests {
     fn csv_quotes_what_needs_it() {
         let row = vec!["a,b".to_owned(), "say \"x\"".to_owned()];
         assert_eq!(csv(&["h".into(), "i".into()], &[row]), "h,i\n\"a,b\",\"say \"\"x\"\"\"\n");
+    }
+
+    #[test]
+    fn no_cell_is_a_formula_and_numbers_stay_numbers() {
+        for (cell, shown) in [("=1+1", "'=1+1"), ("@x", "'@x"), ("-a", "'-a"), ("+", "'+")] {
+            assert_eq!(inert(cell), shown);
+        }
+        for cell in ["-1.5", "+2", "-inf", "1e-9", "a=b", ""] {
+            assert_eq!(inert(cell), cell);
+        }
+    }
+
+    #[test]
+    fn markdown_shows_what_a_map_says() {
+        let text = "a|b <img> [x](y) \u{1b}]0;pwn\u{7}\u{202e}";
+        let shown = "a\\|b &lt;img> \\[x\\](y) \\\\u{1b}\\]0;pwn\\\\u{7}\\\\u{202e}";
+        assert_eq!(markdown(text), shown);
     }
 }

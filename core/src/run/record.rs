@@ -22,6 +22,9 @@ pub enum NodeStatus {
     Failed {
         /// What a person should read.
         error: String,
+        /// Whether the system refused a file.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_of_files: bool,
     },
     /// A node that it takes a value from did not get done.
     Skipped {
@@ -42,7 +45,7 @@ pub struct NodeRecord {
     pub status: NodeStatus,
     /// Hash of all that determines its outputs.
     pub key: Fingerprint,
-    /// Seconds that its module ran; none if it did not.
+    /// Seconds that its module ran, for a value from the disk when it was made; none if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
     /// Seconds of parts of that, where the module says them.

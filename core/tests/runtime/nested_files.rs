@@ -200,7 +200,9 @@ fn a_link_in_the_way_of_a_nested_output_file_is_refused() {
     std::os::unix::fs::symlink(other.path(), folder.path().join("sub")).unwrap();
     let plan = plan_in(folder.path(), &[("a", r#"{"Logged": {"report": "sub/x.txt"}}"#)]).unwrap();
     match &run_in(folder.path(), &plan, None).nodes["a"].record.status {
-        NodeStatus::Failed { error } => assert!(error.contains("is a symbolic link"), "{error}"),
+        NodeStatus::Failed { error, .. } => {
+            assert!(error.contains("is a symbolic link"), "{error}")
+        }
         other => panic!("{other:?}"),
     }
     assert!(!other.path().join("x.txt").exists());

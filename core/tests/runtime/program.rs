@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use mve_core::testing::{program_options, registry};
 use mve_core::{
-    CancelToken, Map, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing,
-    Store, StoreError, run_program,
+    CancelToken, Map, Part, Patience, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry,
+    Shard, Sharing, Store, StoreError, run_program,
 };
 
 const MAP: &str = r#"{"mve": 1, "title": "test", "nodes": {
@@ -161,7 +161,8 @@ fn shards_divide_the_steps() {
     for index in 0..3 {
         let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
         let shard = Shard { index, count: 3 };
-        let options = ProgramOptions { shard, ..options(&cancel) };
+        let options =
+            ProgramOptions { part: Part { shard, ..Part::default() }, ..options(&cancel) };
         ran.push(run_program(&program(MAP), &store, &options).unwrap().ran);
     }
     assert_eq!(ran, [3, 3, 2]);
@@ -314,4 +315,167 @@ fn a_time_limit_given_by_hand_counts() {
     let limit = Some(Duration::from_millis(20));
     let options = ProgramOptions { time_limit: limit, ..options(&cancel) };
     assert_eq!(run_program(&program(&text), &store, &options).unwrap().failed, 2);
+}
+
+/// Puts the count of attempts beside a step that processes leave when they end over it.
+fn crash(folder: &Path, id: &str, attempts: u32) {
+    let path = folder.join("claims").join(format!("{id}.attempts"));
+    std::fs::write(path, attempts.to_string()).unwrap();
+}
+
+#[test]
+fn a_step_that_took_two_processes_along_is_a_row_and_the_others_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, cancel) = (program(MAP), CancelToken::new());
+    let store = Store::open(folder.path()).unwrap();
+    crash(folder.path(), &program.steps[0].id, 1);
+    crash(folder.path(), &program.steps[1].id, 2);
+    let running = AtomicUsize::new(0);
+    let together = AtomicUsize::new(0);
+    let observer = |event: &ProgramEvent| match event {
+        ProgramEvent::StepStarted { place, .. } => {
+            let n = running.fetch_add(1, Ordering::SeqCst);
+            if *place < 2 {
+                together.fetch_max(n, Ordering::SeqCst);
+            }
+        }
+        ProgramEvent::StepEnded { .. } => {
+            running.fetch_sub(1, Ordering::SeqCst);
+        }
+        _ => {}
+    };
+    let options = ProgramOptions { observer: &observer, ..options(&cancel) };
+    let outcome = run_program(&program, &store, &options).unwrap();
+    assert_eq!((outcome.ran, outcome.failed, outcome.missing), (8, 3, 0));
+    assert_eq!(together.into_inner(), 0, "a suspect runs alone");
+    let rows = table(folder.path());
+    assert_eq!((&*rows[0]["status"], &*rows[1]["status"]), ("done", "crashed"));
+    assert!(rows[1]["reason"].starts_with("2 processes ended while they ran this step"));
+    assert_eq!(
+        std::fs::read_dir(folder.path().join("claims")).unwrap().count(),
+        1,
+        "of the tables"
+    );
+    // Whoever asks for it tries it again, with a clean record.
+    let retry = ProgramOptions { retry: Retry::Failed, ..self::options(&cancel) };
+    let outcome = run_program(&program, &store, &retry).unwrap();
+    assert_eq!((outcome.ran, outcome.failed), (3, 2));
+}
+
+#[test]
+fn what_failed_for_want_of_a_file_is_tried_again_and_other_failures_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = MAP
+        .replace("[1, 2, 99, 4]", "[1, 99]")
+        .replace("{add.amount}-{echo.say}.txt", "{echo.say}/{add.amount}.txt");
+    // A name that no file system takes.
+    let long = "l".repeat(300);
+    let text = text.replace(r#"["x", "y"]"#, &format!(r#"["x", "{long}"]"#));
+    let outcome = run_in(folder.path(), &text);
+    assert_eq!((outcome.ran, outcome.failed), (4, 3));
+    let again = run_in(folder.path(), &text);
+    assert_eq!((again.ran, again.found, again.failed), (2, 2, 3));
+}
+
+#[test]
+fn a_record_that_was_changed_by_hand_is_not_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    let before = table(folder.path());
+    let steps: Vec<_> = std::fs::read_dir(folder.path().join("steps")).unwrap().collect();
+    let record = steps[0].as_ref().unwrap().path().join("record.json");
+    let text = std::fs::read_to_string(&record).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["checksum"].as_str().unwrap().len(), 64);
+    std::fs::write(&record, text.replace("\"repeat\": 0", "\"repeat\": 1")).unwrap();
+    let outcome = run_in(folder.path(), MAP);
+    assert_eq!((outcome.damaged, outcome.ran, outcome.found), (1, 1, 7));
+    assert_eq!(table(folder.path()), before);
+}
+
+#[test]
+fn outputs_of_earlier_plans_leave_the_folder_and_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    assert!(folder.path().join("outputs/4-x.txt").exists());
+    run_in(folder.path(), &MAP.replace("[1, 2, 99, 4]", "[1, 2]"));
+    let left: Vec<_> = std::fs::read_dir(folder.path().join("outputs")).unwrap().collect();
+    assert_eq!(left.len(), 4);
+    let store = Store::open(folder.path()).unwrap();
+    let unneeded = store.unneeded().unwrap();
+    assert_eq!((unneeded.steps.len(), unneeded.outputs.len()), (4, 0));
+    unneeded.steps.iter().for_each(|path| store.remove(path).unwrap());
+    assert_eq!(store.unneeded().unwrap(), mve_core::Unneeded::default());
+    assert_eq!(run_in(folder.path(), MAP).ran, 4);
+}
+
+#[test]
+fn a_setting_for_one_call_is_a_column_beside_those_of_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let run = |amount: u32| {
+        let text = MAP.replace("\"amount\": 1", &format!("\"amount\": {amount}"));
+        let mut program = program(&text);
+        program.set_apart(&[("base.amount".to_owned(), amount.into())], Some(&store));
+        run_program(&program, &store, &options(&CancelToken::new())).unwrap()
+    };
+    assert_eq!(run(1).steps, 8);
+    let outcome = run(5);
+    assert_eq!((outcome.steps, outcome.ran, outcome.found), (16, 8, 8));
+    let rows = table(folder.path());
+    assert_eq!((&*rows[0]["base.amount"], &*rows[15]["base.amount"]), ("1", "5"));
+    assert_eq!(run(5).steps, 16);
+}
+
+#[test]
+fn a_part_is_of_steps_that_set_a_parameter_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+    let only = vec![("echo.say".to_owned(), "x".into())];
+    let part = Part { only, shard: Shard { index: 0, count: 2 } };
+    let options = ProgramOptions { part, ..options(&cancel) };
+    let outcome = run_program(&program(MAP), &store, &options).unwrap();
+    assert_eq!((outcome.ran, outcome.missing, outcome.missing_of_part), (2, 6, 0));
+    assert!(table(folder.path()).iter().all(|row| row["echo.say"] == "x"));
+}
+
+#[test]
+fn who_waits_ends_when_others_have_done_the_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = MAP.replace("[1, 2, 99, 4]", &format!("{:?}", (0..40).collect::<Vec<_>>()));
+    let outcomes = std::thread::scope(|scope| {
+        let process = || {
+            let store = Store::open(folder.path()).unwrap();
+            let cancel = CancelToken::new();
+            let options = ProgramOptions { patience: Patience::Wait, ..options(&cancel) };
+            run_program(&program(&text), &store, &options).unwrap()
+        };
+        let both = [scope.spawn(process), scope.spawn(process)];
+        both.map(|handle| handle.join().unwrap())
+    });
+    assert_eq!(outcomes.iter().map(|outcome| outcome.ran).sum::<usize>(), 80);
+    assert!(outcomes.iter().all(|outcome| outcome.missing == 0), "{outcomes:?}");
+}
+
+#[test]
+fn events_say_what_there_is_to_do_and_what_was_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = || {
+        let (store, cancel) = (Store::open(folder.path()).unwrap(), CancelToken::new());
+        let lines = std::sync::Mutex::new(Vec::new());
+        let observer = |event: &ProgramEvent| {
+            lines.lock().unwrap().push(serde_json::to_value(event).unwrap());
+        };
+        let options = ProgramOptions { observer: &observer, ..options(&cancel) };
+        run_program(&program(MAP), &store, &options).unwrap();
+        lines.into_inner().unwrap()
+    };
+    let first = lines();
+    let began = serde_json::json!({"event": "began", "steps": 8, "found": 0});
+    assert_eq!(first[0], began);
+    let ended = first.iter().find(|line| line["event"] == "ended").unwrap();
+    assert!(ended["place"].is_u64() && ended["node"].is_string(), "as of a run: {ended}");
+    let again = lines();
+    assert_eq!(again.len(), 9);
+    assert!(again[1..].iter().all(|line| line["event"] == "step_found"));
 }

@@ -79,7 +79,9 @@ fn every_step_ends_up_once_in_the_table() {
         n_begun += usize::from(broken.join("steps").is_dir());
     }
     assert!(n_begun > 0, "no kill came after the start of the program");
-    assert!(program(&map, &broken, "2").status().unwrap().success());
+    // Of a step that was killed twice while it ran alone nobody knows that it was not its fault.
+    let last = program(&map, &broken, "2").arg("--retry-failed").status();
+    assert!(last.unwrap().success());
 
     let (expected, found) = (table(&whole), table(&broken));
     assert_eq!(expected.len(), 72);

@@ -343,7 +343,7 @@ impl Runner {
 
     fn end(&mut self, node: String, ended: NodeResult) {
         match &ended.record.status {
-            NodeStatus::Failed { error } => {
+            NodeStatus::Failed { error, .. } => {
                 self.log.add(Line::of(Some(&node), Loudness::Error, error));
             }
             // A node that was stopped keeps what it had before.

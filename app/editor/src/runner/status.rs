@@ -112,7 +112,7 @@ impl Runner {
         match &ended.record.status {
             NodeStatus::Done if ended.record.cached.is_some() => Status::Cached(self.seconds(node)),
             NodeStatus::Done => Status::Done(ended.record.seconds),
-            NodeStatus::Failed { error } => Status::Failed(error.clone()),
+            NodeStatus::Failed { error, .. } => Status::Failed(error.clone()),
             NodeStatus::Skipped { because_of } => Status::Skipped(because_of.clone()),
             NodeStatus::Stopped => Status::Stopped,
         }

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
 use mve_core::{
-    CancelToken, EventKind, Machine, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry,
-    Shard, Sharing, StepRecord, Store, run_program,
+    CancelToken, EventKind, Machine, Part, Patience, Program, ProgramEvent, ProgramOptions,
+    ProgramOutcome, Retry, Sharing, StepRecord, Store, run_program,
 };
 use mve_report::{Format, Report};
 
@@ -168,13 +168,14 @@ fn run_into(
     let options = ProgramOptions {
         jobs: how.jobs,
         threads: threads(),
-        shard: Shard { index: 0, count: 1 },
+        part: Part::default(),
         sharing: how.sharing,
         timings: mve_core::TIMINGS,
         memory: memory / 2,
         disk_cache: None,
         time_limit: None,
         retry: how.retry,
+        patience: Patience::None,
         cancel,
         observer: &|event| {
             hear(event, shared, cancel);
@@ -189,6 +190,7 @@ fn run_into(
 fn hear(event: &ProgramEvent, (news, changed): &(Mutex<News>, Condvar), cancel: &CancelToken) {
     let mut news = lock(news);
     match event {
+        ProgramEvent::Began { .. } | ProgramEvent::StepFound { .. } => {}
         ProgramEvent::StepStarted { place, .. } => {
             while news.paused_since.is_some() && !cancel.is_cancelled() {
                 let waited = changed.wait_timeout(news, Duration::from_millis(100));

@@ -1,0 +1,64 @@
+//! Axes as a file says them: a list of values, or one value that stands for many.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value as Json;
+
+use super::Axis;
+
+/// The keys of values that stand for many.
+const KEYS: [&str; 3] = ["glob", "range", "log"];
+
+#[derive(Deserialize, Serialize)]
+#[serde(untagged)]
+enum Values {
+    List(Vec<Json>),
+    Spread(Json),
+}
+
+fn is_spread(value: &Json) -> bool {
+    let fields = value.as_object().filter(|fields| fields.len() == 1);
+    fields.is_some_and(|fields| fields.keys().all(|key| KEYS.contains(&key.as_str())))
+}
+
+pub(super) fn serialize<S: Serializer>(axes: &[Axis], to: S) -> Result<S::Ok, S::Error> {
+    let values = |list: &Vec<Json>| match list.as_slice() {
+        [alone] if is_spread(alone) => Values::Spread(alone.clone()),
+        list => Values::List(list.to_vec()),
+    };
+    let axis = |axis: &Axis| -> IndexMap<String, Values> {
+        axis.iter().map(|(path, list)| (path.clone(), values(list))).collect()
+    };
+    axes.iter().map(axis).collect::<Vec<_>>().serialize(to)
+}
+
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Axis>, D::Error> {
+    let axes = Vec::<IndexMap<String, Values>>::deserialize(from)?;
+    let list = |values: Values| match values {
+        Values::List(list) => Ok(list),
+        Values::Spread(value) if is_spread(&value) => Ok(vec![value]),
+        Values::Spread(_) => Err(serde::de::Error::custom("neither a list nor what makes one")),
+    };
+    let axis = |axis: IndexMap<String, Values>| {
+        axis.into_iter().map(|(path, values)| Ok((path, list(values)?))).collect()
+    };
+    axes.into_iter().map(axis).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use crate::map::ProgramSpec;
+
+    #[test]
+    fn a_value_that_stands_for_many_is_kept_as_it_was_written() {
+        let written = json!({"axes": [{"a.x": {"range": [0, 1, 5]}, "a.y": [1, 2]},
+            {"a.z": {"glob": "*.obj"}}, {"b.x": [{"log": [1, 2, 3]}, 7]}]});
+        let spec: ProgramSpec = serde_json::from_value(written.clone()).unwrap();
+        assert_eq!(spec.axes[0]["a.x"], [json!({"range": [0, 1, 5]})]);
+        assert_eq!(json!(spec), written);
+        let odd = json!({"axes": [{"a.x": {"from": 3}}]});
+        assert!(serde_json::from_value::<ProgramSpec>(odd).is_err());
+    }
+}
