@@ -33,5 +33,4 @@ mod template;
 /// What `mve new image-cost` begins with.
 #[cfg(test)]
 #[path = "../../templates/image_cost.rs"]
-#[expect(dead_code, reason = "it stands in no list")]
 mod image_template;
