@@ -11,6 +11,7 @@ use indexmap::IndexMap;
 use mve_core::Map;
 
 use super::edit::{Alignment, Direction};
+use super::item::Item;
 
 /// Between layers, and between the nodes of one.
 const GAPS: [f64; 2] = [60.0, 30.0];
@@ -86,8 +87,26 @@ pub(super) fn in_layers(
     places
 }
 
-/// The same, with the nodes of each group together and no other among them: groups are arranged by
-/// themselves, and then like nodes as large as their frames.
+/// The nodes that frames hold; those of a frame within another, or that shares some, go with the
+/// one that holds more.
+pub(super) fn groups_of(framed: &[(String, Vec<Item>)]) -> Vec<Vec<String>> {
+    let name_of = |item: &Item| match item {
+        Item::Node(name) => Some(name.clone()),
+        _ => None,
+    };
+    let names = |(_, items): &(String, Vec<Item>)| items.iter().filter_map(name_of).collect();
+    let mut groups: Vec<Vec<String>> = framed.iter().map(names).collect();
+    groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
+    let mut known = HashSet::new();
+    for group in &mut groups {
+        group.retain(|name| known.insert(name.clone()));
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// Places as [`in_layers`] has them, with the nodes of each group together and no other among them:
+/// groups are arranged by themselves, and then like nodes as large as their frames.
 pub(super) fn in_layers_by_groups(
     map: &Map,
     names: &[String],

@@ -61,24 +61,6 @@ pub(super) fn places_of_others(map: &Map) -> IndexMap<String, [f64; 2]> {
     places
 }
 
-/// The nodes that frames hold; those of a frame within another, or that shares some, go with the
-/// one that holds more.
-fn groups_of(framed: &[(String, Vec<Item>)]) -> Vec<Vec<String>> {
-    let name_of = |item: &Item| match item {
-        Item::Node(name) => Some(name.clone()),
-        _ => None,
-    };
-    let names = |(_, items): &(String, Vec<Item>)| items.iter().filter_map(name_of).collect();
-    let mut groups: Vec<Vec<String>> = framed.iter().map(names).collect();
-    groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
-    let mut known = HashSet::new();
-    for group in &mut groups {
-        group.retain(|name| known.insert(name.clone()));
-    }
-    groups.retain(|group| !group.is_empty());
-    groups
-}
-
 impl Transaction<'_> {
     /// Does one edit.
     pub fn edit(&mut self, edit: &Edit) -> Result<(), EditError> {
@@ -407,7 +389,7 @@ impl Transaction<'_> {
         let frames = self.extras.frames.iter();
         let framed: Vec<_> = frames.map(|(name, frame)| (name.clone(), held(frame))).collect();
         let Some(before) = arrange::bounds(areas) else { return Ok(()) };
-        let groups = groups_of(&framed);
+        let groups = arrange::groups_of(&framed);
         let size = |name: &str| self.size(name);
         let places = arrange::in_layers_by_groups(&self.map, &names, &groups, size);
         for (name, place) in places {

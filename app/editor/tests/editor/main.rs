@@ -7,4 +7,5 @@ mod hand;
 mod monkey;
 mod programs;
 mod snapshots;
+mod truth;
 mod window;
