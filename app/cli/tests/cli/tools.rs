@@ -18,6 +18,13 @@ fn help_comes_alone_and_names_the_exit_codes() {
 }
 
 #[test]
+fn view_wants_files_that_are_there() {
+    let folder = Folder::new();
+    folder.mve(&["view"]).fails(2, "<FILES>");
+    folder.mve(&["view", "no-such.obj"]).fails(4, "there is no file no-such.obj");
+}
+
+#[test]
 fn modules_are_listed_and_described() {
     let folder = Folder::new();
     let answer = folder.mve(&["modules"]).succeeds();

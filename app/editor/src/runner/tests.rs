@@ -84,6 +84,9 @@ fn a_run_that_is_stopped_ends_soon_and_a_new_one_takes_its_place() {
     let mut runner = Runner::new(&shared());
     runner.run(subject(text, 1), Part::All);
     wait(&mut runner, |runner| matches!(runner.status("simplify"), Status::Running(_)));
+    let progress = runner.progress().expect("it runs");
+    assert_eq!(progress.working.map(|(node, _)| node).as_deref(), Some("simplify"));
+    assert_eq!((progress.n_ended, progress.n_nodes), (1, 2));
     let start = Instant::now();
     runner.stop();
     wait(&mut runner, |runner| !runner.is_running());
