@@ -88,7 +88,7 @@ impl fmt::Display for Problem {
 }
 
 /// Longest name and message that are shown whole, in characters.
-const LONGEST_NAME: usize = 80;
+pub(crate) const LONGEST_NAME: usize = 100;
 const LONGEST_MESSAGE: usize = 2000;
 
 /// A text from a file as a terminal can show it, cut where it is very long.

@@ -4,6 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::module::Module;
 use crate::param::object_of;
+use crate::problem::LONGEST_NAME;
 use crate::registry::{ModuleInfo, Registry};
 
 /// The schema, draft 2020-12.
@@ -23,7 +24,7 @@ pub fn schema(registry: &Registry) -> Json {
                 "type": "object",
                 "propertyNames": {
                     "pattern": "^[^\\s./\\\\{}>]+$",
-                    "maxLength": crate::Map::LONGEST_NAME,
+                    "maxLength": LONGEST_NAME,
                     "not": { "const": "seconds" }
                 },
                 "additionalProperties": node(registry)

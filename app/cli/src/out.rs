@@ -58,8 +58,8 @@ pub fn styled(text: &str, style: Style) -> String {
     format!("{sign}{text}{}", PLAIN.0)
 }
 
-/// A text as a terminal may have it: its lines, its styles where there are colors, and whatever else
-/// would steer it written out.
+/// A text as a terminal may have it: its lines, its styles where there are colors, and whatever
+/// else would steer it written out.
 fn safe(text: &str, has_colors: bool) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

@@ -26,7 +26,7 @@ pub use position::Position;
 
 use crate::files::fresh_file;
 use crate::json;
-use crate::problem::{Problem, is_steering};
+use crate::problem::{LONGEST_NAME, Problem, is_steering};
 
 /// The version of the format that this mve writes.
 const FORMAT: u64 = 1;
@@ -211,14 +211,11 @@ impl Map {
         Ok(map)
     }
 
-    /// Letters of the longest name of a node.
-    pub const LONGEST_NAME: usize = 100;
-
-    /// Whether a node may have this name: it is none of a column of results, and the signs that links, paths and templates are made of
-    /// are not for names.
+    /// Whether a node may have this name: the signs that links, paths and templates are made of are
+    /// not for names, and neither are those that nobody sees.
     pub fn can_name_a_node(name: &str) -> bool {
         let is_bad = |c: char| c.is_whitespace() || is_steering(c) || ".{}>/\\".contains(c);
-        let is_long = name.chars().nth(Self::LONGEST_NAME).is_some();
+        let is_long = name.chars().nth(LONGEST_NAME).is_some();
         !(name.is_empty() || name.contains(is_bad) || is_long || name == RESERVED)
     }
 

@@ -19,8 +19,8 @@ pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Re
         let message = format!("\"{path}\" is not a parameter; write node.param");
         return Err(Problem::error(message));
     };
-    let missing = no_such_node(map, node_name);
     let Some(node) = map.nodes.get_mut(node_name) else {
+        let missing = no_such_node(map, node_name);
         return Err(Problem::error(missing).at(node_name).port(param_path));
     };
     if param_path == MODULE {

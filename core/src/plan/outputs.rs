@@ -258,7 +258,8 @@ pub(crate) fn one_case(path: &Path) -> PathBuf {
     path.to_string_lossy().to_lowercase().into()
 }
 
-/// The path without `.` and `..`; `None` if it names no file, or leaves the folder where it must not.
+/// The path without `.` and `..`; `None` if it names no file, or leaves the folder where it must
+/// not.
 fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
     let mut path = PathBuf::new();
     for part in Path::new(text).components() {

@@ -7,7 +7,7 @@ use crate::data::DataType;
 use crate::map::{Link, Map};
 use crate::module::Module;
 use crate::port::ANY;
-use crate::problem::{Problem, did_you_mean};
+use crate::problem::{LONGEST_NAME, Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
 /// An output of a node of the map, by place.
@@ -56,9 +56,8 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
 
 fn check_name(name: &str, problems: &mut Vec<Problem>) {
     if !Map::can_name_a_node(name) {
-        let n = Map::LONGEST_NAME;
         let message = format!(
-            "a node's name cannot be empty or longer than {n} letters, hold spaces, slashes, \
+            "a node's name cannot be empty or longer than {LONGEST_NAME} letters, hold spaces, slashes, \
              invisible signs or any of . {{ }} >, or be \"seconds\", which stands for times"
         );
         problems.push(Problem::error(message).at(name));

@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 
 use super::columns::Columns;
 use super::report_spec::About;
-use super::spread::spread;
+use super::spread::{MOST_STEPS, spread};
 use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
@@ -19,9 +19,6 @@ use crate::param::MODULE;
 use crate::plan::{Plan, assign, no_file, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
-
-/// No table that a person reads is longer; it stops a slip from filling the memory.
-pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// Problems of single steps that are listed; more say nothing new.
 const MOST_PROBLEMS: usize = 20;

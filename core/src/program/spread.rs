@@ -6,8 +6,10 @@ use glob::{MatchOptions, Pattern, glob_with};
 use indexmap::IndexMap;
 use serde_json::Value as Json;
 
-use super::expand::MOST_STEPS;
 use crate::map::Axis;
+
+/// No table that a person reads is longer; it stops a slip from filling the memory.
+pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// The most digits of a number that is computed, so that it reads well and is the same everywhere.
 const DIGITS: usize = 6;

@@ -224,13 +224,13 @@ impl<'a> Workers<'a> {
         let is_suspect = claim.n_crashes > 0;
         let _others = (!is_suspect).then(|| self.alone.read());
         let _alone = is_suspect.then(|| self.alone.write());
+        (self.options.observer)(&ProgramEvent::StepStarted { place, step });
         if let Some(record) = self.crashed(step, &claim) {
             let record = self.store.commit(claim, record)?;
             (self.options.observer)(&ProgramEvent::StepEnded { place, record: &record });
             return Ok(true);
         }
         self.store.begin(&step.id, claim.n_crashes)?;
-        (self.options.observer)(&ProgramEvent::StepStarted { place, step });
         let Some(record) = self.run_step(place, &claim.outputs()) else {
             self.store.abandon(&claim);
             return Ok(false);
