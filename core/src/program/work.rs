@@ -282,7 +282,8 @@ impl<'a> Workers<'a> {
         Some(self.record_of(step, status, start, nodes))
     }
 
-    /// The record of a step that took processes along too often to be tried again.
+    /// The record of a step that took processes along too often to be tried again, unless that is
+    /// asked for.
     pub(super) fn crashed(&self, step: &Step, claim: &StepClaim) -> Option<StepRecord> {
         let n = claim.n_crashes;
         let reason = format!(
@@ -290,7 +291,8 @@ impl<'a> Workers<'a> {
         );
         let status = StepStatus::Crashed { reason };
         let record = || self.record_of(step, status, Instant::now(), IndexMap::new());
-        (n >= MOST_CRASHES).then(record)
+        let may_try = self.options.retry == Retry::Failed;
+        (n >= MOST_CRASHES && !may_try).then(record)
     }
 
     fn record_of(
