@@ -17,7 +17,7 @@
 //! it as seen from all of the group, it is never nearer either: faces around a hub are one face to
 //! what is before the hub.
 //!
-//! Faces whose distances differ by less than [`TIE`] count as equally near.
+//! Faces whose distances differ by less than `TIE` count as equally near.
 
 use std::ops::{Range, RangeInclusive};
 use std::sync::OnceLock;

@@ -361,7 +361,7 @@ pub struct ScaleSettings {
     /// Value of the last color; `None`: from the data.
     pub high: Option<f64>,
     /// How many of the values may lie beyond each end that comes from the data: one of
-    /// [`CLIP_PERCENTS`].
+    /// `CLIP_PERCENTS`.
     pub clip_percent: f64,
     /// Whether a range from the data lies evenly around 0.
     pub is_symmetric: bool,
