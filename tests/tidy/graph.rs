@@ -120,7 +120,7 @@ pub fn module_of(file: &str) -> String {
 }
 
 /// A written path as one from the root of the crate.
-fn absolute(file: &str, names: &[&str]) -> Option<String> {
+pub fn absolute(file: &str, names: &[&str]) -> Option<String> {
     let module = module_of(file);
     let mut parts: Vec<&str> = module.split("::").filter(|part| !part.is_empty()).collect();
     let mut names = names.iter().peekable();

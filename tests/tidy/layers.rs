@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use mve_modules::registry;
 use mve_tests::root;
 
-use super::graph::{Graph, ROOTS, module_of, paths};
-use super::sources::tokens;
+use super::graph::{Graph, ROOTS, absolute, module_of, paths};
+use super::sources::{Token, tokens};
 
 /// Folders of modules: none names another one.
 const LISTS: [&str; 5] = ["io", "generate", "filters", "measure", "images"];
@@ -190,6 +190,39 @@ fn no_code_computes_through_an_entry() {
                 wrong.push(format!("modules/src/{list}:{line} uses {}", names.join("::")));
             }
         }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// An import of a folder with a list, of all that a folder has, or of the crate under another name
+/// would hide from these tests what is named through it.
+#[test]
+fn imports_hide_no_entry() {
+    let graph = Graph::of("modules/src");
+    let lists: BTreeSet<String> = graph
+        .entries
+        .iter()
+        .filter_map(|entry| Some(entry.rsplit_once('/')?.0.replace('/', "::")))
+        .collect();
+    let mut wrong = Vec::new();
+    for file in graph.files.iter().filter(|file| *file != "prelude.rs") {
+        let tokens = graph.tokens(file);
+        for (names, line) in paths(&tokens, &["crate", "super"]) {
+            // A file without an entry may have modules of its own, which name all that it has.
+            let is_own = names[0] == "super" && !graph.entries.contains(file);
+            let is_glob = names.last() == Some(&"*") && !names.contains(&"prelude") && !is_own;
+            let is_folder = absolute(file, &names).is_some_and(|full| lists.contains(&full));
+            if is_glob || is_folder {
+                wrong.push(format!("modules/src/{file}:{line} names {}", names.join("::")));
+            }
+        }
+        let renames = |three: &&[Token]| {
+            let [a, b, c] = [0, 1, 2].map(|k| three[k].text);
+            a == "use" && matches!(b, "crate" | "super") && c == "as"
+        };
+        wrong.extend(tokens.windows(3).find(renames).map(|three| {
+            format!("modules/src/{file}:{} gives the crate another name", three[0].line)
+        }));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

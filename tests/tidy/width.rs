@@ -1,5 +1,7 @@
 //! No line is wider than the formatter would make it, which leaves comments and prose alone.
 
+use mve_tests::root;
+
 use super::files;
 
 /// Most signs in a line.
@@ -31,5 +33,7 @@ fn lines_are_within_the_width() {
             }
         }
     }
+    let architecture = std::fs::read_to_string(root().join("docs/ARCHITECTURE.md")).unwrap();
+    assert!(architecture.lines().count() < 250, "docs/ARCHITECTURE.md: 250 lines or more");
     assert!(wrong.is_empty(), "{} lines are too wide:\n{}", wrong.len(), wrong.join("\n"));
 }
