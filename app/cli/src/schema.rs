@@ -21,7 +21,7 @@ pub struct Args {
     events: bool,
 }
 
-const EVENTS: &str = include_str!("templates/events.schema.json");
+const EVENTS: &str = include_str!("events.schema.json");
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {

@@ -202,12 +202,17 @@ pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> Str
     }
 }
 
-/// The columns that measures are plotted against: how large results are, and, where it was
-/// measured with nothing shared, how long they took.
+/// Whether a column holds what a step or a node took.
+pub fn is_time(column: &str) -> bool {
+    TIMES.contains(&column) || column.starts_with("seconds.")
+}
+
+/// The columns that measures are plotted against: those that the report names, else how large
+/// results are and how long they took. Times count where they were measured with nothing shared.
 pub fn against(results: &Results) -> Vec<String> {
     if !results.spec.against.is_empty() {
-        let named = results.spec.against.iter();
-        return named.filter(|column| results.has_numbers(column)).cloned().collect();
+        let named = results.spec.against.iter().filter(|column| results.has_numbers(column));
+        return named.filter(|column| results.is_timed() || !is_time(column)).cloned().collect();
     }
     let time = || {
         let of_node = results.series_node().map(|node| format!("seconds.{node}"));

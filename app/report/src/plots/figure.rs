@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use mve_core::{Better, Role};
 
 use crate::case::Case;
-use crate::columns::{self, MeasureColumn};
+use crate::columns::{self, MeasureColumn, is_time};
 use crate::results::Results;
 use crate::stats::{Estimate, estimate, geometric_mean, pareto_front};
 
@@ -90,7 +90,8 @@ impl Figure {
 /// Plots of all measures, and how many panels were left out.
 pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, usize) {
     let against = columns::against(results);
-    let measures: Vec<&MeasureColumn> = measures.iter().filter(|m| m.is_there).collect();
+    let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));
+    let measures: Vec<&MeasureColumn> = measures.iter().filter(is_drawn).collect();
     let quota = (MOST_PANELS / (measures.len() * against.len()).max(1)).max(1);
     let mut n_hidden = 0;
     let mut all = Vec::new();
@@ -121,10 +122,6 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
         }
     }
     (all, n_hidden)
-}
-
-fn is_time(column: &str) -> bool {
-    mve_core::TIMES.contains(&column) || column.starts_with("seconds.")
 }
 
 /// The range of some values with room around it, so that no mark is cut; `None` of no values.

@@ -231,8 +231,13 @@ fn times_of_several_runs_are_tables_with_their_spread() {
 
 #[test]
 fn plots_stand_alone() {
+    plots_of(&json!({}));
+    plots_of(&json!({ "against": ["cut.faces", "seconds.cut"] }));
+}
+
+fn plots_of(report: &Json) {
     let axes = json!([{ "cut.cost": ["A", "B"] }, { "cut.n": [1, 2, 3] }]);
-    let mut maker = Maker::new(json!({ "axes": axes }));
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
     for (series, cost) in ["A", "B"].into_iter().enumerate() {
         for n in [1, 2, 3] {
             let outputs = json!({ "err": f64::from(n) + series as f64, "faces": 1000 / n });
