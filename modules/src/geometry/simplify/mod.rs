@@ -1,3 +1,4 @@
 //! Simplification: one folder a family of methods.
 
 pub mod collapse;
+pub mod refit;
