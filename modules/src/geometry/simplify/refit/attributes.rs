@@ -109,7 +109,8 @@ impl Carrier<'_> {
                 shared.for_each(|corner| index[here(corner)] = number);
             }
         }
-        Ok(drop_unused(values, index))
+        drop_unused(values, index);
+        Ok(())
     }
 
     /// The value at a place, by the nearest of these corners' faces all of whose corners have one.

@@ -33,7 +33,7 @@ fn sphere(n_cuts: u32) -> TriMesh {
         .map(|octant: u32| {
             let signs = DVec3::from([0, 1, 2].map(|k| 1.0 - 2.0 * f64::from(octant >> k & 1)));
             let [a, b, c] = points.map(|p| DVec3::from(p) * signs);
-            if octant.count_ones() % 2 == 0 { [a, b, c] } else { [a, c, b] }
+            if octant.count_ones().is_multiple_of(2) { [a, b, c] } else { [a, c, b] }
         })
         .collect();
     for _ in 0..n_cuts {
