@@ -13,14 +13,14 @@ use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
 
 /// Prices by active areas, and checks some of them against whole pictures.
-struct Checked<D: Difference> {
+pub struct Checked<D: Difference> {
     active: ImageDriven<D>,
     whole: ImageDriven<D>,
-    n_checked: Mutex<usize>,
+    pub n_checked: Mutex<usize>,
 }
 
 impl<D: Difference> Checked<D> {
-    fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
+    pub fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let new =
             |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
         Self { active: new(Areas::Active), whole: new(Areas::Whole), n_checked: Mutex::new(0) }
@@ -62,16 +62,18 @@ impl<D: Difference> Cost for Checked<D> {
     }
 }
 
-const SMALL: ImageOptions = ImageOptions {
+pub const SMALL: ImageOptions = ImageOptions {
     cameras: CameraSet::Fibonacci(3),
     resolution: 64,
     sides: Sides::Both,
+    albedo: Albedo::White,
+    is_lit: true,
     background: 90,
     areas: Areas::Active,
     renewal: Renewal::Lazy,
 };
 
-fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+pub fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
     let stop = Stop { ratio: Some(0.5), ..Stop::default() };
     let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
     simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
@@ -94,7 +96,7 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
 }
 
 /// The picture of a camera after all collapses.
-fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
+pub fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     let mut scratch = Scratch::default();
     let watched = &mut *lock(&cost.cameras[camera]);
     let (mesh, changes) = (None, &[][..]);
@@ -102,7 +104,7 @@ fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     watched.view.picture.clone()
 }
 
-fn small_vase() -> TriMesh {
+pub fn small_vase() -> TriMesh {
     vase(&VaseOptions { segments: 12, profile_segments: 18, ..VaseOptions::DEFAULT })
 }
 

@@ -1,13 +1,14 @@
-//! Takes pictures of a mesh: see `geometry/render` for what a pixel is.
+//! Takes pictures of a mesh: see `picture/render` for what a pixel is.
 
 use crate::data::PixelKind;
-use crate::picture::render::{Frame, NormalSource, Paint, Surface, pictures};
+use crate::picture::missing::missing_colors;
+use crate::picture::render::{Albedo, Frame, NormalSource, Surface, pictures};
 use crate::picture::view::{View, ViewDefaults, ViewParams, n_unseen};
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new(
     "mesh",
-    "The mesh to look at. Its colors are in the layer \"color\", or come from the texture.",
+    "The mesh to look at.",
 );
 const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
     "frame",
@@ -16,12 +17,13 @@ const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
 );
 const TEXTURE_IN: MaybeIn<Images> = MaybeIn::new(
     "texture",
-    "A picture on the surface, by the layer \"texcoord\"; the first of several. It takes the place \
-     of the layer \"color\".",
+    "A picture on all of the surface, by the layer \"texcoord\"; the first of several. It takes the \
+     place of what albedo names.",
 );
 const VIEW: ViewParams = ViewParams::new(ViewDefaults {
     cameras: "Rhombicuboctahedron",
     resolution: 512,
+    albedo: "Colors",
     shading: "Gouraud",
     sides: "Both",
     background: 0,
@@ -60,6 +62,7 @@ pub static MODULE: Module = Module {
         VIEW.cameras.spec(),
         CAMERA.spec(),
         VIEW.resolution.spec(),
+        VIEW.albedo.spec(),
         VIEW.shading.spec(),
         NORMALS.spec(),
         VIEW.sides.spec(),
@@ -74,10 +77,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let view = VIEW.read(io.settings())?;
     let numbers = numbers(io, &view)?;
     let texture = io.maybe(TEXTURE_IN);
-    let paint = paint(io, &mesh, texture.as_deref());
+    let albedo = albedo(io, &mesh, view.albedo, texture.as_deref());
     let control = io.control();
     let normals = io.param(NORMALS)?;
-    let surface = Surface::new(&mesh, view.shading, normals, paint, control.part(0.0, 0.1))?;
+    let surface = Surface::new(&mesh, view.shading, normals, albedo, control.part(0.0, 0.1))?;
     let is_gray = io.param(GRAY)? || !surface.is_colored();
     let options = view.pictures(if is_gray { PixelKind::Gray } else { PixelKind::Rgb });
     let frame_mesh = io.maybe(FRAME_IN);
@@ -113,20 +116,29 @@ fn numbers(io: &Io, view: &View) -> Result<Vec<usize>, ModuleError> {
     }
 }
 
-/// What colors the surface.
-fn paint<'a>(io: &Io, mesh: &TriMesh, texture: Option<&'a Images>) -> Paint<'a> {
-    let Some(texture) = texture else { return Paint::Layer };
-    if texture.0.len() > 1 {
-        io.warn(format!("the first of {} textures is used", texture.0.len()));
+/// What colors the surface: the texture that is given, or else what the view says.
+fn albedo<'a>(
+    io: &Io,
+    mesh: &TriMesh,
+    of_view: Albedo<'a>,
+    texture: Option<&'a Images>,
+) -> Albedo<'a> {
+    let texture = texture.map_or(&[][..], |texture| &texture.0);
+    if texture.len() > 1 {
+        io.warn(format!("the first of {} textures is used", texture.len()));
     }
-    match texture.0.first() {
-        None => Paint::Layer,
-        Some(_) if mesh.layer(Layer::TEXCOORD).is_none() => {
-            io.warn("the mesh has no layer \"texcoord\", so the texture is not used");
-            Paint::Layer
+    match texture.first() {
+        Some(image) if mesh.layer(Layer::TEXCOORD).is_some() => return Albedo::Picture(image),
+        Some(_) => io.warn("the mesh has no layer \"texcoord\", so the texture is not used"),
+        // A mesh without a layer of colors is white as it always was.
+        None if of_view == Albedo::Textures => {
+            for missing in missing_colors(mesh, of_view) {
+                io.warn(format!("the mesh {missing}"));
+            }
         }
-        Some(image) => Paint::Texture(image),
+        None => {}
     }
+    of_view
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use glam::DVec3;
 use mve_core::Cancelled;
 
 use super::complex::{Complex, next_in_face, previous_in_face};
+use super::merging::Merging;
 use super::options::Seams;
 use super::order::Order;
 use super::ticker::{CHUNK, Ticker};
@@ -40,7 +41,7 @@ pub(super) struct Attributes {
     /// Whether each vertex has several wedges in a layer whose seams are kept; empty when there
     /// is no such layer.
     on_seam: Vec<bool>,
-    pairs: Vec<(u32, u32)>,
+    merging: Merging,
 }
 
 /// What seams leave to a collapse.
@@ -75,7 +76,7 @@ impl Attributes {
                 }
             }
         }
-        Ok(Self { layers, on_seam, pairs: Vec::new() })
+        Ok(Self { layers, on_seam, merging: Merging::default() })
     }
 
     /// Whether there are seams that are kept.
@@ -125,7 +126,7 @@ impl Attributes {
         let (mut pins_kept, mut pins_gone) = (false, false);
         let mut pairs = Vec::new();
         for layer in self.layers.iter().filter(|layer| layer.has_seams()) {
-            layer.find_pairs(complex, edge, &mut pairs);
+            layer.find_pairs(complex, [kept, gone], &mut pairs);
             let is_paired =
                 |wedge, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == wedge);
             pins_kept |=
@@ -159,20 +160,14 @@ impl Attributes {
             return;
         }
         let [kept, gone] = complex.ends(edge);
-        let [from, to] = [kept, gone].map(|v| complex.position(v));
-        let at = parameter(from, to, position);
         if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
             *kept |= *gone;
         }
-        for (id, layer) in (0u32..).zip(&mut self.layers) {
-            let given = |wedge: u32| {
-                let name = (LayerId(id), WedgeId(wedge));
-                given.iter().find(|given| (given.layer, given.wedge) == name).map(|v| v.value)
-            };
-            match layer.domain {
-                Domain::Vertex => layer.merge_vertices(kept, gone, at, given),
-                Domain::Corner => layer.merge_wedges(complex, edge, at, given, &mut self.pairs),
-                Domain::Face => {}
+        let Self { layers, merging, .. } = self;
+        for (id, layer) in (0u32..).zip(layers) {
+            if layer.domain != Domain::Face {
+                layer.find_merging(LayerId(id), complex, [kept, gone], position, given, merging);
+                layer.apply(complex, [kept, gone], merging);
             }
         }
     }
@@ -260,7 +255,8 @@ impl WorkingLayer {
         self.domain == Domain::Corner && self.role == Role::TexCoord
     }
 
-    fn wedge_at(&self, element: u32) -> u32 {
+    /// The wedge of an element, or [`NO_VALUE`].
+    pub fn wedge_at(&self, element: u32) -> u32 {
         self.wedges[element as usize]
     }
 
@@ -275,8 +271,12 @@ impl WorkingLayer {
     }
 
     /// The wedges of the two ends that meet in a face at the edge, each pair once.
-    fn find_pairs(&self, complex: &Complex, edge: EdgeId, pairs: &mut Vec<(u32, u32)>) {
-        let [kept, gone] = complex.ends(edge);
+    pub fn find_pairs(
+        &self,
+        complex: &Complex,
+        [kept, gone]: [u32; 2],
+        pairs: &mut Vec<(u32, u32)>,
+    ) {
         pairs.clear();
         for corner in complex.corners_around(kept) {
             let other = [next_in_face(corner), previous_in_face(corner)]
@@ -290,71 +290,45 @@ impl WorkingLayer {
         }
     }
 
-    fn merge_vertices(
-        &mut self,
-        kept: u32,
-        gone: u32,
-        at: f64,
-        given: impl Fn(u32) -> Option<DVec3>,
-    ) {
-        let (mine, other) = (self.wedge_at(kept), self.wedge_at(gone));
-        if mine == NO_VALUE || other == NO_VALUE {
-            // The value of the nearer end, or none if it has none.
-            self.wedges[kept as usize] = if at > 0.5 { other } else { mine };
-        } else {
-            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
-        }
-    }
-
-    fn merge_wedges(
-        &mut self,
+    /// Finds what a merge of `kept` and `gone` at a position makes of the wedges. A wedge that
+    /// `given` names takes the value from there.
+    pub fn find_merging(
+        &self,
+        id: LayerId,
         complex: &Complex,
-        edge: EdgeId,
-        at: f64,
-        given: impl Fn(u32) -> Option<DVec3>,
-        pairs: &mut Vec<(u32, u32)>,
+        [kept, gone]: [u32; 2],
+        position: DVec3,
+        given: &[AttributeValue],
+        merging: &mut Merging,
     ) {
-        let [kept, gone] = complex.ends(edge);
-        self.find_pairs(complex, edge, pairs);
-        pairs.retain(|&(mine, other)| mine != NO_VALUE && other != NO_VALUE);
-        while let Some((mine, other)) = pairs.pop() {
-            // Where one wedge meets several, they all take its value: a seam ends there.
-            let is_fan_of_mine = pairs.iter().any(|p| p.0 == mine);
-            let is_fan_of_other = pairs.iter().any(|p| p.1 == other);
-            let at = match (is_fan_of_mine, is_fan_of_other) {
-                (true, false) => 0.0,
-                (false, true) => 1.0,
-                _ => at,
-            };
-            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
-            let renamed = |wedge: u32, pairs: &[(u32, u32)]| {
-                wedge == other || pairs.iter().any(|p| p.1 == other && p.0 == wedge)
-            };
-            for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
-                if renamed(self.wedge_at(corner), pairs) {
-                    self.wedges[corner as usize] = mine;
-                }
-            }
-            for pair in pairs.iter_mut() {
-                if pair.1 == other {
-                    *pair = (mine, mine);
-                } else if pair.0 == mine {
-                    // The rest of the fan takes the value that is there now.
-                    for corner in complex.corners_around(gone) {
-                        if self.wedges[corner as usize] == pair.1 {
-                            self.wedges[corner as usize] = mine;
-                        }
-                    }
-                    *pair = (mine, mine);
-                }
-            }
-            pairs.retain(|p| p.0 != p.1);
+        let at = parameter(complex.position(kept), complex.position(gone), position);
+        let given = |wedge: u32| {
+            let name = (id, WedgeId(wedge));
+            given.iter().find(|given| (given.layer, given.wedge) == name).map(|v| v.value)
+        };
+        match self.domain {
+            Domain::Vertex => merging.of_vertices(self, [kept, gone], at, given),
+            Domain::Corner => merging.of_corners(self, complex, [kept, gone], at, given),
+            Domain::Face => *merging = Merging::default(),
         }
     }
 
-    /// The value between those of two wedges: the first at 0, the second at 1, bit for bit.
-    fn mix(&self, from: u32, to: u32, at: f64) -> DVec3 {
-        let (from, to) = (self.values[from as usize], self.values[to as usize]);
+    /// Changes the wedges.
+    fn apply(&mut self, complex: &Complex, [kept, gone]: [u32; 2], merging: &Merging) {
+        for &(wedge, value) in merging.values() {
+            self.values[wedge as usize] = value;
+        }
+        if self.domain == Domain::Vertex {
+            self.wedges[kept as usize] = merging.now(self.wedge_at(kept));
+            return;
+        }
+        for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
+            self.wedges[corner as usize] = merging.now(self.wedge_at(corner));
+        }
+    }
+
+    /// The value between two: the first at 0, the second at 1, bit for bit.
+    pub fn mix(&self, from: DVec3, to: DVec3, at: f64) -> DVec3 {
         if at == 0.0 || from == to {
             return from;
         }

@@ -31,6 +31,7 @@ mod engine_tests;
 mod guard_tests;
 mod marks;
 mod merge;
+mod merging;
 mod mesh;
 mod observer;
 #[cfg(test)]
@@ -56,6 +57,7 @@ mod wedge;
 
 pub use cost::Cost;
 pub use merge::DyingFace;
+pub use merging::Merging;
 pub use mesh::WorkingMesh;
 pub use observer::{Collapse, Element, Observer, WedgeChange};
 pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions};
