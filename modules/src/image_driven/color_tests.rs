@@ -5,13 +5,13 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 
-use super::tests::{Checked, SMALL, halve, picture, small_vase};
+use super::tests::{Checked, SMALL, halve, halve_with, picture, small_vase};
 use super::*;
 use crate::cost::Squares;
 use crate::data::{Domain, Image, Layer, LayerValues, NO_VALUE, PixelKind};
 use crate::geometry::simplify::collapse::trial::first_prices;
 use crate::geometry::simplify::collapse::{
-    AttributeValue, Candidates, Contraction, LayerId, Placement,
+    AttributeValue, Candidates, Contraction, LayerId, Placement, Seams,
 };
 use crate::mesh::fixtures::{mesh_of, textured};
 use crate::picture::render::{NormalSource, PictureOptions, Shading, Surface};
@@ -103,11 +103,11 @@ fn active_areas_price_colors_as_whole_pictures_do() {
 #[test]
 fn pictures_stay_those_that_the_renderer_takes_of_the_mesh() {
     for (mesh, options) in colored() {
-        for sides in [Sides::Front, Sides::Both] {
+        for (sides, seams) in [(Sides::Front, Seams::Kept), (Sides::Both, Seams::Free)] {
             let options = ImageOptions { sides, ..options };
             let mut cost = ImageDriven::new(&mesh, Squares, options);
             let lenses = cost.lenses.clone();
-            let result = halve(&mesh, &mut cost, &mut Optimal::default());
+            let result = halve_with(&mesh, &mut cost, &mut Optimal::default(), seams);
             let mut n_differing = 0;
             for (camera, lens) in lenses.iter().enumerate() {
                 let picture = &picture(&cost, camera);
@@ -122,10 +122,13 @@ fn pictures_stay_those_that_the_renderer_takes_of_the_mesh() {
     }
 }
 
+/// A proposal: the vertices and the bits of the position.
+type Name = (u32, u32, [u64; 3]);
+
 /// Compares the price of each collapse that was priced just before with what it changed.
 struct Followed {
     cost: ImageDriven<Squares>,
-    priced: Mutex<HashMap<(u32, u32, [u64; 3]), f64>>,
+    priced: Mutex<HashMap<Name, f64>>,
     error: i64,
     n_compared: usize,
 }
@@ -204,11 +207,11 @@ fn a_price_is_what_the_collapse_changes() {
         if !is_of_faces {
             placements.push(Box::new(Tinted(LayerId(layer as u32))));
         }
-        for mut placement in placements {
+        for (mut placement, seams) in placements.into_iter().zip([Seams::Free, Seams::Kept]) {
             let cost = ImageDriven::new(&mesh, Squares, options);
             let priced = Mutex::default();
             let mut cost = Followed { cost, priced, error: 0, n_compared: 0 };
-            halve(&mesh, &mut cost, placement.as_mut());
+            halve_with(&mesh, &mut cost, placement.as_mut(), seams);
             assert!(cost.n_compared > 20, "{}", cost.n_compared);
         }
     }

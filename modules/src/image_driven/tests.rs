@@ -7,7 +7,7 @@ use crate::cost::Squares;
 use crate::data::FaceId;
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
-    Candidates, Contraction, Placement, SimplifyOptions, Stop, simplify, trial,
+    Candidates, Contraction, Placement, Seams, SimplifyOptions, Stop, simplify, trial,
 };
 use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
@@ -74,8 +74,17 @@ pub const SMALL: ImageOptions = ImageOptions {
 };
 
 pub fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+    halve_with(mesh, cost, placement, Seams::Kept)
+}
+
+pub fn halve_with(
+    mesh: &TriMesh,
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    seams: Seams,
+) -> TriMesh {
     let stop = Stop { ratio: Some(0.5), ..Stop::default() };
-    let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, seams, ..SimplifyOptions::DEFAULT };
     simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
 }
 

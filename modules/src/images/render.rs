@@ -6,10 +6,7 @@ use crate::picture::render::{Albedo, Frame, NormalSource, Surface, pictures};
 use crate::picture::view::{View, ViewDefaults, ViewParams, n_unseen};
 use crate::prelude::*;
 
-const MESH_IN: In<TriMesh> = In::new(
-    "mesh",
-    "The mesh to look at.",
-);
+const MESH_IN: In<TriMesh> = In::new("mesh", "The mesh to look at.");
 const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
     "frame",
     "The mesh that the cameras are placed around, to see several meshes from the same places; \
@@ -146,8 +143,8 @@ mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
 
-    use crate::data::{Image, PixelKind};
-    use crate::mesh::fixtures::{cube, mesh_of};
+    use crate::data::{Image, LayerValues, PixelKind};
+    use crate::mesh::fixtures::{cube, mesh_of, textured_square};
     use crate::prelude::*;
 
     fn trial(mesh: TriMesh) -> Trial {
@@ -208,7 +205,7 @@ mod tests {
             ["warning: the mesh has no layer \"texcoord\", so the texture is not used"]
         );
         let mut mesh = cube(DVec3::ZERO);
-        let values = crate::data::LayerValues::Vec3(vec![DVec3::new(1.0, 0.5, 0.0)]);
+        let values = LayerValues::Vec3(vec![DVec3::new(1.0, 0.5, 0.0)]);
         let name = Layer::COLOR.to_owned();
         mesh.set_layer(Layer { name, domain: Domain::Face, values, index: vec![0; 12] });
         let white = images(trial(cube(DVec3::ZERO)).set("shading", "Flat"));
@@ -230,5 +227,52 @@ mod tests {
         let is_color = |pixel: &[u8]| [[255, 127, 0], [255, 128, 0]].iter().any(|c| pixel == c);
         assert!(pixels().all(|pixel| pixel == [0; 3] || is_color(pixel)));
         assert!(pixels().filter(|pixel| is_color(pixel)).count() > 100);
+    }
+
+    #[test]
+    fn each_material_has_its_own_texture() {
+        let picture = |color: [u8; 3]| Image {
+            name: String::new(),
+            width: 1,
+            height: 1,
+            kind: PixelKind::Rgb,
+            bytes: color.to_vec(),
+        };
+        let mut mesh = textured_square(picture([200, 0, 0]));
+        let mut other = textured_square(picture([0, 0, 90])).materials.swap_remove(0);
+        "other".clone_into(&mut other.name);
+        mesh.materials.push(other);
+        let names = LayerValues::Label(["paint", "other"].map(str::to_owned).to_vec());
+        let layer = |index| Layer {
+            name: Layer::MATERIAL.to_owned(),
+            domain: Domain::Face,
+            values: names.clone(),
+            index,
+        };
+        mesh.set_layer(layer(vec![0, 1]));
+        let taken = || {
+            trial(mesh.clone())
+                .set("albedo", "Textures")
+                .set("shading", "Unlit")
+                .set("background", 7)
+        };
+        let pictures = images(taken());
+        let n_of = |pictures: &[Image], color: [u8; 3]| {
+            let pixels = pictures.iter().flat_map(|picture| picture.bytes.chunks_exact(3));
+            pixels.filter(|pixel| *pixel == color).count()
+        };
+        let [n_red, n_blue] = [[200, 0, 0], [0, 0, 90]].map(|color| n_of(&pictures, color));
+        assert!(n_red > 1000 && n_red.abs_diff(n_blue) < n_red / 20, "{n_red} and {n_blue}");
+        assert_eq!(n_red + n_blue + n_of(&pictures, [7; 3]), 24 * 32 * 32);
+        assert!(taken().log().unwrap().is_empty());
+        // A picture that is linked in lies on all faces.
+        let given = || Images(vec![picture([9, 90, 9])]);
+        let pictures = images(taken().input("texture", given()));
+        assert_eq!(n_of(&pictures, [9, 90, 9]), n_red + n_blue);
+        // White is white whatever the mesh carries.
+        let white = images(taken().set("albedo", "White"));
+        assert_eq!(white[0].kind, PixelKind::Gray);
+        let lines = trial(cube(DVec3::ZERO)).set("albedo", "Textures").log().unwrap();
+        assert!(lines[0].starts_with("warning: the mesh has no texture"), "{lines:?}");
     }
 }

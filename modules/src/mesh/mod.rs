@@ -1,7 +1,6 @@
-//! What algorithms on meshes stand on: adjacency, materials of faces, orders, quadrics.
+//! What algorithms on meshes stand on: adjacency, orders, quadrics.
 
 pub mod adjacency;
-pub mod face_materials;
 pub mod fixtures;
 pub mod morton;
 pub mod quadric;

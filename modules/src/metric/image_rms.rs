@@ -25,10 +25,10 @@ const RMS: Quantity = Quantity::new(
     "rms",
     "Root mean square over all pixels and cameras, and over red, green and blue in color.",
 )
-    .titled("RMS of pictures")
-    .in_unit(LUMINANCE)
-    .lower()
-    .chief();
+.titled("RMS of pictures")
+.in_unit(LUMINANCE)
+.lower()
+.chief();
 const PSNR: Quantity = Quantity::new(
     "psnr",
     "Peak signal to noise ratio, 20 log10(255 / rms); infinite for equal pictures.",

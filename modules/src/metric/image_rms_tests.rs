@@ -72,9 +72,8 @@ fn striped() -> TriMesh {
 #[test]
 fn a_painted_stripe_counts_as_often_as_it_is_seen() {
     let (plain, striped) = (grid(8), striped());
-    let of = |view: View| {
-        ImageRmsMetric { view }.compare(&striped, &plain, Control::none()).unwrap()
-    };
+    let of =
+        |view: View| ImageRmsMetric { view }.compare(&striped, &plain, Control::none()).unwrap();
     let white = of(small());
     assert_eq!((white.scalar("rms"), white.warnings.len()), (Some(0.0), 0));
 

@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(found.interior, 1.0);
         // Without variance only the means count: 6.5025 / (100² + 6.5025), 6.5025 / (51² + 6.5025)
         // and 1.
-        let expected = (6.5025 / 10_006.5025 + 6.5025 / 2_607.5025 + 1.0) / 3.0;
+        let expected = (6.5025 / 10_006.502_5 + 6.5025 / 2_607.502_5 + 1.0) / 3.0;
         assert!((found.of_channels.unwrap() - expected).abs() < 1e-9);
     }
 
@@ -206,7 +206,12 @@ mod tests {
         let mesh = torus(2.0, 0.5, 16);
         let mut red = mesh.clone();
         let (values, index) = (LayerValues::Vec3(vec![DVec3::X]), vec![0; red.positions.len()]);
-        red.set_layer(Layer { name: Layer::COLOR.to_owned(), domain: Domain::Vertex, values, index });
+        red.set_layer(Layer {
+            name: Layer::COLOR.to_owned(),
+            domain: Domain::Vertex,
+            values,
+            index,
+        });
         let of = |albedo| {
             let metric = ImageSsimMetric { view: View { albedo, ..small() } };
             metric.compare(&mesh, &red, Control::none()).unwrap()

@@ -1,7 +1,6 @@
 //! What a mesh lacks to be drawn in its colors.
 
-use crate::data::{Layer, LayerValues, Texture, TextureRole, TriMesh, shown_name};
-use crate::mesh::face_materials::FaceMaterials;
+use crate::data::{FaceMaterials, Layer, LayerValues, Texture, TextureRole, TriMesh, shown_name};
 use crate::picture::render::{Albedo, is_colored};
 
 /// What a mesh lacks, and what pictures show instead: ends of sentences that begin with the mesh.

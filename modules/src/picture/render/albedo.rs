@@ -8,9 +8,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use crate::data::{
-    Domain, FaceId, Image, Layer, LayerValues, Material, TextureImage, TextureRole, TriMesh,
+    Domain, FaceId, FaceMaterials, Image, Layer, LayerValues, Material, TextureImage, TextureRole,
+    TriMesh,
 };
-use crate::mesh::face_materials::FaceMaterials;
 
 /// What colors a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 
-use super::attributes::WorkingLayer;
 use super::complex::Complex;
-use super::wedge::WedgeId;
-use crate::data::NO_VALUE;
+use super::layer::WorkingLayer;
+use super::wedge::{AttributeValue, LayerId, WedgeId};
+use crate::data::{Domain, NO_VALUE};
 
 /// What becomes of the wedges of one layer.
 #[derive(Clone, Debug, Default)]
@@ -34,9 +34,47 @@ impl Merging {
         self.renamed.iter().find(|(before, _)| *before == wedge).map_or(wedge, |&(_, now)| now)
     }
 
-    /// The new values, in the order in which they are found.
-    pub(super) fn values(&self) -> &[(u32, DVec3)] {
-        &self.values
+    /// Finds what a merge of the ends `[kept, gone]` at a position makes of a layer. A wedge that
+    /// `given` names takes the value from there.
+    pub(super) fn find(
+        &mut self,
+        (id, layer): (LayerId, &WorkingLayer),
+        complex: &Complex,
+        ends: [u32; 2],
+        position: DVec3,
+        given: &[AttributeValue],
+    ) {
+        let [from, to] = ends.map(|v| complex.position(v));
+        let at = parameter(from, to, position);
+        let given = |wedge: u32| {
+            let name = (id, WedgeId(wedge));
+            given.iter().find(|given| (given.layer, given.wedge) == name).map(|v| v.value)
+        };
+        self.clear();
+        match layer.domain {
+            Domain::Vertex => self.of_vertices(layer, ends, at, given),
+            Domain::Corner => self.of_corners(layer, complex, ends, at, given),
+            Domain::Face => {}
+        }
+    }
+
+    /// Changes the wedges of the layer that it was found for.
+    pub(super) fn apply(
+        &self,
+        layer: &mut WorkingLayer,
+        complex: &Complex,
+        [kept, gone]: [u32; 2],
+    ) {
+        for &(wedge, value) in &self.values {
+            layer.set_value(WedgeId(wedge), value);
+        }
+        if layer.domain == Domain::Vertex {
+            layer.set_wedge(kept, self.now(layer.wedge_at(kept)));
+            return;
+        }
+        for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
+            layer.set_wedge(corner, self.now(layer.wedge_at(corner)));
+        }
     }
 
     fn clear(&mut self) {
@@ -62,14 +100,13 @@ impl Merging {
     }
 
     /// For a layer over vertices; `at` says where along the edge from `kept` to `gone`.
-    pub(super) fn of_vertices(
+    fn of_vertices(
         &mut self,
         layer: &WorkingLayer,
         [kept, gone]: [u32; 2],
         at: f64,
         given: impl Fn(u32) -> Option<DVec3>,
     ) {
-        self.clear();
         let (mine, other) = (layer.wedge_at(kept), layer.wedge_at(gone));
         if mine == NO_VALUE || other == NO_VALUE {
             // The value of the nearer end, or none if it has none.
@@ -80,7 +117,7 @@ impl Merging {
     }
 
     /// For a layer over corners.
-    pub(super) fn of_corners(
+    fn of_corners(
         &mut self,
         layer: &WorkingLayer,
         complex: &Complex,
@@ -88,7 +125,6 @@ impl Merging {
         at: f64,
         given: impl Fn(u32) -> Option<DVec3>,
     ) {
-        self.clear();
         let mut pairs = std::mem::take(&mut self.pairs);
         layer.find_pairs(complex, ends, &mut pairs);
         pairs.retain(|&(mine, other)| mine != NO_VALUE && other != NO_VALUE);
@@ -122,4 +158,17 @@ impl Merging {
         }
         self.pairs = pairs;
     }
+}
+
+/// Where a point lies along an edge: 0 at its start, 1 at its end, exactly so at the ends.
+fn parameter(from: DVec3, to: DVec3, point: DVec3) -> f64 {
+    if point == from {
+        return 0.0;
+    }
+    if point == to {
+        return 1.0;
+    }
+    let along = to - from;
+    let at = (point - from).dot(along) / along.length_squared();
+    if at.is_nan() { 0.5 } else { at.clamp(0.0, 1.0) }
 }

@@ -181,7 +181,7 @@ impl WorkingMesh {
         let mut merging = Merging::default();
         let ends = [contraction.kept.0, contraction.gone.0];
         let working = &self.attributes.layers[layer.0 as usize];
-        working.find_merging(layer, &self.complex, ends, position, given, &mut merging);
+        merging.find((layer, working), &self.complex, ends, position, given);
         merging
     }
 

@@ -29,6 +29,7 @@ mod engine;
 mod engine_tests;
 #[cfg(test)]
 mod guard_tests;
+mod layer;
 mod marks;
 mod merge;
 mod merging;

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use mve_modules::data::{Texture, TextureRole, TriMesh};
-use mve_modules::mesh::face_materials::FaceMaterials;
+use mve_modules::data::{FaceMaterials, Texture, TextureRole, TriMesh};
 
 /// The textures that color a mesh by its materials, and who has which.
 #[derive(Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, Material, TriMesh};
+use super::{Domain, FaceId, Layer, LayerValues, Material, TriMesh};
 
 /// The materials that the faces of a mesh name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,7 +10,7 @@ pub struct FaceMaterials<'a> {
     /// For each name of the layer [`Layer::MATERIAL`] the first material of that name, if the mesh
     /// has one.
     pub of_labels: Vec<Option<&'a Material>>,
-    /// For each face the place of its name; [`crate::data::NO_VALUE`] is beyond all of them.
+    /// For each face the place of its name; [`super::NO_VALUE`] is beyond all of them.
     pub of_faces: &'a [u32],
 }
 
