@@ -5,10 +5,10 @@
 //! that no dying face touches keeps its value. What vertices and faces share is called a wedge
 //! here, too: the number of a value in its layer.
 //!
-//! What a layer means is its [`Role`], by name. The seams of texture coordinates must not tear:
-//! under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and
-//! two such vertices do not merge. So charts keep their borders, which simplify only along
-//! themselves.
+//! What a layer means is its [`Role`](super::Role), by name. The seams of texture coordinates must
+//! not tear: under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no
+//! partner, and two such vertices do not merge. So charts keep their borders, which simplify only
+//! along themselves.
 
 use glam::DVec3;
 use mve_core::Cancelled;
