@@ -18,8 +18,8 @@
 //! without it; what counts is their luminance, as in the paper. The faces that a collapse makes are
 //! drawn with the attributes that the engine would give the merged vertex, so a price is what the
 //! collapse changes in the pictures, whatever it does to a texture. On `spot`, textured, to 1,000
-//! faces, the RMS of textured pictures (24 cameras, 256²) is 9.86 by quadrics, 9.48 by `ImageMse` of
-//! white pictures, and 7.97 of textured ones.
+//! faces, the RMS of textured pictures (24 cameras, 256²) is 9.86 by quadrics, 9.48 by `ImageMse`
+//! of white pictures, and 7.97 of textured ones.
 //!
 //! Stale prices are asked for again lazily ([`Renewal::Lazy`]), which halves the work: on `cow` to
 //! 3,000 faces 30,036 prices instead of 61,424, of which 8,706 are the first ones. The pictures of
