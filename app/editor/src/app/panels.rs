@@ -116,6 +116,8 @@ impl Editor {
                         let port = session.pinned.get_index(place).cloned();
                         wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
                     }
+                    // The viewer has done that.
+                    ViewerAction::Pick(_) => {}
                     ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),
                 }
             }

@@ -14,6 +14,7 @@ mod heading;
 mod images_zoom;
 mod memo;
 mod number;
+mod picked;
 mod picture;
 mod spread;
 mod still;
@@ -41,6 +42,7 @@ pub use mesh::{
     StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
+pub use picked::PickedElement;
 pub use still::Still;
 pub use table::{Column, SortOrder, Table, TableView};
 
@@ -75,6 +77,8 @@ pub struct Pinned {
 pub enum ViewerAction {
     /// To see the value at this place of the list no longer.
     Unpin(usize),
+    /// To look at another element of a mesh, or at none. The viewer does that itself.
+    Pick(Option<PickedElement>),
     /// A picture of the meshes in a file.
     TakePicture,
 }
@@ -99,6 +103,8 @@ pub struct ViewInput<'a> {
     pub height: f32,
     /// What draws on the GPU, if there is one.
     pub render: Option<&'a RenderState>,
+    /// The element of a mesh that is looked at.
+    pub picked: Option<&'a PickedElement>,
 }
 
 impl ViewInput<'_> {
@@ -156,6 +162,8 @@ macro_rules! views {
                 #[doc = concat!("The view of ", stringify!($values), ".")]
                 pub $values: $file::$view,
             )*
+            /// The element of a mesh that is looked at.
+            pub picked: Option<PickedElement>,
             /// Since when some value is of an earlier run.
             outdated_since: Option<Instant>,
         }
@@ -210,9 +218,10 @@ impl Viewer {
         let mut actions = self.show_absences(ui, pinned);
         self.show_outdated(ui, pinned);
         let (values, others) = self.sorted(pinned);
+        let picked = self.picked.clone();
         let shown = |values: &[usize], height: f32| {
             let values = values.iter().map(|&place| (place, &pinned[place])).collect();
-            ViewInput { values, all: pinned, height, render }
+            ViewInput { values, all: pinned, height, render, picked: picked.as_ref() }
         };
         for (view, values) in self.views_mut().into_iter().zip(&values) {
             if values.is_empty() {
@@ -246,6 +255,13 @@ impl Viewer {
                 }
             });
         }
+        actions.retain(|action| match action {
+            ViewerAction::Pick(picked) => {
+                self.picked.clone_from(picked);
+                false
+            }
+            _ => true,
+        });
         actions
     }
 

@@ -78,7 +78,8 @@ impl Still {
                 one.value.as_ref().is_some_and(|value| view.takes(value, pinned))
             };
             let values = pinned.iter().enumerate().filter(is_mesh).collect();
-            let shown = ViewInput { values, all: pinned, height, render: Some(state) };
+            let render = Some(&*state);
+            let shown = ViewInput { values, all: pinned, height, render, picked: None };
             view.show(ui, &shown);
         });
         let mut renderer = state.renderer.write();
