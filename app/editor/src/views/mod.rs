@@ -36,10 +36,11 @@ use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::{Data, Value};
 
+use crate::kept::KeptEdit;
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
-    StillOptions, VIEW_KEYS,
+    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, NamedView, ScaleSettings,
+    Spacing, StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
 pub use picked::PickedElement;
@@ -79,6 +80,8 @@ pub enum ViewerAction {
     Unpin(usize),
     /// To look at another element of a mesh, or at none. The viewer does that itself.
     Pick(Option<PickedElement>),
+    /// To keep something with the map, or no longer.
+    Keep(KeptEdit),
     /// A picture of the meshes in a file.
     TakePicture,
 }
