@@ -1,5 +1,7 @@
 //! Tests of whole views, drawn by software: what is where in the picture.
 
+mod looking;
+
 use std::path::Path;
 use std::sync::Arc;
 
