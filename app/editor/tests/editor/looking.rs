@@ -50,7 +50,7 @@ fn a_view_is_kept_by_name_and_looked_from_tomorrow() {
     hand.wait_for_the_views();
     let seen = meshes(&hand);
     assert_eq!((seen.0.projection, seen.1, seen.2), (Projection::Orthographic, Some(2.5), true));
-    hand.click("View");
+    hand.click_last("View");
     hand.replace_text("name of the view to keep", "front, error 0-1 %");
     hand.click("Keep view");
     assert_eq!(kept(&hand, Shelf::Views), ["front, error 0-1 %"]);
@@ -63,7 +63,7 @@ fn a_view_is_kept_by_name_and_looked_from_tomorrow() {
     hand.press(Key::X);
     hand.type_number("maximum of the colors", "7");
     assert_ne!(meshes(&hand), seen);
-    hand.click("View");
+    hand.click_last("View");
     hand.click("front, error 0-1 %");
     assert_eq!(meshes(&hand), seen);
 
@@ -77,7 +77,7 @@ fn a_view_is_kept_by_name_and_looked_from_tomorrow() {
     drop(hand);
     let mut hand = open(folder.path(), &path);
     assert_ne!(meshes(&hand), seen);
-    hand.click("View");
+    hand.click_last("View");
     hand.click("left");
     assert_eq!(meshes(&hand), seen);
     hand.click("Remove view left");
@@ -89,7 +89,7 @@ fn undoing_what_was_kept_brings_back_the_bytes_of_the_map() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = looking(folder.path());
     assert_eq!(hand.editor().session().document.text(), MAP);
-    hand.click("View");
+    hand.click_last("View");
     hand.replace_text("name of the view to keep", "a");
     hand.press(Key::Enter);
     hand.press(Key::Escape);
