@@ -39,8 +39,8 @@ use mve_core::{Data, Value};
 use crate::kept::KeptEdit;
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, NamedView, ScaleSettings,
-    Spacing, StillOptions, VIEW_KEYS,
+    Arrangement, BackFaces, ColorBy, Distance, MeshLook, MeshSettings, MeshView, NamedView,
+    ScaleSettings, Section, Spacing, StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
 pub use picked::PickedElement;
