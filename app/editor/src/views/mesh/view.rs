@@ -482,14 +482,18 @@ impl MeshView {
         }
     }
 
-    /// The outlines in the picture of a mesh, its own over the others.
+    /// The outlines in the picture of a mesh; where it is by itself, its own over the others.
     fn outlines(&self, own: usize) -> Vec<ShownOutline> {
         let section = &self.settings.section;
         if !section.is_on {
             return Vec::new();
         }
-        let others = 0..if section.has_all_outlines { self.items.len() } else { 0 };
-        let all = others.filter(|at| *at != own).chain([own]);
+        let is_beside = self.settings.arrangement == Arrangement::SideBySide;
+        let mut all: Vec<usize> = (0..self.items.len()).collect();
+        all.retain(|at| *at == own || section.has_all_outlines);
+        // Over each other pictures have them in one order, for they are seen as one.
+        all.sort_by_key(|at| is_beside && *at == own);
+        let all = all.into_iter();
         all.filter_map(|at| self.items[at].outline(outline_color(at))).collect()
     }
 }
