@@ -254,6 +254,27 @@ impl Camera {
         };
     }
 
+    /// Looks at a small part of the model from a distance at which it is about a tenth of the
+    /// picture, or nearer if the camera is that near: from the present direction, or along the
+    /// normal if it would be seen from behind or from the edge. Of a part without size the distance
+    /// stays.
+    pub fn look_at(&mut self, center: DVec3, radius: f64, normal: Option<DVec3>) {
+        self.target = center;
+        let wanted = 10.0 * radius / TAN_HALF_FOV;
+        if wanted.is_normal() {
+            self.distance = self.distance.min(wanted);
+        }
+        let Some(normal) = normal.filter(|normal| normal.dot(self.axes().back) < 0.2) else {
+            return;
+        };
+        let upright = match self.up {
+            UpAxis::Y => normal,
+            UpAxis::Z => DVec3::new(normal.x, normal.z, -normal.y),
+        };
+        self.yaw_rad = upright.x.atan2(upright.z).rem_euclid(TAU);
+        self.pitch_rad = upright.y.clamp(-1.0, 1.0).asin();
+    }
+
     /// From view space to clip space with depth 0 near and 1 far, for a scene within `bounds`.
     pub fn clip_from_view(&self, aspect: f64, bounds: &Bounds) -> DMat4 {
         let (center_z, radius) = (self.view_of(bounds.center()).z, 1.01 * bounds.radius());

@@ -16,6 +16,7 @@ mod memo;
 mod number;
 mod picked;
 mod picture;
+mod sheet;
 mod spread;
 mod still;
 mod table;
@@ -35,6 +36,8 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::{Data, Value};
+use mve_modules::data::TriMesh;
+use sheet::SheetAction;
 
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
@@ -162,6 +165,8 @@ macro_rules! views {
                 #[doc = concat!("The view of ", stringify!($values), ".")]
                 pub $values: $file::$view,
             )*
+            /// The table of elements.
+            sheet: sheet::SheetView,
             /// The element of a mesh that is looked at.
             pub picked: Option<PickedElement>,
             /// Since when some value is of an earlier run.
@@ -200,7 +205,30 @@ impl Viewer {
 
     /// Whether something is in the making that will change the picture.
     pub fn is_busy(&self) -> bool {
-        self.views().iter().any(|view| view.is_busy())
+        self.views().iter().any(|view| view.is_busy()) || self.sheet.is_busy()
+    }
+
+    /// Shows the elements of a value as a table, linked with its picture.
+    pub fn show_sheet(&mut self, ui: &mut egui::Ui, pinned: &[Pinned]) {
+        for action in self.sheet.show(ui, pinned, self.picked.as_ref()) {
+            match action {
+                SheetAction::Pick(picked) => self.picked = Some(picked),
+                SheetAction::BringIntoSight => {
+                    let Some(picked) = &self.picked else { continue };
+                    if let Some(mesh) = mesh_of(pinned, &picked.title) {
+                        self.meshes.bring_into_sight(picked, &mesh);
+                    }
+                }
+            }
+        }
+    }
+
+    /// A click picks an element of the kind that the table shows.
+    fn pick(&mut self, picked: Option<&PickedElement>, pinned: &[Pinned]) {
+        let seen = picked.and_then(|picked| {
+            picked.seen_as(self.sheet.domain(), &*mesh_of(pinned, &picked.title)?)
+        });
+        self.picked = seen.or(picked.cloned());
     }
 
     /// Shows the values in the space that there is. Without `render` meshes cannot be drawn.
@@ -257,7 +285,7 @@ impl Viewer {
         }
         actions.retain(|action| match action {
             ViewerAction::Pick(picked) => {
-                self.picked.clone_from(picked);
+                self.pick(picked.as_ref(), pinned);
                 false
             }
             _ => true,
@@ -338,6 +366,11 @@ impl Viewer {
             ui.weak(format!("From an earlier run: {}", titles.join(", ")));
         }
     }
+}
+
+/// The mesh that is shown under a title.
+fn mesh_of(pinned: &[Pinned], title: &str) -> Option<Arc<TriMesh>> {
+    pinned.iter().find(|pinned| pinned.title == title)?.value.as_ref()?.get::<TriMesh>()
 }
 
 /// Shows what values that no view takes say of themselves.

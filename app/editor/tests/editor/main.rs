@@ -6,6 +6,7 @@ mod document;
 mod hand;
 mod monkey;
 mod programs;
+mod sheet;
 mod snapshots;
 mod truth;
 mod window;

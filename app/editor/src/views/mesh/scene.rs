@@ -11,7 +11,7 @@ use super::item::MeshItem;
 use super::layout::Tile;
 use super::look::settings::{Arrangement, MeshSettings};
 use super::look::values::Values;
-use crate::views::ViewerAction;
+use crate::views::{PickedElement, ViewerAction};
 use crate::views::camera::{Bounds, Camera};
 
 /// A mesh to show.
@@ -105,6 +105,8 @@ pub struct MeshScene<'a> {
     pub range: [f64; 2],
     /// Whether it is a picture for a file.
     pub is_still: bool,
+    /// The element that is looked at.
+    pub picked: Option<&'a PickedElement>,
     /// What the user wants of whoever shows the viewer.
     pub actions: Vec<ViewerAction>,
 }

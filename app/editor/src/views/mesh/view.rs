@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
 use eframe::egui::{self, Color32, Rect, Sense, Vec2, pos2};
-use eframe::egui_wgpu::RenderState;
 use mve_core::Value;
 use mve_modules::data::{Field, Images, TriMesh};
 
@@ -27,7 +26,7 @@ use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
 use crate::views::memo::Same;
-use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
+use crate::views::{PanelPlace, PickedElement, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -90,7 +89,7 @@ impl ValueView for MeshView {
             Some(PinnedPicture { title: pinned.title.clone(), images })
         };
         let pictures: Vec<PinnedPicture> = shown.all.iter().filter_map(picture).collect();
-        self.show_meshes(ui, &meshes, (&fields, &pictures), shown.render)
+        self.show_meshes(ui, &meshes, (&fields, &pictures), shown)
     }
 
     /// Lets go of all meshes, and of what is on the GPU.
@@ -107,6 +106,19 @@ impl MeshView {
     /// How meshes are shown, for the next start or for another view.
     pub fn look(&self) -> MeshLook {
         MeshLook::of(&self.settings, &self.camera)
+    }
+
+    /// Moves the camera to an element: to its front, where it is seen from behind.
+    pub fn bring_into_sight(&mut self, element: &PickedElement, mesh: &TriMesh) {
+        let points = element.points(mesh);
+        let Some(around) = Bounds::around(points.iter().copied()) else { return };
+        let normal = match points[..] {
+            [a, b, c] => (b - a).cross(c - a).try_normalize(),
+            _ => None,
+        };
+        let radius = if points.len() > 1 { around.radius() } else { 0.0 };
+        self.camera.look_at(element.point(mesh).unwrap_or(around.center()), radius, normal);
+        self.has_moved = true;
     }
 
     /// Height of the pictures in points when they were shown last.
@@ -143,9 +155,9 @@ impl MeshView {
         ui: &mut egui::Ui,
         meshes: &[MeshInput],
         (fields, pictures): (&[PinnedField], &[PinnedPicture]),
-        render: Option<&RenderState>,
+        shown: &ViewInput,
     ) -> Vec<ViewerAction> {
-        let Some(render) = render else {
+        let Some(render) = shown.render else {
             ui.label("There is no GPU, and no software in its place, to draw meshes with.");
             return Vec::new();
         };
@@ -170,7 +182,7 @@ impl MeshView {
             };
             item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
         }
-        let mut actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
+        let mut actions = self.panel(ui, (meshes, shown.picked), &mut gpu, wishes.is_fit);
         self.gpu = Some(gpu);
         actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
         actions
@@ -244,7 +256,7 @@ impl MeshView {
     fn panel(
         &mut self,
         ui: &mut egui::Ui,
-        meshes: &[MeshInput],
+        (meshes, picked): (&[MeshInput], Option<&PickedElement>),
         gpu: &mut Gpu,
         is_fit: bool,
     ) -> Vec<ViewerAction> {
@@ -291,6 +303,7 @@ impl MeshView {
             values: &values,
             range,
             is_still: self.still.is_some(),
+            picked,
             actions: Vec::new(),
         };
         self.overlays.show(ui, &mut scene);

@@ -129,7 +129,7 @@ fn compare(a: &Scalar, b: &Scalar) -> Ordering {
 }
 
 /// `cow2` before `cow10`: runs of digits compare as numbers, all else by letters.
-fn compare_texts(a: &str, b: &str) -> Ordering {
+pub fn compare_texts(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a, b);
     loop {
         let (Some(first_a), Some(first_b)) = (a.chars().next(), b.chars().next()) else {

@@ -5,12 +5,10 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Layout, vec2};
 use mve_core::Scalar;
 
-use super::data::{Column, SortOrder, Table, cell_text, title_of};
+use super::data::{Column, Table, cell_text, title_of};
+use super::head::{Head, LETTER, Sort, header};
 use super::plot::TablePlot;
 use crate::views::number::count_text;
-
-/// The column that rows are sorted by; `None` leaves them as they are.
-type Sort = Option<(usize, SortOrder)>;
 
 /// The state of one table on the screen.
 #[derive(Default)]
@@ -29,8 +27,6 @@ struct RowLayout {
 
 /// Rows that are looked at for the width of a column.
 const N_SAMPLED: usize = 300;
-/// Width of a letter in points, roughly.
-const LETTER: f32 = 7.5;
 
 impl TableView {
     /// Shows a table, and under it a plot if one is wanted. Another table must be another `Arc`.
@@ -55,7 +51,14 @@ impl TableView {
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
                         ui.vertical(|ui| {
-                            self.header(ui, table, &laid_out.widths);
+                            let heads = table.columns.iter().zip(laid_out.widths.iter());
+                            let heads = heads.map(|(column, &width)| Head {
+                                name: &column.name,
+                                title: title_of(column),
+                                doc: "",
+                                width,
+                            });
+                            header(ui, heads, &mut self.sort);
                             rows(ui, table, &laid_out)
                         })
                         .inner
@@ -89,35 +92,6 @@ impl TableView {
         let laid_out = RowLayout { order: order.into(), widths };
         self.laid_out = Some((Arc::clone(table), self.sort, laid_out.clone()));
         laid_out
-    }
-
-    fn header(&mut self, ui: &mut egui::Ui, table: &Table, widths: &[f32]) {
-        ui.horizontal(|ui| {
-            for (at, (column, &width)) in table.columns.iter().zip(widths).enumerate() {
-                let mark = match self.sort {
-                    Some((by, SortOrder::Up)) if by == at => " ⏶",
-                    Some((by, SortOrder::Down)) if by == at => " ⏷",
-                    _ => "",
-                };
-                let text = egui::RichText::new(title_of(column) + mark).strong();
-                let button = egui::Button::new(text).frame(false).truncate();
-                let height = ui.spacing().interact_size.y;
-                let response = ui.add_sized([width, height], button);
-                let label = format!("Sort by {}", column.name);
-                response.widget_info(|| {
-                    egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
-                });
-                if response.on_hover_text("Sort; again for the other way, again for none").clicked()
-                {
-                    self.sort = match self.sort {
-                        Some((by, SortOrder::Up)) if by == at => Some((at, SortOrder::Down)),
-                        Some((by, SortOrder::Down)) if by == at => None,
-                        _ => Some((at, SortOrder::Up)),
-                    };
-                }
-            }
-        });
-        ui.separator();
     }
 }
 

@@ -69,6 +69,7 @@ overlays! {
     bounding_box::BoundingBox,
     axes::Axes,
     hover::Hover,
+    picked::Picked,
     color_bar::ColorBar,
     captions::Captions,
     wipe::WipeLine,
