@@ -38,7 +38,7 @@ fn rows_are_sorted_filtered_and_copied() {
     let mut hand = cube_and_table(folder.path());
     // The first face of the cube lies in z = 0 and has half of a unit square.
     let first = hand.name_beginning("row face 0,");
-    let expected = "row face 0, a 0, b 2, c 3, x 0.333333, y 0.666667, z 0, area 0.5, \
+    let expected = "row face 0, a 0, b 2, c 3, x 0.33333, y 0.66667, z 0, area 0.5, \
                     least_angle 45";
     assert_eq!(first, expected);
     hand.type_into("filter the rows", "z = 1");
@@ -49,8 +49,7 @@ fn rows_are_sorted_filtered_and_copied() {
     hand.click("Sort by z");
     hand.wait_for_the_views();
     assert_eq!(rows(&hand), [2, 3, 0, 1]);
-    hand.click("Copy all");
-    let copied = hand.wait_for_the_clipboard();
+    let copied = hand.click_to_copy("Copy all");
     let lines: Vec<&str> = copied.lines().collect();
     assert_eq!(lines.len(), 5);
     assert_eq!(lines[0], "face\ta\tb\tc\tx\ty\tz\tarea\tleast_angle (°)");
@@ -80,10 +79,10 @@ fn a_row_and_its_element_in_the_picture_are_picked_together() {
 
     // From its front the cube shows the faces 2 and 3, which lie in z = 1, one on each side of a
     // diagonal.
-    hand.click_at("3D view of cube.mesh: drag turns, shift and drag moves, wheel zooms", 0.5, 0.5);
+    hand.click_at("3D view of obj_loader.mesh: drag turns, shift and drag moves, wheel zooms", 0.5, 0.5);
     hand.press(Key::Num1);
     hand.wait_for_the_views();
-    let name = "3D view of cube.mesh: drag turns, shift and drag moves, wheel zooms";
+    let name = "3D view of obj_loader.mesh: drag turns, shift and drag moves, wheel zooms";
     hand.click_at(name, 0.4, 0.45);
     hand.wait_for_the_views();
     let first = picked(&hand);

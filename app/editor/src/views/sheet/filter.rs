@@ -5,6 +5,8 @@
 //! that holds where it is neither 0 nor not a number. A row without a number that is asked for is
 //! not shown.
 
+use std::ops::Range;
+
 use mve_core::Expression;
 
 use super::columns::SheetColumn;
@@ -12,6 +14,8 @@ use super::columns::SheetColumn;
 /// What joins conditions.
 const AND: &str = "and";
 const OR: &str = "or";
+/// Longest text, which bounds how deep parentheses nest.
+const LONGEST: usize = 1000;
 
 /// Whether a word means something in a filter, so that no column can have it as its name.
 pub fn is_word_of_filters(name: &str) -> bool {
@@ -29,6 +33,8 @@ pub struct Filter {
 enum Condition {
     /// A formula over these columns.
     Formula(Expression, Vec<usize>),
+    /// Conditions in parentheses.
+    Group(Filter),
     /// A column of names.
     Name { column: usize, name: String, is_equal: bool },
 }
@@ -36,9 +42,19 @@ enum Condition {
 impl Filter {
     /// Reads a filter; the error says what is wrong and where.
     pub fn compile(text: &str, columns: &[SheetColumn]) -> Result<Self, String> {
+        match text.len() > LONGEST {
+            true => Err(format!("it is longer than {LONGEST} characters")),
+            false => Self::read(text, 0, columns),
+        }
+    }
+
+    /// Reads a part of a filter behind so many characters.
+    fn read(text: &str, n_before: usize, columns: &[SheetColumn]) -> Result<Self, String> {
         let any = split(text, OR).into_iter().map(|(from, part)| {
-            let all = split(part, AND).into_iter();
-            let all = all.map(|(at, part)| condition(&text[..from + at], part, columns));
+            let all = split(part, AND).into_iter().map(|(at, part)| {
+                let n_before = n_before + text[..from + at].chars().count();
+                condition(part, n_before, columns)
+            });
             all.collect()
         });
         Ok(Self { any: any.collect::<Result<_, _>>()? })
@@ -61,6 +77,7 @@ impl Condition {
                 let value = formula.eval(&values);
                 value != 0.0 && !value.is_nan()
             }
+            Self::Group(filter) => filter.keeps(columns, element),
             Self::Name { column, name, is_equal } => {
                 columns[*column].text(element).is_some_and(|found| (found == *name) == *is_equal)
             }
@@ -94,8 +111,17 @@ fn split<'a>(text: &'a str, word: &str) -> Vec<(usize, &'a str)> {
     parts
 }
 
-/// Reads the condition behind another text, which its error counts along.
-fn condition(before: &str, text: &str, columns: &[SheetColumn]) -> Result<Condition, String> {
+/// Reads the condition behind so many characters, which its error counts along.
+fn condition(
+    text: &str,
+    n_before: usize,
+    columns: &[SheetColumn],
+) -> Result<Condition, String> {
+    if let Some(inside) = in_parentheses(text) {
+        let n_before = n_before + text[..inside.start].chars().count();
+        let group = Filter::read(&text[inside], n_before, columns)?;
+        return Ok(Condition::Group(group));
+    }
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begun = text.trim_start();
     let name = begun.split(|c| !is_letter(c)).next().unwrap_or_default();
@@ -111,7 +137,7 @@ fn condition(before: &str, text: &str, columns: &[SheetColumn]) -> Result<Condit
         of.extend(column.filter(|at| columns[*at].is_numeric()));
     }
     // Blanks in the place of what stands before, so that an error names the right column.
-    let text = format!("{}{}", " ".repeat(before.chars().count()), with_double_signs(text));
+    let text = format!("{}{}", " ".repeat(n_before), with_double_signs(text));
     let named: Vec<_> = of.iter().map(|&at| (columns[at].name.as_str(), "")).collect();
     let formula = Expression::compile(&text, &named).or_else(|_| {
         // An error lists all that there is.
@@ -120,6 +146,22 @@ fn condition(before: &str, text: &str, columns: &[SheetColumn]) -> Result<Condit
         Expression::compile(&text, &all)
     })?;
     Ok(Condition::Formula(formula, of))
+}
+
+/// What the parentheses around a whole condition hold, where that is more than a formula.
+fn in_parentheses(text: &str) -> Option<Range<usize>> {
+    let start = text.len() - text.trim_start().len();
+    let inside = text.trim().strip_prefix('(')?.strip_suffix(')')?;
+    let mut depth = 0i32;
+    // The first parenthesis is to be closed by the last one.
+    let closes = |c: char| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        depth < 0
+    };
+    if inside.chars().any(closes) {
+        return None;
+    }
+    Some(start + 1..start + 1 + inside.len())
 }
 
 /// Reads what stands behind the name of a column of names.
@@ -186,7 +228,7 @@ mod tests {
 
     #[test]
     fn conditions_on_numbers_and_names_are_joined() {
-        let cases: [(&str, &[usize]); 14] = [
+        let cases: [(&str, &[usize]); 18] = [
             ("x > 0", &[1, 2]),
             ("x = 3", &[1]),
             ("x == 3", &[1]),
@@ -201,6 +243,10 @@ mod tests {
             ("material != \"red\"", &[1]),
             ("material = \"red\" or x = 6", &[0, 2]),
             ("area", &[0, 1, 2]),
+            ("(x < 1 or x > 4) and (material = red)", &[0]),
+            (" ( x > 0 and ( y > 9 or x > 4 ) ) ", &[2]),
+            ("(x) * (x - 3) = 0", &[0, 1]),
+            ("((x > 0))", &[1, 2]),
             ("sqrt(-area) > 0", &[]),
         ];
         for (text, expected) in cases {
@@ -218,6 +264,9 @@ mod tests {
         assert!(said("").starts_with("column 1: a value is missing"));
         assert!(said("material > 3").starts_with("\"material\" is a name: write"));
         assert!(said("x > 0 and").contains("column 10: a value is missing"));
-        assert!(said("(x > 0 and y > 0)").contains("\"and\""), "{}", said("(x > 0 and y > 0)"));
+        assert!(said("(x > 0 and y > )").starts_with("column 16: a value is missing"));
+        assert!(said(&"(".repeat(100_000)).contains("longer than 1000"));
+        assert!(said(&format!("{}x{}", "(".repeat(400), ")".repeat(399))).contains("column"));
+        assert!(said("(x > 0").starts_with("column 7: \")\" is missing"));
     }
 }

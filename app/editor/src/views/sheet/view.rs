@@ -107,8 +107,22 @@ impl Rows {
 }
 
 impl SheetView {
-    /// Shows the elements of one of the pinned values.
+    /// Shows the elements of one of the pinned values in the space that there is, whatever it
+    /// takes: a panel keeps the size that it was given.
     pub fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        pinned: &[Pinned],
+        picked: Option<&PickedElement>,
+    ) -> Vec<SheetAction> {
+        let actions = self.controls_and_table(ui, pinned, picked);
+        let rest = ui.available_rect_before_wrap();
+        ui.allocate_rect(rest.intersect(ui.max_rect()), Sense::hover());
+        self.copy_when_done(ui);
+        actions
+    }
+
+    fn controls_and_table(
         &mut self,
         ui: &mut egui::Ui,
         pinned: &[Pinned],
@@ -155,7 +169,6 @@ impl SheetView {
         }
         self.follow(&sheet, &rows, picked);
         actions.extend(self.table(ui, &sheet, &rows, picked));
-        self.copy_when_done(ui);
         actions
     }
 
@@ -330,7 +343,6 @@ impl SheetView {
                 actions.extend(element);
             }
         });
-        ui.advance_cursor_after_rect(whole);
         // A click on a row that is picked already changes nothing.
         actions.retain(|action| match action {
             SheetAction::Pick(element) => picked != Some(element),

@@ -216,8 +216,8 @@ impl Hand {
         self.node_beginning(beginning).accesskit_node().label().unwrap_or_default()
     }
 
-    fn node_beginning(&self, beginning: &str) -> egui_kittest::Node<'_> {
-        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+    fn node_beginning<'a>(&'a self, beginning: &'a str) -> egui_kittest::Node<'a> {
+        let begins = move |node: &egui_kittest::kittest::AccessKitNode| {
             node.label().is_some_and(|label| label.starts_with(beginning))
         };
         self.harness.get_by(begins)
@@ -235,6 +235,12 @@ impl Hand {
         found.into_iter().map(|(_, label)| label).collect()
     }
 
+    /// Clicks what has this name, and waits for what it puts on the clipboard.
+    pub fn click_to_copy(&mut self, name: &str) -> String {
+        self.harness.get_by_label(name).click();
+        self.wait_for_the_clipboard()
+    }
+
     /// Draws frames until something is put on the clipboard; what that is.
     pub fn wait_for_the_clipboard(&mut self) -> String {
         let start = Instant::now();
@@ -248,6 +254,7 @@ impl Hand {
                 return text;
             }
             assert!(start.elapsed() < PATIENCE, "nothing is copied");
+            std::thread::sleep(Duration::from_millis(1));
             self.harness.step();
         }
     }

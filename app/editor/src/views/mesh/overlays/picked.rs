@@ -86,8 +86,12 @@ fn mark(
     if let Some(places) = places.filter(|places| places.len() == 3) {
         let fill = COLOR.gamma_multiply(0.25);
         painter.add(Shape::convex_polygon(places.clone(), fill, Stroke::NONE));
-        painter.add(Shape::closed_line(places.clone(), Stroke::new(4.0, SHADOW)));
-        painter.add(Shape::closed_line(places, Stroke::new(2.0, COLOR)));
+        // Side by side: the joints of a closed line stand out far where an angle is small.
+        for stroke in [Stroke::new(4.0, SHADOW), Stroke::new(2.0, COLOR)] {
+            for k in 0..3 {
+                painter.line_segment([places[k], places[(k + 1) % 3]], stroke);
+            }
+        }
     }
     // A face may be too small to be seen.
     let center = || {
