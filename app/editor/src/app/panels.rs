@@ -6,6 +6,7 @@ use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
 use super::{Command, Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
+use crate::document::Edit;
 use crate::drag::DraggedParam;
 use crate::views::ViewerAction;
 
@@ -112,6 +113,7 @@ impl Editor {
         ui.push_id(session.document.id(), |ui| {
             // All maps of a window are looked at in one way.
             session.viewer.meshes.set_look(&self.settings.meshes);
+            session.viewer.meshes.set_kept(&session.document.extras().kept);
             let actions = session.viewer.show(ui, &pinned, render.as_ref());
             self.settings.meshes = session.viewer.meshes.look();
             for action in actions {
@@ -119,6 +121,9 @@ impl Editor {
                     ViewerAction::Unpin(place) => {
                         let port = session.pinned.get_index(place).cloned();
                         wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
+                    }
+                    ViewerAction::Keep(edit) => {
+                        wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
                     }
                     // The viewer has done that.
                     ViewerAction::Pick(_) => {}

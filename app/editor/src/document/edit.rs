@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::clip::Clip;
 use super::item::Item;
+use crate::kept::KeptEdit;
 
 /// What items are moved to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -85,6 +86,8 @@ pub enum Edit {
     SetProgram { name: String, spec: Option<ProgramSpec> },
     /// A new name of a program.
     RenameProgram { name: String, to: String },
+    /// What views of values keep.
+    Keep(KeptEdit),
     /// The whole text of the map's file.
     ReplaceText(String),
 }
@@ -126,6 +129,9 @@ pub enum EditError {
         /// What is wrong with it.
         why: &'static str,
     },
+    /// What views keep cannot be changed so.
+    #[error("{0}")]
+    Kept(String),
     /// A place or a size is not a number.
     #[error("a place and a size are two finite numbers")]
     Number,
@@ -196,6 +202,7 @@ impl Edit {
             Self::SetProgram { name, spec: Some(_) } => format!("Edit program {name}"),
             Self::SetProgram { name, spec: None } => format!("Remove program {name}"),
             Self::RenameProgram { name, to } => format!("Rename program {name} to {to}"),
+            Self::Keep(edit) => edit.label(),
             Self::ReplaceText(_) => "Edit text".to_owned(),
         }
     }

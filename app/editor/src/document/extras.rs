@@ -1,4 +1,5 @@
-//! What the canvas draws beside nodes and links: frames, notes, reroutes, collapsed nodes.
+//! What the canvas draws beside nodes and links: frames, notes, reroutes, collapsed nodes; and what
+//! views keep.
 //!
 //! It stands in the map's file under `canvas`, which no run reads. What is not understood there is
 //! kept, and a section that was not changed is written back as it was.
@@ -8,6 +9,8 @@ use mve_core::{Link, Map};
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map as JsonMap, Value as Json};
+
+use crate::kept::Kept;
 
 /// The key of the section in the map's file.
 const SECTION: &str = "canvas";
@@ -73,6 +76,8 @@ pub struct Extras {
     pub reroutes: IndexMap<String, Reroute>,
     /// Nodes that are drawn as their title alone.
     pub collapsed: IndexSet<String>,
+    /// What views of values keep.
+    pub kept: Kept,
     /// What was not understood.
     rest: JsonMap<String, Json>,
 }
@@ -94,7 +99,8 @@ impl Extras {
             }
             None => IndexSet::new(),
         };
-        Self { frames, notes, reroutes, collapsed, rest }
+        let kept = Kept::take_from(&mut rest);
+        Self { frames, notes, reroutes, collapsed, kept, rest }
     }
 
     /// Writes the section into a map, unless the map says the same already.
@@ -109,6 +115,7 @@ impl Extras {
         if !self.collapsed.is_empty() {
             section.insert("collapsed".to_owned(), to_json(&self.collapsed));
         }
+        self.kept.write_to(&mut section);
         for (key, left) in &self.rest {
             match (section.get_mut(key), left) {
                 (Some(Json::Object(parts)), Json::Object(left)) => {
@@ -129,9 +136,9 @@ impl Extras {
         }
     }
 
-    /// What is understood alone.
+    /// What is understood alone, without what views keep.
     pub(super) fn without_rest(self) -> Self {
-        Self { rest: JsonMap::new(), ..self }
+        Self { kept: Kept::default(), rest: JsonMap::new(), ..self }
     }
 
     /// The points that the wire of a link runs through, in its order.
@@ -214,7 +221,7 @@ mod tests {
     const ODD: &str = r#"{"mve": 1, "nodes": {"a": {"module": "X"}}, "canvas": {
         "frames": {"f": {"title": "in", "at": [0, 0.5], "size": [2, 1], "depth": 3}, "g": 7},
         "reroutes": {"r": {"link": "a.x -> b.y", "at": [1, 2]}, "s": {"link": "?", "at": [1, 2]}},
-        "collapsed": ["a"], "camera": {"zoom": 2}}}"#;
+        "collapsed": ["a"], "views": {"front": {"new": 1}}, "camera": {"zoom": 2}}}"#;
 
     #[test]
     fn what_is_not_understood_is_kept() {

@@ -112,6 +112,7 @@ impl Transaction<'_> {
                 Ok(())
             }
             Edit::SetProgram { .. } | Edit::RenameProgram { .. } => self.edit_program(edit),
+            Edit::Keep(edit) => self.extras.kept.edit(edit).map_err(EditError::Kept),
             Edit::ReplaceText(text) => {
                 self.map = Map::parse(text)?;
                 self.extras = Extras::of(&self.map);

@@ -39,10 +39,11 @@ use mve_core::{Data, Value};
 use mve_modules::data::TriMesh;
 use sheet::SheetAction;
 
+use crate::kept::KeptEdit;
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
-    StillOptions, VIEW_KEYS,
+    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, NamedView, ScaleSettings,
+    Spacing, StillOptions, VIEW_KEYS,
 };
 pub use number::{brief_text, count_text, number_text};
 pub use picked::PickedElement;
@@ -82,6 +83,8 @@ pub enum ViewerAction {
     Unpin(usize),
     /// To look at another element of a mesh, or at none. The viewer does that itself.
     Pick(Option<PickedElement>),
+    /// To keep something with the map, or no longer.
+    Keep(KeptEdit),
     /// A picture of the meshes in a file.
     TakePicture,
 }
@@ -216,19 +219,11 @@ impl Viewer {
                 SheetAction::BringIntoSight => {
                     let Some(picked) = &self.picked else { continue };
                     if let Some(mesh) = mesh_of(pinned, &picked.title) {
-                        self.meshes.bring_into_sight(picked, &mesh);
+                        self.meshes.go_to(picked, &mesh);
                     }
                 }
             }
         }
-    }
-
-    /// A click picks an element of the kind that the table shows.
-    fn pick(&mut self, picked: Option<&PickedElement>, pinned: &[Pinned]) {
-        let seen = picked.and_then(|picked| {
-            picked.seen_as(self.sheet.domain(), &*mesh_of(pinned, &picked.title)?)
-        });
-        self.picked = seen.or(picked.cloned());
     }
 
     /// Shows the values in the space that there is. Without `render` meshes cannot be drawn.
@@ -285,7 +280,7 @@ impl Viewer {
         }
         actions.retain(|action| match action {
             ViewerAction::Pick(picked) => {
-                self.pick(picked.as_ref(), pinned);
+                self.picked.clone_from(picked);
                 false
             }
             _ => true,

@@ -1,7 +1,6 @@
 //! The one element of a mesh that a person looks at: picked in a picture, in a table, or by its
 //! number. All views of a panel share it.
 
-use glam::DVec3;
 use mve_modules::data::{Domain, TriMesh};
 
 /// An element of a mesh that is shown.
@@ -36,27 +35,6 @@ impl PickedElement {
             Domain::Face => corner / 3,
         };
         Some(Self { domain, index, ..self.clone() })
-    }
-
-    /// The corner points of its face, or the point of a vertex; none that the mesh does not have.
-    pub fn points(&self, mesh: &TriMesh) -> Vec<DVec3> {
-        let point = |vertex: usize| mesh.positions.get(vertex).copied();
-        let face = match self.domain {
-            Domain::Vertex => return point(self.index).into_iter().collect(),
-            Domain::Corner => self.index / 3,
-            Domain::Face => self.index,
-        };
-        let corners = mesh.faces.get(face);
-        corners.into_iter().flatten().filter_map(|vertex| point(vertex.idx())).collect()
-    }
-
-    /// The point of a vertex or corner.
-    pub fn point(&self, mesh: &TriMesh) -> Option<DVec3> {
-        let vertex = match self.domain {
-            Domain::Face => None,
-            Domain::Vertex | Domain::Corner => self.seen_as(Domain::Vertex, mesh),
-        };
-        mesh.positions.get(vertex?.index).copied()
     }
 }
 
@@ -103,11 +81,8 @@ mod tests {
         assert_eq!(vertex.index, mesh.faces[2][1].idx());
         assert_eq!(corner.seen_as(Domain::Face, &mesh), Some(element(Domain::Face, 2)));
         assert_eq!(vertex.seen_as(Domain::Face, &mesh), None);
-        assert_eq!((corner.points(&mesh).len(), element(Domain::Face, 2).point(&mesh)), (3, None));
-        assert_eq!(vertex.points(&mesh), [mesh.positions[vertex.index]]);
-        assert_eq!(corner.point(&mesh), Some(mesh.positions[vertex.index]));
         let nowhere = element(Domain::Face, 99);
-        assert!(!nowhere.is_in(&mesh) && nowhere.points(&mesh).is_empty());
+        assert!(!nowhere.is_in(&mesh));
         assert_eq!(nowhere.seen_as(Domain::Vertex, &mesh), None);
     }
 }

@@ -133,6 +133,10 @@ impl SheetView {
         let shown = self.shown.as_ref().map(|(shown, _)| shown);
         if let Some(picked) = picked.filter(|picked| shown != Some(picked)) {
             self.title.clone_from(&picked.title);
+            // A corner stands for its face.
+            if (self.domain, picked.domain) != (Domain::Corner, Domain::Face) {
+                self.domain = picked.domain;
+            }
         }
         let source = sources.iter().find(|source| source.title() == self.title);
         let Some(source) = source.or(sources.first()) else {
@@ -170,11 +174,6 @@ impl SheetView {
         self.follow(&sheet, &rows, picked);
         actions.extend(self.table(ui, &sheet, &rows, picked));
         actions
-    }
-
-    /// What its rows are.
-    pub fn domain(&self) -> Domain {
-        self.domain
     }
 
     /// Whether rows or columns are in the making.

@@ -69,6 +69,8 @@ overlays! {
     bounding_box::BoundingBox,
     axes::Axes,
     hover::Hover,
+    distances::Distances,
+    measure::Measure,
     picked::Picked,
     color_bar::ColorBar,
     captions::Captions,

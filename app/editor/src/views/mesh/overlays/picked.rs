@@ -1,105 +1,171 @@
-//! The element that is looked at: picked by a click, and marked in the picture of its mesh.
+//! The element that is looked at: its mark in the picture, and all that is known of it.
 
-use std::sync::Arc;
-
-use eframe::egui::{self, Color32, Pos2, Shape, Stroke};
+use eframe::egui::{self, Align2, Color32, Rect, Stroke, vec2};
 use mve_modules::data::{Domain, TriMesh};
 
 use super::Overlay;
-use crate::views::background::{Progress, Task};
-use crate::views::mesh::hand::pick::{Hit, pick};
-use crate::views::mesh::layout::part_of;
+use crate::views::mesh::element::{Fact, facts, place_of, points_of};
+use crate::views::mesh::hand::click::ClickSearch;
 use crate::views::mesh::scene::{MeshScene, Screen};
+use crate::views::picked::{n_elements, one_of};
 use crate::views::{PickedElement, ViewerAction};
 
-/// The overlay of the picked element.
+/// The overlay of the element, which a click picks.
 #[derive(Default)]
 pub struct Picked {
-    /// What a click met, while it is looked for: the title of the mesh, and the face.
-    task: Option<(String, Task<Option<Hit>>)>,
+    search: ClickSearch,
+    /// Whether the number is to be typed at once.
+    wants_focus: bool,
 }
 
-/// A color that neither surfaces nor scales have.
-const COLOR: Color32 = Color32::from_rgb(255, 40, 200);
-const SHADOW: Color32 = Color32::from_black_alpha(160);
+/// Stands out from all color scales.
+const MARK: Color32 = Color32::from_rgb(255, 235, 60);
 
 impl Overlay for Picked {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
-        self.answer(scene);
-        self.ask(ui, scene);
-        let Some(picked) = scene.picked else { return };
-        for (at, tile) in scene.tiles.iter().enumerate() {
-            let input = &scene.meshes[tile.item];
-            if input.title == picked.title && picked.is_in(&input.mesh) {
-                let (clip, _) = part_of(tile.rect, scene.settings, at, scene.tiles.len());
-                let screen = Screen { rect: tile.rect };
-                mark(&ui.painter_at(clip), &screen, scene, (picked, &input.mesh));
+        if scene.is_still {
+            return;
+        }
+        if !scene.settings.is_measuring
+            && let Some(clicked) = self.search.take_in(ui, scene)
+            && scene.picked != clicked.element.as_ref()
+        {
+            scene.actions.push(ViewerAction::Pick(clicked.element));
+        }
+        let shown = scene.picked.cloned().and_then(|picked| {
+            let mesh = scene.meshes.iter().find(|mesh| mesh.title == picked.title)?;
+            let tile =
+                scene.tiles.iter().find(|tile| scene.meshes[tile.item].title == mesh.title)?;
+            picked.is_in(&mesh.mesh).then(|| (picked, mesh.mesh.clone(), tile.rect))
+        });
+        self.wants_focus |= scene.is_number;
+        match (shown, scene.meshes.first()) {
+            (Some((picked, mesh, rect)), _) => {
+                paint_mark(ui, &Screen { rect }, scene, (&mesh, &picked));
+                self.read_out(ui, rect, scene, (&mesh, picked));
             }
+            (None, Some(first)) if scene.is_number && !first.mesh.positions.is_empty() => {
+                let (title, domain) = (first.title.clone(), Domain::Vertex);
+                let first = PickedElement { title, domain, index: 0 };
+                scene.actions.push(ViewerAction::Pick(Some(first)));
+                ui.ctx().request_repaint();
+            }
+            (None, _) => self.wants_focus &= scene.picked.is_none() && scene.is_number,
+        }
+    }
+}
+
+/// A ring around a vertex, or the edges of a face.
+fn paint_mark(
+    ui: &egui::Ui,
+    screen: &Screen,
+    scene: &MeshScene,
+    (mesh, picked): (&TriMesh, &PickedElement),
+) {
+    let painter = ui.painter_at(screen.rect);
+    let place = |point| Some(screen.place(scene.camera.project(point, screen.aspect())?));
+    let places: Vec<_> = points_of(mesh, picked).into_iter().filter_map(place).collect();
+    for (width, color) in [(4.0, Color32::from_black_alpha(160)), (2.0, MARK)] {
+        let stroke = Stroke::new(width, color);
+        match places.as_slice() {
+            [at] => drop(painter.circle_stroke(*at, 6.0, stroke)),
+            // Side by side: the joints of a closed line stand out far where an angle is small.
+            &[a, b, c] => {
+                for side in [[a, b], [b, c], [c, a]] {
+                    painter.line_segment(side, stroke);
+                }
+            }
+            _ => {}
         }
     }
 }
 
 impl Picked {
-    /// Looks for what a click met. A click that ends a drag is none.
-    fn ask(&mut self, ui: &egui::Ui, scene: &MeshScene) {
-        let Some(bounds) = scene.bounds.as_ref().filter(|_| !scene.is_still) else { return };
-        let click = scene.responses.iter().enumerate().find_map(|(at, response)| {
-            Some((at, response.interact_pointer_pos().filter(|_| response.clicked())?))
+    /// What is known of the element, in the lower right corner.
+    fn read_out(
+        &mut self,
+        ui: &egui::Ui,
+        rect: Rect,
+        scene: &mut MeshScene,
+        (mesh, picked): (&TriMesh, PickedElement),
+    ) {
+        let facts = facts(mesh, &picked, scene.fields);
+        let area = egui::Area::new(ui.id().with("picked element")).order(egui::Order::Middle);
+        let area = area.pivot(Align2::RIGHT_BOTTOM).fixed_pos(rect.right_bottom() - vec2(8.0, 8.0));
+        area.show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width((rect.width() - 32.0).clamp(120.0, 420.0));
+                ui.horizontal_wrapped(|ui| self.naming(ui, scene, mesh, &picked));
+                ui.horizontal_wrapped(|ui| buttons(ui, scene, (mesh, &picked), &facts));
+                let room = (rect.height() - 110.0).clamp(40.0, 220.0);
+                egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                    egui::Grid::new("facts").num_columns(2).show(ui, |ui| {
+                        for fact in &facts {
+                            ui.weak(&fact.name);
+                            ui.label(&fact.brief);
+                            ui.end_row();
+                        }
+                    });
+                });
+            });
         });
-        let Some((at, place)) = click else { return };
-        let item = scene.visible_item(at, place);
-        let is_it = |input: &&crate::views::mesh::scene::MeshInput| Arc::ptr_eq(&input.mesh, &item.mesh);
-        let Some(input) = scene.meshes.iter().find(is_it) else { return };
-        let screen = Screen { rect: scene.responses[at].rect };
-        let ray = scene.camera.ray(screen.normalized(place), screen.aspect(), bounds);
-        let mesh = Arc::clone(&item.mesh);
-        let task = Task::spawn(ui.ctx(), move || pick(&mesh, &ray));
-        self.task = Some((input.title.clone(), task));
     }
 
-    fn answer(&mut self, scene: &mut MeshScene) {
-        let Some((title, task)) = self.task.take() else { return };
-        match task.poll() {
-            Progress::Running => self.task = Some((title, task)),
-            Progress::Lost => {}
-            Progress::Done(hit) => {
-                let picked = hit.map(|hit| {
-                    let index = 3 * hit.face + hit.corner;
-                    PickedElement { title, domain: Domain::Corner, index }
-                });
-                scene.actions.push(ViewerAction::Pick(picked));
+    /// Which element it is, to be changed.
+    fn naming(
+        &mut self,
+        ui: &mut egui::Ui,
+        scene: &mut MeshScene,
+        mesh: &TriMesh,
+        picked: &PickedElement,
+    ) {
+        let mut new = picked.clone();
+        for (domain, label) in [(Domain::Vertex, "vertex"), (Domain::Face, "face")] {
+            if n_elements(mesh, domain) > 0 {
+                ui.selectable_value(&mut new.domain, domain, label);
             }
+        }
+        if new.domain != picked.domain {
+            new.index = new.index.min(n_elements(mesh, new.domain) - 1);
+        }
+        let most = n_elements(mesh, new.domain).saturating_sub(1);
+        let field = egui::DragValue::new(&mut new.index).range(0..=most);
+        let field = ui.add(field.update_while_editing(false));
+        ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("number of the element"));
+        if std::mem::take(&mut self.wants_focus) {
+            field.request_focus();
+        }
+        ui.label(format!("of {}", picked.title));
+        if new != *picked {
+            // A number that is typed is gone to; while one is dragged the view stays.
+            if !field.dragged() && new.index != picked.index {
+                scene.look_at = place_of(mesh, &new);
+            }
+            scene.actions.push(ViewerAction::Pick(Some(new)));
         }
     }
 }
 
-/// Draws the outline of a face and a dot at a vertex, over what hides them.
-fn mark(
-    painter: &egui::Painter,
-    screen: &Screen,
-    scene: &MeshScene,
-    (picked, mesh): (&PickedElement, &TriMesh),
+fn buttons(
+    ui: &mut egui::Ui,
+    scene: &mut MeshScene,
+    (mesh, picked): (&TriMesh, &PickedElement),
+    facts: &[Fact],
 ) {
-    let aspect = screen.aspect();
-    let place = |point| scene.camera.project(point, aspect).map(|at| screen.place(at));
-    let places: Option<Vec<Pos2>> = picked.points(mesh).into_iter().map(place).collect();
-    if let Some(places) = places.filter(|places| places.len() == 3) {
-        let fill = COLOR.gamma_multiply(0.25);
-        painter.add(Shape::convex_polygon(places.clone(), fill, Stroke::NONE));
-        // Side by side: the joints of a closed line stand out far where an angle is small.
-        for stroke in [Stroke::new(4.0, SHADOW), Stroke::new(2.0, COLOR)] {
-            for k in 0..3 {
-                painter.line_segment([places[k], places[(k + 1) % 3]], stroke);
-            }
-        }
+    if ui.button("Go to it").on_hover_text("Turn it to the middle and the front").clicked() {
+        scene.look_at = place_of(mesh, picked);
     }
-    // A face may be too small to be seen.
-    let center = || {
-        let points = picked.points(mesh);
-        points.iter().copied().reduce(|a, b| a + b).map(|sum| sum / points.len() as f64)
-    };
-    if let Some(at) = picked.point(mesh).or_else(center).and_then(place) {
-        let radius = if picked.domain == Domain::Face { 2.5 } else { 4.5 };
-        painter.circle(at, radius, COLOR, Stroke::new(1.5, SHADOW));
+    if ui.button("Copy values").on_hover_text("All of it, with tabs between").clicked() {
+        let first = format!("{}\t{}\t{}", one_of(picked.domain), picked.index, picked.title);
+        let lines = facts.iter().map(|fact| format!("{}\t{}", fact.name, fact.exact));
+        let lines: Vec<String> = std::iter::once(first).chain(lines).collect();
+        ui.ctx().copy_text(lines.join("\n"));
+    }
+    let close = ui.button("×").on_hover_text("Look at no element");
+    close.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::WidgetType::Button, true, "Look at no element")
+    });
+    if close.clicked() {
+        scene.actions.push(ViewerAction::Pick(None));
     }
 }
