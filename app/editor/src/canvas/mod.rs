@@ -34,7 +34,8 @@ use shape::{Port, Shape, Shapes};
 use crate::catalog::Catalog;
 use crate::document::{Document, Edit, Item};
 use crate::forms::FormEvent;
-use crate::runner::{Part, Runner};
+use crate::runner::{Part, Runner, Status};
+use crate::views::{Thumbnail, Thumbnails};
 
 /// How the canvas answers to hand and eye.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -46,11 +47,13 @@ pub struct CanvasSettings {
     pub wheel_zooms: bool,
     /// Whether titles are colored by the seconds of their nodes.
     pub shows_times: bool,
+    /// Whether all nodes show pictures of what they give.
+    pub shows_pictures: bool,
 }
 
 impl Default for CanvasSettings {
     fn default() -> Self {
-        Self { snaps: true, wheel_zooms: true, shows_times: false }
+        Self { snaps: true, wheel_zooms: true, shows_times: false, shows_pictures: false }
     }
 }
 
@@ -128,6 +131,8 @@ pub struct Canvas {
     /// A node to move into the middle of the view.
     wants_node: Option<String>,
     view: Option<CanvasView>,
+    /// Pictures of what nodes give.
+    thumbnails: Thumbnails,
 }
 
 impl Canvas {
@@ -183,7 +188,7 @@ impl Canvas {
         let screen = ui.available_rect_before_wrap();
         let back = ui.allocate_rect(screen, Sense::click_and_drag());
         back.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
-        self.shapes.update(scene.document, scene.registry);
+        self.shapes.update(scene.document, scene.registry, scene.settings.shows_pictures);
         let view = self.place_camera(screen, scene);
         let moved = self.moved_camera(ui, &back, view, scene);
         self.is_fitted &= moved == view.camera;
@@ -367,9 +372,42 @@ impl Canvas {
                 is_dimmed: &is_dimmed,
             };
             brush.node(shape, &look);
+            if let Some(space) = shape.picture.filter(|_| brush.shows_pictures()) {
+                self.picture(ui, brush, scene, (name, space.translate(shape.at.to_vec2())));
+            }
             self.touch_node(ui, brush, scene, shape, &state, actions);
         }
         self.shapes = shapes;
+    }
+
+    /// Draws the picture of what a node gives into a space of the canvas.
+    fn picture(&mut self, ui: &Ui, brush: &Brush, scene: &Scene, (name, space): (&str, Rect)) {
+        let ended = scene.runner.ended(name);
+        let module = ended.and_then(|node| scene.registry.find(&node.record.module));
+        let outputs = module.map_or(&[][..], |info| info.module.outputs);
+        let values = ended.into_iter().flat_map(|node| outputs.iter().zip(&node.outputs));
+        let mut text = "no picture: not run yet";
+        let is_old = matches!(scene.runner.status(name), Status::Dirty | Status::Running(_));
+        for (output, value) in values.filter(|(o, _)| Thumbnails::are_of(o.data_type)) {
+            let Some(node) = ended else { break };
+            let key = (node.record.key, output.name.to_owned());
+            match self.thumbnails.of(ui.ctx(), key, value) {
+                Thumbnail::Picture(picture) => {
+                    return brush.picture(space, picture.id(), picture.size_vec2(), is_old);
+                }
+                Thumbnail::Awaited => {
+                    text = "\u{2026}";
+                    break;
+                }
+                Thumbnail::Nothing => text = "nothing to be seen",
+            }
+        }
+        brush.no_picture(space, text);
+    }
+
+    /// Whether a picture of what a node gives is in the making.
+    pub fn is_busy(&self) -> bool {
+        self.thumbnails.is_busy()
     }
 
     fn popups(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {

@@ -3,12 +3,13 @@
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{
-    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, Visuals,
+    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId, Vec2,
+    Visuals,
 };
 use mve_core::NodeMode;
 
 use super::camera::CanvasView;
-use super::shape::{FOOT, Port, ROW, Shape, TITLE, color_of};
+use super::shape::{FOOT, Port, ROW, Shape, TITLE, WIDTH, color_of};
 use crate::document::{CanvasFrame, Note};
 use crate::runner::Status;
 
@@ -374,14 +375,48 @@ impl Brush<'_> {
         }
     }
 
-    /// Draws a frame behind the nodes.
-    pub fn frame(&self, frame: &CanvasFrame, rect: Rect, is_selected: bool) {
+    /// Whether nodes are large enough for pictures in them.
+    pub fn shows_pictures(&self) -> bool {
+        self.zoom() >= TITLES_FROM
+    }
+
+    /// Draws a picture into the middle of a space of the canvas; one of an earlier run is faint.
+    pub fn picture(&self, space: Rect, picture: TextureId, size: Vec2, is_old: bool) {
+        let space = self.view.rect_to_screen(space);
+        self.picture_ground(space);
+        let factor = (space.width() / size.x).min(space.height() / size.y);
+        let rect = Rect::from_center_size(space.center(), size * factor);
+        let tint = Color32::WHITE.gamma_multiply(if is_old { 0.4 } else { 1.0 });
+        let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        self.painter.image(picture, rect, all, tint);
+    }
+
+    /// Says why there is no picture in a space of the canvas.
+    pub fn no_picture(&self, space: Rect, text: &str) {
+        let space = self.view.rect_to_screen(space);
+        self.picture_ground(space);
+        if self.zoom() >= ROWS_FROM {
+            let width = WIDTH - 24.0;
+            self.line(space.center(), Align2::CENTER_CENTER, text, 10.0, width, self.palette.faint);
+        }
+    }
+
+    fn picture_ground(&self, space: Rect) {
+        self.painter.rect_filled(space, 3.0 * self.zoom(), self.palette.edge.gamma_multiply(0.35));
+    }
+
+    /// Draws a frame behind the nodes; how it stands to what is in the hand.
+    pub fn frame(&self, frame: &CanvasFrame, rect: Rect, mark: FrameMark) {
         let screen = self.view.rect_to_screen(rect);
         let [r, g, b] = frame.color.unwrap_or([110, 120, 150]);
         let color = Color32::from_rgb(r, g, b);
-        self.painter.rect_filled(screen, 6, color.gamma_multiply(0.18));
-        let edge = if is_selected { self.palette.selected } else { color };
-        self.painter.rect_stroke(screen, 6, Stroke::new(1.0, edge), StrokeKind::Inside);
+        let (share, edge) = match mark {
+            FrameMark::Selected => (0.18, Stroke::new(1.0, self.palette.selected)),
+            FrameMark::Holds => (0.3, Stroke::new(2.5, self.palette.text)),
+            FrameMark::None => (0.18, Stroke::new(1.0, color)),
+        };
+        self.painter.rect_filled(screen, 6, color.gamma_multiply(share));
+        self.painter.rect_stroke(screen, 6, edge, StrokeKind::Inside);
         let at = screen.left_top() + Vec2::splat(8.0 * self.zoom());
         self.line(at, Align2::LEFT_TOP, &frame.title, 14.0, rect.width() - 16.0, self.palette.text);
     }
@@ -403,6 +438,17 @@ impl Brush<'_> {
         let inside = self.painter.with_clip_rect(screen.intersect(self.painter.clip_rect()));
         inside.galley(screen.min + Vec2::splat(8.0 * self.zoom()), galley, self.palette.text);
     }
+}
+
+/// How a frame stands to what is in the hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameMark {
+    /// Not at all.
+    None,
+    /// It is selected.
+    Selected,
+    /// It holds a node that is moved.
+    Holds,
 }
 
 /// The color of what does not run by itself.

@@ -20,6 +20,7 @@ mod sheet;
 mod spread;
 mod still;
 mod table;
+mod thumbnail;
 mod wheel;
 
 #[cfg(test)]
@@ -45,10 +46,11 @@ pub use mesh::{
     Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, NamedView, ScaleSettings,
     Spacing, StillOptions, VIEW_KEYS,
 };
-pub use number::{brief_text, count_text, number_text};
+pub use number::{ColumnFormat, brief_text, count_text, number_text};
 pub use picked::PickedElement;
 pub use still::Still;
 pub use table::{Column, SortOrder, Table, TableView};
+pub use thumbnail::{Thumbnail, ThumbnailKey, Thumbnails};
 
 /// How long a value may be old before that is said.
 const OUTDATED: Duration = Duration::from_millis(700);

@@ -46,7 +46,7 @@ pub enum ColumnFormat {
 const WIDEST: i32 = 12;
 
 impl ColumnFormat {
-    /// The format for some numbers: six digits of the largest and three of the smallest, if they
+    /// The format for some numbers: six digits of the largest and four of the smallest, if they
     /// fit into one width.
     pub fn of(numbers: impl Iterator<Item = f64> + Clone) -> Self {
         let sizes = numbers.clone().filter(|n| n.is_finite() && *n != 0.0).map(f64::abs);
@@ -60,7 +60,7 @@ impl ColumnFormat {
         let needed = numbers.clone().all(|n| n.fract() == 0.0 || !n.is_finite());
         let decimals = match needed {
             true => 0,
-            false => (6 - digits(high)).max(3 - digits(low)).max(0),
+            false => (6 - digits(high)).max(4 - digits(low)).max(0),
         };
         if digits(high).max(1) + decimals > WIDEST {
             return Self::Powers;

@@ -8,7 +8,7 @@ use mve_core::Scalar;
 use super::data::{Column, Table, cell_text, title_of};
 use super::head::{Head, LETTER, Sort, header};
 use super::plot::TablePlot;
-use crate::views::number::count_text;
+use crate::views::number::{ColumnFormat, count_text};
 
 /// The state of one table on the screen.
 #[derive(Default)]
@@ -23,6 +23,7 @@ pub struct TableView {
 struct RowLayout {
     order: Arc<[usize]>,
     widths: Arc<[f32]>,
+    formats: Arc<[ColumnFormat]>,
 }
 
 /// Rows that are looked at for the width of a column.
@@ -81,15 +82,22 @@ impl TableView {
             Some((column, direction)) => table.order_by(column, direction),
             None => (0..table.rows.len()).collect(),
         };
+        let sampled =
+            |at: usize| (0..table.rows.len().min(N_SAMPLED)).filter_map(move |row| table.cell(row, at));
+        let format = |at: usize| {
+            ColumnFormat::of(sampled(at).filter_map(|cell| match cell {
+                Scalar::Number(number) => Some(*number),
+                _ => None,
+            }))
+        };
+        let formats: Arc<[ColumnFormat]> = (0..table.columns.len()).map(format).collect();
         let width = |(at, column): (usize, &Column)| {
-            let sampled = (0..table.rows.len().min(N_SAMPLED))
-                .filter_map(|row| table.cell(row, at))
-                .map(|cell| cell_text(cell).chars().count());
+            let sampled = sampled(at).map(|cell| cell_text(cell, formats[at]).chars().count());
             let most = sampled.max().unwrap_or(0).max(title_of(column).chars().count() + 3);
             LETTER * (most as f32).clamp(5.0, 48.0)
         };
         let widths = table.columns.iter().enumerate().map(width).collect();
-        let laid_out = RowLayout { order: order.into(), widths };
+        let laid_out = RowLayout { order: order.into(), widths, formats: Arc::clone(&formats) };
         self.laid_out = Some((Arc::clone(table), self.sort, laid_out.clone()));
         laid_out
     }
@@ -102,10 +110,11 @@ fn rows(ui: &mut egui::Ui, table: &Table, laid_out: &RowLayout) -> Option<usize>
     area.show_rows(ui, height, laid_out.order.len(), |ui, visible| {
         for &row in laid_out.order.get(visible).unwrap_or_default() {
             ui.horizontal(|ui| {
-                for (column, &width) in laid_out.widths.iter().enumerate() {
+                let columns = laid_out.widths.iter().zip(laid_out.formats.iter()).enumerate();
+                for (column, (&width, &format)) in columns {
                     let cell = table.cell(row, column);
                     let is_number = matches!(cell, Some(Scalar::Number(_)));
-                    let text = cell.map_or(String::new(), cell_text);
+                    let text = cell.map_or(String::new(), |cell| cell_text(cell, format));
                     let align = if is_number { Align::Max } else { Align::Min };
                     let layout = Layout::left_to_right(Align::Center)
                         .with_main_align(align)
