@@ -386,14 +386,15 @@ impl Canvas {
         let module = ended.and_then(|node| scene.registry.find(&node.record.module));
         let outputs = module.map_or(&[][..], |info| info.module.outputs);
         let values = ended.into_iter().flat_map(|node| outputs.iter().zip(&node.outputs));
-        let mut text = "no picture: not run yet";
+        let mut text = "not run yet";
         let is_old = matches!(scene.runner.status(name), Status::Dirty | Status::Running(_));
         for (output, value) in values.filter(|(o, _)| Thumbnails::are_of(o.data_type)) {
             let Some(node) = ended else { break };
             let key = (node.record.key, output.name.to_owned());
             match self.thumbnails.of(ui.ctx(), key, value) {
                 Thumbnail::Picture(picture) => {
-                    return brush.picture(space, picture.id(), picture.size_vec2(), is_old);
+                    brush.picture(space, picture.id(), picture.size_vec2(), is_old);
+                    return name_picture(ui, brush, name, space, "");
                 }
                 Thumbnail::Awaited => {
                     text = "\u{2026}";
@@ -403,6 +404,7 @@ impl Canvas {
             }
         }
         brush.no_picture(space, text);
+        name_picture(ui, brush, name, space, text);
     }
 
     /// Whether a picture of what a node gives is in the making.
@@ -437,6 +439,15 @@ impl Canvas {
             );
         }
     }
+}
+
+/// Says to a screen reader what there is to be seen of a node.
+fn name_picture(ui: &Ui, brush: &Brush, node: &str, space: Rect, text: &str) {
+    let space = brush.view.rect_to_screen(space);
+    let response = ui.interact(space, ui.id().with(("picture", node)), Sense::hover());
+    let text = if text.is_empty() { String::new() } else { format!(": {text}") };
+    let label = format!("picture of {node}{text}");
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &label));
 }
 
 fn node_of(item: &Item) -> Option<&str> {

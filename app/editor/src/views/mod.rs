@@ -37,7 +37,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::{Data, Value};
-use mve_modules::data::TriMesh;
+use mve_modules::data::{Domain, TriMesh};
 use sheet::SheetAction;
 
 use crate::kept::KeptEdit;
@@ -363,6 +363,15 @@ impl Viewer {
             ui.weak(format!("From an earlier run: {}", titles.join(", ")));
         }
     }
+}
+
+/// How many of each kind of its elements a value has, by their nouns.
+pub fn counts_of(value: &Value) -> Vec<(&'static str, usize)> {
+    let counts = |mesh: Arc<TriMesh>| {
+        let domains = [Domain::Face, Domain::Vertex];
+        domains.map(|domain| (picked::many_of(domain), mesh.n_elements(domain))).to_vec()
+    };
+    value.get::<TriMesh>().map(counts).unwrap_or_default()
 }
 
 /// The mesh that is shown under a title.

@@ -14,8 +14,19 @@ use super::columns::SheetColumn;
 /// What joins conditions.
 const AND: &str = "and";
 const OR: &str = "or";
-/// Longest text, which bounds how deep parentheses nest.
+/// Longest text, in bytes.
 const LONGEST: usize = 1000;
+/// Deepest nesting of conditions, so that reading cannot run out of stack.
+const DEEPEST: usize = 16;
+
+/// Where a part of a filter stands.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    /// Characters before it, which its error counts along.
+    n_before: usize,
+    /// Parentheses around it.
+    depth: usize,
+}
 
 /// Whether a word means something in a filter, so that no column can have it as its name.
 pub fn is_word_of_filters(name: &str) -> bool {
@@ -44,16 +55,16 @@ impl Filter {
     pub fn compile(text: &str, columns: &[SheetColumn]) -> Result<Self, String> {
         match text.len() > LONGEST {
             true => Err(format!("it is longer than {LONGEST} characters")),
-            false => Self::read(text, 0, columns),
+            false => Self::read(text, Place::default(), columns),
         }
     }
 
-    /// Reads a part of a filter behind so many characters.
-    fn read(text: &str, n_before: usize, columns: &[SheetColumn]) -> Result<Self, String> {
+    /// Reads a part of a filter.
+    fn read(text: &str, place: Place, columns: &[SheetColumn]) -> Result<Self, String> {
         let any = split(text, OR).into_iter().map(|(from, part)| {
             let all = split(part, AND).into_iter().map(|(at, part)| {
-                let n_before = n_before + text[..from + at].chars().count();
-                condition(part, n_before, columns)
+                let n_before = place.n_before + text[..from + at].chars().count();
+                condition(part, Place { n_before, ..place }, columns)
             });
             all.collect()
         });
@@ -111,15 +122,15 @@ fn split<'a>(text: &'a str, word: &str) -> Vec<(usize, &'a str)> {
     parts
 }
 
-/// Reads the condition behind so many characters, which its error counts along.
-fn condition(
-    text: &str,
-    n_before: usize,
-    columns: &[SheetColumn],
-) -> Result<Condition, String> {
+/// Reads one condition.
+fn condition(text: &str, place: Place, columns: &[SheetColumn]) -> Result<Condition, String> {
     if let Some(inside) = in_parentheses(text) {
-        let n_before = n_before + text[..inside.start].chars().count();
-        let group = Filter::read(&text[inside], n_before, columns)?;
+        if place.depth == DEEPEST {
+            return Err(format!("parentheses nest deeper than {DEEPEST} levels"));
+        }
+        let n_before = place.n_before + text[..inside.start].chars().count();
+        let place = Place { n_before, depth: place.depth + 1 };
+        let group = Filter::read(&text[inside], place, columns)?;
         return Ok(Condition::Group(group));
     }
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -137,7 +148,7 @@ fn condition(
         of.extend(column.filter(|at| columns[*at].is_numeric()));
     }
     // Blanks in the place of what stands before, so that an error names the right column.
-    let text = format!("{}{}", " ".repeat(n_before), with_double_signs(text));
+    let text = format!("{}{}", " ".repeat(place.n_before), with_double_signs(text));
     let named: Vec<_> = of.iter().map(|&at| (columns[at].name.as_str(), "")).collect();
     let formula = Expression::compile(&text, &named).or_else(|_| {
         // An error lists all that there is.
@@ -266,7 +277,9 @@ mod tests {
         assert!(said("x > 0 and").contains("column 10: a value is missing"));
         assert!(said("(x > 0 and y > )").starts_with("column 16: a value is missing"));
         assert!(said(&"(".repeat(100_000)).contains("longer than 1000"));
-        assert!(said(&format!("{}x{}", "(".repeat(400), ")".repeat(399))).contains("column"));
+        let nested = |n: usize| format!("{}x{}", "(".repeat(n), ")".repeat(n));
+        assert!(said(&nested(400)).contains("deeper than 16 levels"));
+        assert!(Filter::compile(&nested(16), &columns).is_ok());
         assert!(said("(x > 0").starts_with("column 7: \")\" is missing"));
     }
 }

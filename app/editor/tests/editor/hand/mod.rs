@@ -171,6 +171,11 @@ impl Hand {
         self.wait(|session| !session.viewer.is_busy());
     }
 
+    /// Draws frames until the pictures on nodes are made.
+    pub fn wait_for_the_pictures(&mut self) {
+        self.wait(|session| !session.canvas.is_busy());
+    }
+
     /// Draws frames until the program has come to its end.
     pub fn wait_for_the_program(&mut self) {
         self.wait(|session| !session.programs.is_running());
