@@ -48,7 +48,7 @@ impl Palette {
                 edge: gray(72),
                 selected: Color32::from_rgb(255, 178, 64),
                 text: gray(225),
-                faint: gray(150),
+                faint: gray(165),
             },
             false => Self {
                 back: gray(232),
@@ -57,7 +57,7 @@ impl Palette {
                 edge: gray(170),
                 selected: Color32::from_rgb(214, 110, 0),
                 text: gray(25),
-                faint: gray(105),
+                faint: gray(80),
             },
         }
     }
@@ -252,7 +252,7 @@ impl Brush<'_> {
             _ => shape.module.as_str(),
         };
         let at = title.right_center() - Vec2::new(pad, 0.0);
-        let faint = Color32::from_white_alpha(170);
+        let faint = Color32::from_white_alpha(225);
         self.line(at, Align2::RIGHT_CENTER, mark, 9.5, 76.0, faint);
     }
 

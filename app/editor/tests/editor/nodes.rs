@@ -79,3 +79,21 @@ fn a_number_of_faces_begins_with_half_of_those_that_come_in() {
     hand.click("whether target faces is on");
     assert_eq!(hand.map().nodes["simplificator"].params["target_faces"], 6);
 }
+
+#[test]
+fn the_edge_of_a_panel_is_grabbed_on_both_sides() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand = Hand::with_files(folder.path(), vec![cube(folder.path())]);
+    hand.wait_for_the_run();
+    hand.wait_for_the_views();
+    let height = |hand: &Hand| hand.height_of("3D view of");
+    let mut before = height(&hand);
+    // The canvas leaves 5 points free above the edge of the viewer.
+    for below in [2.0, 8.0] {
+        let edge = hand.point_within("canvas", 0.5, 1.0) + vec2(0.0, below);
+        hand.drag(edge, edge - vec2(0.0, 30.0));
+        let after = height(&hand);
+        assert!(after > before + 20.0, "{below} below the canvas: {before} {after}");
+        before = after;
+    }
+}
