@@ -57,6 +57,7 @@ fn main() {
     harness.state_mut().viewer.meshes.settings.lines.has_wire = true;
     measure(&mut harness, "wire");
     harness.state_mut().viewer.meshes.settings.lines.has_wire = false;
+    measure_cut(&mut harness);
     harness.state_mut().pinned = vec![mesh, field];
     measure(&mut harness, "colored by faces");
 }
@@ -84,6 +85,24 @@ fn measure(harness: &mut Harness<Shown>, name: &str) {
     let resting = until_quiet(harness);
     report(&format!("{name}: made well at rest, within {:.0?}", start.elapsed()), resting);
     report(&format!("{name}: nothing changes"), (0..10).map(|_| frame(harness)).collect());
+}
+
+/// A plane that moves through the mesh, with its outline.
+fn measure_cut(harness: &mut Harness<Shown>) {
+    let section = |harness: &mut Harness<Shown>, offset: f64| {
+        let section = &mut harness.state_mut().viewer.meshes.settings.section;
+        (section.is_on, section.normal, section.offset) = (true, glam::DVec3::Y, Some(offset));
+    };
+    section(harness, 0.0);
+    report("cut: comes in", until_quiet(harness));
+    let mut moving = Vec::new();
+    for step in 0..40 {
+        section(harness, 0.05 * f64::from(step));
+        moving.push(frame(harness));
+    }
+    report("cut: the plane moves", moving);
+    report("cut: at rest", until_quiet(harness));
+    harness.state_mut().viewer.meshes.settings.section.is_on = false;
 }
 
 /// Draws until nothing is in the making.

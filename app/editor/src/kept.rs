@@ -32,6 +32,12 @@ impl Shelf {
             Self::Distances => "distance",
         }
     }
+
+    /// Its kind and its name, which may begin with the kind: `distance 1`.
+    fn words_for(self, name: &str) -> String {
+        let kind = self.kind();
+        if name.starts_with(kind) { name.to_owned() } else { format!("{kind} {name}") }
+    }
 }
 
 /// All that is kept.
@@ -54,9 +60,11 @@ impl KeptEdit {
     /// What it does, for the menu entry that undoes it.
     pub fn label(&self) -> String {
         match self {
-            Self::Put { shelf, name, .. } => format!("Keep {} {name}", shelf.kind()),
-            Self::Remove { shelf, name } => format!("Remove {} {name}", shelf.kind()),
-            Self::Rename { shelf, name, to } => format!("Rename {} {name} to {to}", shelf.kind()),
+            Self::Put { shelf, name, .. } => format!("Keep {}", shelf.words_for(name)),
+            Self::Remove { shelf, name } => format!("Remove {}", shelf.words_for(name)),
+            Self::Rename { shelf, name, to } => {
+                format!("Rename {} to {to}", shelf.words_for(name))
+            }
         }
     }
 }
@@ -177,6 +185,7 @@ mod tests {
             assert_eq!(kept, before);
         }
         let remove = KeptEdit::Remove { shelf: Shelf::Views, name: "back".to_owned() };
+        assert_eq!(remove.label(), "Remove view back");
         kept.edit(&remove).unwrap();
         assert_eq!(kept.on(Shelf::Views).len(), 1);
         assert!(kept.edit(&remove).is_err());

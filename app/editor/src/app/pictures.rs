@@ -36,7 +36,8 @@ impl PictureForm {
     fn turn_to(&mut self, name: &str, view: &NamedView) {
         (self.view, self.keep_as) = (Some(name.to_owned()), name.to_owned());
         self.options = view.picture.unwrap_or(self.options);
-        let is_safe = |c: char| c.is_alphanumeric() || " -_.".contains(c);
+        // What no system takes in a name of a file.
+        let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|"#.contains(c);
         let file: String = name.chars().map(|c| if is_safe(c) { c } else { '_' }).collect();
         self.path = format!("{}.png", file.trim_start_matches('.'));
     }

@@ -227,7 +227,11 @@ impl Editor {
         for (lower, label, hint) in [
             (Lower::Program, "Program", "Runs of the map with varied parameters, as a table"),
             (Lower::Values, "Values", "All ports of the selected nodes and their values"),
-            (Lower::Sheet, "Spreadsheet", "Vertices, corners and faces of what is shown, as a table"),
+            (
+                Lower::Sheet,
+                "Spreadsheet",
+                "Vertices, corners and faces of what is shown, as a table",
+            ),
             (Lower::Console, "Console", "What modules said"),
         ] {
             let is_shown = self.is_lower_open && self.lower == lower;

@@ -3,8 +3,8 @@
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{
-    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId, Vec2,
-    Visuals,
+    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId,
+    Vec2, Visuals,
 };
 use mve_core::NodeMode;
 

@@ -63,11 +63,7 @@ impl ParamField<'_> {
         let name = format!("whether {} is on", self.name);
         ui.ctx().accesskit_node_builder(switch.id, |node| node.set_label(name.as_str()));
         if switch.on_hover_text(&name).changed() {
-            self.set(Some(if is_on {
-                self.when_on()
-            } else {
-                Json::Null
-            }));
+            self.set(Some(if is_on { self.when_on() } else { Json::Null }));
         }
     }
 

@@ -28,8 +28,7 @@ fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
     let folder = here.to_owned();
     let counts = HashMap::from([("cut".to_owned(), vec![("faces", 69_451)])]);
     let output_folder = here;
-    let scene =
-        ProgramScene { map, folder, map_file, registry: &registry, output_folder, counts };
+    let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder, counts };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
     match panel.vary(node, param, &scene).remove(0) {
         ProgramAction::SetProgram { name, spec: Some(spec) } => (name, spec),

@@ -43,8 +43,8 @@ use sheet::SheetAction;
 use crate::kept::KeptEdit;
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, NamedView, ScaleSettings,
-    Spacing, StillOptions, VIEW_KEYS,
+    Arrangement, BackFaces, ColorBy, Distance, MeshLook, MeshSettings, MeshView, NamedView,
+    ScaleSettings, Section, Spacing, StillOptions, VIEW_KEYS,
 };
 pub use number::{ColumnFormat, brief_text, count_text, number_text};
 pub use picked::PickedElement;

@@ -50,9 +50,8 @@ impl ColumnFormat {
     /// fit into one width.
     pub fn of(numbers: impl Iterator<Item = f64> + Clone) -> Self {
         let sizes = numbers.clone().filter(|n| n.is_finite() && *n != 0.0).map(f64::abs);
-        let (low, high) = sizes.fold((f64::INFINITY, 0.0f64), |(low, high), size| {
-            (low.min(size), high.max(size))
-        });
+        let (low, high) = sizes
+            .fold((f64::INFINITY, 0.0f64), |(low, high), size| (low.min(size), high.max(size)));
         if high == 0.0 {
             return Self::Decimals(0);
         }
@@ -84,7 +83,8 @@ impl ColumnFormat {
             Self::Powers => format!("{number:.4e}"),
             Self::Decimals(_) if number.fract() == 0.0 && size < 1e15 => format!("{number:.0}"),
             Self::Decimals(decimals) => {
-                let is_fit = size < 10f64.powi(WIDEST) && size >= 0.5 * 0.1f64.powi(decimals as i32);
+                let is_fit =
+                    size < 10f64.powi(WIDEST) && size >= 0.5 * 0.1f64.powi(decimals as i32);
                 if is_fit { format!("{number:.decimals$}") } else { number_text(number) }
             }
         }

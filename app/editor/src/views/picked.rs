@@ -74,8 +74,7 @@ mod tests {
     #[test]
     fn a_corner_leads_to_its_face_and_its_vertex() {
         let mesh = tetrahedron();
-        let element =
-            |domain, index| PickedElement { title: "a.mesh".to_owned(), domain, index };
+        let element = |domain, index| PickedElement { title: "a.mesh".to_owned(), domain, index };
         let corner = element(Domain::Corner, 7);
         let vertex = corner.seen_as(Domain::Vertex, &mesh).unwrap();
         assert_eq!(vertex.index, mesh.faces[2][1].idx());

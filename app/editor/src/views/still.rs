@@ -28,8 +28,8 @@ pub struct Still {
 }
 
 impl Still {
-    /// Begins a picture of what a view shows of these values, or a kept view would show, in the look
-    /// of a window.
+    /// Begins a picture of what a view shows of these values, or a kept view would show, in the
+    /// look of a window.
     pub fn new(
         view: &MeshView,
         pinned: Vec<Pinned>,

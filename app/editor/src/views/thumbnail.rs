@@ -115,8 +115,7 @@ fn of_mesh(mesh: &TriMesh) -> Option<ColorImage> {
     if !(distance.is_normal() && eye.is_finite()) {
         return None;
     }
-    let camera =
-        render::Camera { eye, right: axes.right, up: axes.up, forward: -axes.back };
+    let camera = render::Camera { eye, right: axes.right, up: axes.up, forward: -axes.back };
     let (shading, source) = (Shading::Gouraud, NormalSource::Layer);
     let surface = Surface::new(mesh, shading, source, Paint::Layer, Control::none()).ok()?;
     let size = 2 * SIDE * SAMPLES;

@@ -79,7 +79,11 @@ fn a_row_and_its_element_in_the_picture_are_picked_together() {
 
     // From its front the cube shows the faces 2 and 3, which lie in z = 1, one on each side of a
     // diagonal.
-    hand.click_at("3D view of obj_loader.mesh: drag turns, shift and drag moves, wheel zooms", 0.5, 0.5);
+    hand.click_at(
+        "3D view of obj_loader.mesh: drag turns, shift and drag moves, wheel zooms",
+        0.5,
+        0.5,
+    );
     hand.press(Key::Num1);
     hand.wait_for_the_views();
     let name = "3D view of obj_loader.mesh: drag turns, shift and drag moves, wheel zooms";
@@ -99,7 +103,8 @@ fn a_row_and_its_element_in_the_picture_are_picked_together() {
     hand.wait_for_the_views();
     assert_eq!(picked(&hand), Some((Domain::Vertex, 4)));
     // Each end of the diagonals of a square is a corner of two of its faces.
-    let counted = hand.names_beginning("row vertex").iter().filter(|row| row.contains("faces")).count();
+    let counted =
+        hand.names_beginning("row vertex").iter().filter(|row| row.contains("faces")).count();
     assert_eq!(counted, 8);
     // Beside the cube there is nothing.
     hand.click_at(name, 0.02, 0.98);

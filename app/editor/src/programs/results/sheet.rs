@@ -383,9 +383,7 @@ fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
             Some(Better::Neither) | None => None,
         };
         column.is_chief = match &column.source {
-            ColumnSource::Output(..) if is_named || is_declared => {
-                is_named || role != Role::Detail
-            }
+            ColumnSource::Output(..) if is_named || is_declared => is_named || role != Role::Detail,
             ColumnSource::Output(node, _) => {
                 let n = n_of_node.entry(node.clone()).or_default();
                 let is_chief = *n < MOST_OF_A_NODE && (differs || rows.len() < 2) && is_new();

@@ -22,10 +22,12 @@ mod section;
 mod view;
 mod viewport;
 
+pub use distance::Distance;
 pub use hand::navigation::VIEW_KEYS;
 pub use look::coloring::{ColorBy, ScaleSettings};
 pub use look::named::{NamedView, StillOptions};
 pub use look::settings::{Arrangement, BackFaces, MeshSettings};
 pub use look::stored::MeshLook;
 pub use look::values::Spacing;
+pub use section::Section;
 pub use view::MeshView;

@@ -29,7 +29,7 @@ use super::offers::{offers, pinned_picture};
 use super::outline::outline_color;
 use super::overlays::{Depth, Overlays};
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
-use super::section::Plane;
+use super::section::{Plane, Section};
 use super::viewport::{Colors, ShownOutline, Viewport};
 use crate::kept::{Kept, Shelf};
 use crate::views::camera::{Bounds, Camera};
@@ -49,6 +49,8 @@ pub struct MeshView {
     /// What was fitted last into which aspect, and whether the user has moved since.
     fitted: Option<(Bounds, f64)>,
     has_moved: bool,
+    /// The section in the frame before.
+    cut_before: Section,
     /// When the camera moved last, by the clock of the window.
     moved_secs: Option<f64>,
     /// The color scale on the GPU, and how often there was another one.
@@ -128,6 +130,7 @@ impl MeshView {
         }
     }
 
+    /// Looks at a point, against a direction.
     fn look_at(&mut self, (point, towards): (DVec3, DVec3)) {
         self.camera.look_at(point, towards);
         self.has_moved = true;
@@ -365,7 +368,7 @@ impl MeshView {
             self.fit(bounds, aspect);
             self.settings.section.fit(bounds);
         }
-        let before = (self.camera, self.settings.section);
+        let before = self.camera;
         let (camera, settings) = (&mut self.camera, &mut self.settings);
         let switches = self.overlays.switches();
         let mut moved = by_keys(ui, responses, aspect, camera, bounds, (settings, &switches));
@@ -376,8 +379,9 @@ impl MeshView {
             moved.is_fit |= by.is_fit;
             moved.is_moving |= by.is_moving;
         }
-        moved.is_moving |= (self.camera, self.settings.section) != before;
-        self.has_moved |= self.camera != before.0;
+        let cut_before = std::mem::replace(&mut self.cut_before, self.settings.section);
+        moved.is_moving |= self.camera != before || self.settings.section != cut_before;
+        self.has_moved |= self.camera != before;
         if moved.is_fit || is_fit {
             self.fit(bounds, aspect);
         }

@@ -98,6 +98,8 @@ pub fn uniforms(
     };
     let is_gray_outside = settings.scale.outside == Outside::Gray;
     let back = match settings.back_faces {
+        // Inside of a cut mesh there is nothing to be read from colors.
+        BackFaces::Tinted if viewport.plane.is_some() => 0.9,
         BackFaces::Tinted => 0.55,
         BackFaces::Same | BackFaces::Hidden => 0.0,
     };

@@ -306,8 +306,7 @@ fn corners_of(mesh: &TriMesh, face: usize) -> Option<[DVec3; 3]> {
 /// The least angle of a triangle; not a number where two of its points are one.
 fn least_angle_rad(points: [DVec3; 3]) -> f64 {
     let angle = |k: usize| {
-        let (to_next, to_last) =
-            (points[(k + 1) % 3] - points[k], points[(k + 2) % 3] - points[k]);
+        let (to_next, to_last) = (points[(k + 1) % 3] - points[k], points[(k + 2) % 3] - points[k]);
         let (sine, cosine) = (to_next.cross(to_last).length(), to_next.dot(to_last));
         if sine == 0.0 && cosine == 0.0 { f64::NAN } else { sine.atan2(cosine) }
     };

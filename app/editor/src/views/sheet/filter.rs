@@ -183,9 +183,7 @@ fn name_condition(column: usize, name: &str, rest: &str) -> Result<Condition, St
         Some((text.strip_prefix('"').map_or(text, |text| text.trim_end_matches('"')), *is_equal))
     });
     match found {
-        Some((text, is_equal)) => {
-            Ok(Condition::Name { column, name: text.to_owned(), is_equal })
-        }
+        Some((text, is_equal)) => Ok(Condition::Name { column, name: text.to_owned(), is_equal }),
         None => Err(format!("\"{name}\" is a name: write {name} = \"…\" or {name} != \"…\"")),
     }
 }

@@ -30,7 +30,8 @@ impl Source {
             Self::Mesh(title, mesh, fitting)
         };
         let alone = fields.iter().filter(|field| !meshes.iter().any(|(_, m)| fits(m, field)));
-        let alone: Vec<_> = alone.cloned().map(|(title, field)| Self::Field(title, field)).collect();
+        let alone: Vec<_> =
+            alone.cloned().map(|(title, field)| Self::Field(title, field)).collect();
         meshes.iter().cloned().map(mesh).chain(alone).collect()
     }
 
@@ -85,7 +86,12 @@ pub struct SheetMaker {
 
 impl SheetMaker {
     /// The table of a source.
-    pub fn sheet(&mut self, context: &egui::Context, source: &Source, domain: Domain) -> Arc<Sheet> {
+    pub fn sheet(
+        &mut self,
+        context: &egui::Context,
+        source: &Source,
+        domain: Domain,
+    ) -> Arc<Sheet> {
         let counts = source.mesh().filter(|_| domain == Domain::Vertex);
         let counts = counts.and_then(|mesh| self.counts(context, mesh));
         let same = |(title, field): &TitledField| (title.clone(), Same(Arc::clone(field)));
@@ -110,17 +116,12 @@ impl SheetMaker {
         let domains = source.domains();
         let n_elements = domains.iter().find(|(known, _)| *known == domain).map_or(0, |(_, n)| *n);
         let mesh = source.mesh().cloned();
-        let sheet =
-            Arc::new(Sheet { title: key.title.clone(), domain, n_elements, columns, mesh });
+        let sheet = Arc::new(Sheet { title: key.title.clone(), domain, n_elements, columns, mesh });
         self.made = Some((key, Arc::clone(&sheet)));
         sheet
     }
 
-    fn counts(
-        &mut self,
-        context: &egui::Context,
-        mesh: &Arc<TriMesh>,
-    ) -> Option<Arc<Vec<u32>>> {
+    fn counts(&mut self, context: &egui::Context, mesh: &Arc<TriMesh>) -> Option<Arc<Vec<u32>>> {
         let (key, job) = (Same(Arc::clone(mesh)), Arc::clone(mesh));
         self.counts.want(context, key.clone(), move || count_faces(&job));
         let latest = self.counts.latest_with_key().filter(|(known, _)| **known == key);

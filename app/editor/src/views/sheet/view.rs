@@ -140,7 +140,9 @@ impl SheetView {
         }
         let source = sources.iter().find(|source| source.title() == self.title);
         let Some(source) = source.or(sources.first()) else {
-            ui.weak("Nothing with elements is shown. Click an output that gives a mesh or a field.");
+            ui.weak(
+                "Nothing with elements is shown. Click an output that gives a mesh or a field.",
+            );
             return Vec::new();
         };
         let domains = source.domains();
@@ -291,7 +293,8 @@ impl SheetView {
             return;
         };
         let order = rows.found.clone().map(Same);
-        let is_shown = self.shown.as_ref().is_some_and(|(shown, of)| shown == picked && *of == order);
+        let is_shown =
+            self.shown.as_ref().is_some_and(|(shown, of)| shown == picked && *of == order);
         if is_shown {
             return;
         }

@@ -23,11 +23,7 @@ pub struct Head<'a> {
 }
 
 /// Shows the names; a click sorts by one, the other way round, and no longer.
-pub fn header<'a>(
-    ui: &mut egui::Ui,
-    heads: impl Iterator<Item = Head<'a>>,
-    sort: &mut Sort,
-) {
+pub fn header<'a>(ui: &mut egui::Ui, heads: impl Iterator<Item = Head<'a>>, sort: &mut Sort) {
     ui.horizontal(|ui| {
         for (at, head) in heads.enumerate() {
             let mark = match sort {

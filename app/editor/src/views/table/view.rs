@@ -82,8 +82,9 @@ impl TableView {
             Some((column, direction)) => table.order_by(column, direction),
             None => (0..table.rows.len()).collect(),
         };
-        let sampled =
-            |at: usize| (0..table.rows.len().min(N_SAMPLED)).filter_map(move |row| table.cell(row, at));
+        let sampled = |at: usize| {
+            (0..table.rows.len().min(N_SAMPLED)).filter_map(move |row| table.cell(row, at))
+        };
         let format = |at: usize| {
             ColumnFormat::of(sampled(at).filter_map(|cell| match cell {
                 Scalar::Number(number) => Some(*number),

@@ -43,16 +43,16 @@ fn outline_vertex(
     if max(ends[0].w, ends[1].w) < LEAST_W {
         return vec4(0.0, 0.0, -1.0, 1.0);
     }
-    let from = before_the_eye(ends[0], ends[1]);
-    let to = before_the_eye(ends[1], ends[0]);
+    let start = before_the_eye(ends[0], ends[1]);
+    let stop = before_the_eye(ends[1], ends[0]);
     let size = o.numbers.xy;
-    let along = (to.xy / to.w - from.xy / from.w) * size;
-    let length = max(length(along), 1e-6);
-    let direction = select(vec2(1.0, 0.0), along / length, length > 1e-5);
+    let along = (stop.xy / stop.w - start.xy / start.w) * size;
+    let pixels = max(length(along), 1e-6);
+    let direction = select(vec2(1.0, 0.0), along / pixels, pixels > 1e-5);
     let across = vec2(-direction.y, direction.x);
     // Longer by half of the width at each end, so that no joint gapes.
     let is_to = corner >= 2u;
-    let at = select(from, to, is_to);
+    let at = select(start, stop, is_to);
     let ahead = select(-1.0, 1.0, is_to);
     let side = select(-1.0, 1.0, (corner & 1u) == 1u);
     let moved = (direction * ahead + across * side) * o.numbers.z * 2.0 / size;

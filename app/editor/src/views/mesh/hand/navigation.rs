@@ -32,7 +32,7 @@ pub const VIEW_KEYS: &[(&str, &str)] = &[
     ("5", "perspective or parallel"),
     ("W", "edges of all faces"),
     ("B", "edges of one face"),
-    ("click", "pick a face, or the vertex beside it: its number, place and values"),
+    ("click", "pick a face, or a vertex, and read its values"),
     ("G", "go to a vertex or a face by its number"),
     ("M", "measure distances: click two points, Esc ends"),
     ("X", "cut by a plane"),

@@ -26,8 +26,8 @@ pub struct Hit {
 }
 
 /// Finds the face (T. Möller & B. Trumbore, "Fast, minimum storage ray-triangle intersection",
-/// Journal of Graphics Tools 2(1), 1997). Of several at one distance that of the lowest number. What
-/// a plane cuts away is not met.
+/// Journal of Graphics Tools 2(1), 1997). Of several at one distance that of the lowest number.
+/// What a plane cuts away is not met.
 pub fn pick(mesh: &TriMesh, ray: &Ray, plane: Option<&Plane>) -> Option<Hit> {
     let of_face = |(face, corners): (usize, &[mve_modules::data::VertexId; 3])| {
         let mut points = [DVec3::ZERO; 3];

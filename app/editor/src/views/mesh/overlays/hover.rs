@@ -16,10 +16,13 @@ use crate::views::mesh::section::Plane;
 /// Seconds without a move after which a pointer rests.
 const REST_SECS: f32 = 0.15;
 
+/// Where the pointer looks, and what is cut away from before it.
+type Sight = (Ray, Option<Plane>);
+
 /// The question that was asked last, and its answer.
 #[derive(Default)]
 pub struct Hover {
-    question: Option<(Arc<TriMesh>, (Ray, Option<Plane>))>,
+    question: Option<(Arc<TriMesh>, Sight)>,
     task: Option<Task<Option<Hit>>>,
     hit: Option<Hit>,
 }
@@ -54,12 +57,7 @@ impl Hover {
     }
 
     /// What the ray of the pointer meets, once that is known.
-    fn at(
-        &mut self,
-        ui: &egui::Ui,
-        mesh: &Arc<TriMesh>,
-        (ray, plane): (Ray, Option<Plane>),
-    ) -> Option<Hit> {
+    fn at(&mut self, ui: &egui::Ui, mesh: &Arc<TriMesh>, (ray, plane): Sight) -> Option<Hit> {
         let is_asked = self.question.as_ref().is_some_and(|(known, known_ray)| {
             Arc::ptr_eq(known, mesh) && *known_ray == (ray, plane)
         });

@@ -23,7 +23,8 @@ pub fn section_controls(
     let Some((bounds, plane)) = offers.bounds.and_then(|b| Some((b, section.plane(&b)?))) else {
         return;
     };
-    make_room(ui, 250.0);
+    make_room(ui, 290.0);
+    ui.label("Plane at");
     let [low, high] = section.range(&bounds);
     let mut offset = plane.offset;
     let slider = egui::Slider::new(&mut offset, low..=high).custom_formatter(|n, _| number_text(n));
