@@ -68,18 +68,7 @@ fn main() {
     hand.wait_for_the_views();
     save(&mut hand, &folder, "spreadsheet.png");
 
-    hand.click("Spreadsheet");
     hand.unpin_all();
-    hand.click("View");
-    hand.click("Pictures on all nodes");
-    hand.point_at("canvas");
-    hand.press(Key::Escape);
-    hand.point_at("canvas");
-    hand.press(Key::L);
-    hand.press(Key::Home);
-    hand.wait_for_the_pictures();
-    save(&mut hand, &folder, "nodes.png");
-
     hand.click("Program");
     hand.wait_for_the_program();
     hand.click_last("Run");

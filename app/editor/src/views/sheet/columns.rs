@@ -7,11 +7,21 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use mve_core::Expression;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh, shown_name};
 
-use super::filter::is_word_of_filters;
 use crate::views::picked::one_of;
 use crate::views::table::compare_texts;
+
+/// What joins the conditions of a filter.
+pub const AND: &str = "and";
+/// The same, where one is enough.
+pub const OR: &str = "or";
+
+/// Whether a word means something in a filter, so that no column can have it as its name.
+fn is_word_of_filters(name: &str) -> bool {
+    [AND, OR].contains(&name) || Expression::has_meaning(name)
+}
 
 /// A field beside a mesh, and where it comes from.
 pub type TitledField = (String, Arc<Field>);

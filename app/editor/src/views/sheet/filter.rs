@@ -9,11 +9,8 @@ use std::ops::Range;
 
 use mve_core::Expression;
 
-use super::columns::SheetColumn;
+use super::columns::{AND, OR, SheetColumn};
 
-/// What joins conditions.
-const AND: &str = "and";
-const OR: &str = "or";
 /// Longest text, in bytes.
 const LONGEST: usize = 1000;
 /// Deepest nesting of conditions, so that reading cannot run out of stack.
@@ -26,11 +23,6 @@ struct Place {
     n_before: usize,
     /// Parentheses around it.
     depth: usize,
-}
-
-/// Whether a word means something in a filter, so that no column can have it as its name.
-pub fn is_word_of_filters(name: &str) -> bool {
-    [AND, OR].contains(&name) || Expression::has_meaning(name)
 }
 
 /// A checked filter for the columns that it was made for.

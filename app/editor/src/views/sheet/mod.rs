@@ -3,6 +3,7 @@
 
 mod columns;
 mod filter;
+mod row;
 mod rows;
 mod scroll;
 mod source;

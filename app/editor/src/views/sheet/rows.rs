@@ -57,6 +57,31 @@ impl Sheet {
     }
 }
 
+/// The rows that are shown: all in their order, or those that were found.
+#[derive(Clone)]
+pub struct Rows {
+    /// How many there are.
+    pub n: usize,
+    /// Their elements, where these were found.
+    pub found: Option<Arc<Vec<u32>>>,
+}
+
+impl Rows {
+    /// The element of a row.
+    pub fn element(&self, place: usize) -> usize {
+        let found = self.found.as_ref().and_then(|found| found.get(place));
+        found.map_or(place, |element| *element as usize)
+    }
+
+    /// Where an element stands, O(n) where rows are filtered or sorted.
+    pub fn place(&self, element: usize) -> Option<usize> {
+        match &self.found {
+            None => (element < self.n).then_some(element),
+            Some(found) => found.iter().position(|one| *one as usize == element),
+        }
+    }
+}
+
 fn in_order(
     kept: impl ParallelIterator<Item = u32>,
     number: impl Fn(usize) -> Option<f64> + Sync,

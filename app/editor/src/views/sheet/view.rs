@@ -2,26 +2,22 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Align2, Event, Key, Rect, Sense, pos2, vec2};
+use eframe::egui::{self, Event, Key, Rect, Sense, pos2, vec2};
 use mve_modules::data::Domain;
 
 use super::columns::SheetColumn;
 use super::filter::Filter;
-use super::rows::Sheet;
+use super::row::{Form, Row, forms_of, show_row};
+use super::rows::{Rows, Sheet};
 use super::scroll::RowScroll;
 use super::source::{SheetMaker, Source};
 use crate::views::background::{Progress, Task};
 use crate::views::make_room;
 use crate::views::memo::{Memo, Same};
-use crate::views::number::{ColumnFormat, count_text};
+use crate::views::number::count_text;
 use crate::views::picked::many_of;
-use crate::views::table::{Head, LETTER, Sort, SortOrder, header};
+use crate::views::table::{Head, Sort, SortOrder, header};
 use crate::views::{PickedElement, Pinned};
-
-/// Rows that are looked at for the width and the format of a column.
-const N_SAMPLED: usize = 200;
-/// Space on both sides of a cell.
-const MARGIN: f32 = 6.0;
 
 /// What the user wants of the picture beside the table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,13 +34,6 @@ struct RowsKey {
     sheet: Same<Sheet>,
     filter: String,
     sort: Sort,
-}
-
-/// How a column looks.
-#[derive(Clone, Copy)]
-struct Form {
-    width: f32,
-    format: ColumnFormat,
 }
 
 /// The state of the table.
@@ -80,28 +69,6 @@ impl Default for SheetView {
             chosen: None,
             shown: None,
             copying: None,
-        }
-    }
-}
-
-/// The rows that are shown: all in their order, or those that were found.
-#[derive(Clone)]
-struct Rows {
-    n: usize,
-    found: Option<Arc<Vec<u32>>>,
-}
-
-impl Rows {
-    fn element(&self, place: usize) -> usize {
-        let found = self.found.as_ref().and_then(|found| found.get(place));
-        found.map_or(place, |element| *element as usize)
-    }
-
-    /// Where an element stands, O(n) where rows are filtered or sorted.
-    fn place(&self, element: usize) -> Option<usize> {
-        match &self.found {
-            None => (element < self.n).then_some(element),
-            Some(found) => found.iter().position(|one| *one as usize == element),
         }
     }
 }
@@ -373,31 +340,18 @@ impl SheetView {
         }
     }
 
-    /// Width and format of each column, from a few rows.
+    /// Width and format of each column.
     fn forms(&mut self, sheet: &Arc<Sheet>) -> Arc<[Form]> {
         let key = Same(Arc::clone(sheet));
         if let Some((_, forms)) = self.forms.as_ref().filter(|(known, _)| *known == key) {
             return Arc::clone(forms);
         }
-        let step = sheet.n_elements.div_ceil(N_SAMPLED).max(1);
-        let last = sheet.n_elements.checked_sub(1);
-        let sampled: Vec<usize> = (0..sheet.n_elements).step_by(step).chain(last).collect();
-        let form = |column: &SheetColumn| {
-            let numbers: Vec<f64> =
-                sampled.iter().filter_map(|element| column.number(*element)).collect();
-            let format = ColumnFormat::of(numbers.into_iter());
-            let texts = sampled.iter().map(|element| cell(column, format, *element));
-            let longest = texts.map(|text| text.chars().count()).max().unwrap_or(0);
-            let title = column.name.chars().count() + column.unit.chars().count() + 3;
-            let width = LETTER * (longest.max(title) as f32).clamp(5.0, 40.0) + MARGIN;
-            Form { width, format }
-        };
-        let forms: Arc<[Form]> = sheet.columns.iter().map(form).collect();
+        let forms = forms_of(sheet);
         self.forms = Some((key, Arc::clone(&forms)));
         forms
     }
 
-    /// Paints a row, and answers a click on it.
+    /// Shows a row, and answers a click on it.
     fn row(
         &mut self,
         ui: &egui::Ui,
@@ -408,46 +362,7 @@ impl SheetView {
     ) -> Vec<SheetAction> {
         let chosen = self.chosen.map(|[a, b]| a.min(b)..=a.max(b));
         let is_chosen = chosen.is_some_and(|chosen| chosen.contains(&row.place));
-        let seen = row.rect.intersect(ui.clip_rect());
-        let response = ui.interact(seen, ui.id().with(("row", row.place)), Sense::click());
-        let visuals = ui.visuals();
-        let painter = ui.painter();
-        let ground = match (is_chosen, response.hovered(), row.place % 2) {
-            (true, ..) => Some(visuals.selection.bg_fill),
-            (false, true, _) => Some(visuals.widgets.hovered.weak_bg_fill),
-            (false, false, 1) => Some(visuals.faint_bg_color),
-            _ => None,
-        };
-        if let Some(color) = ground {
-            painter.rect_filled(row.rect, 0.0, color);
-        }
-        let color = if is_chosen { visuals.strong_text_color() } else { visuals.text_color() };
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        let mut left = row.rect.left();
-        let mut texts = Vec::with_capacity(sheet.columns.len());
-        for (column, form) in sheet.columns.iter().zip(forms) {
-            let text = cell(column, form.format, row.element);
-            let place = Rect::from_min_size(
-                pos2(left, row.rect.top()),
-                vec2(form.width, row.rect.height()),
-            );
-            left = place.right() + ui.spacing().item_spacing.x;
-            if place.intersects(ui.clip_rect()) {
-                let clipped = painter.with_clip_rect(place.intersect(ui.clip_rect()));
-                let (at, align) = match column.is_numeric() {
-                    true => (place.right_center() - vec2(MARGIN, 0.0), Align2::RIGHT_CENTER),
-                    false => (place.left_center() + vec2(MARGIN, 0.0), Align2::LEFT_CENTER),
-                };
-                clipped.text(at, align, &text, font.clone(), color);
-            }
-            texts.push(text);
-        }
-        response.widget_info(|| {
-            let names = sheet.columns.iter().map(|column| column.name.as_str());
-            let cells = names.zip(&texts).map(|(name, text)| format!("{name} {text}"));
-            let label = format!("row {}", cells.collect::<Vec<_>>().join(", "));
-            egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, is_chosen, label)
-        });
+        let response = show_row(ui, sheet, forms, row, is_chosen);
         if !response.clicked() && !response.double_clicked() {
             return Vec::new();
         }
@@ -546,20 +461,6 @@ impl SheetView {
             Some(Progress::Running) | None => {}
         }
     }
-}
-
-/// A row on the screen.
-struct Row {
-    /// Its place in the order that is shown.
-    place: usize,
-    element: usize,
-    rect: Rect,
-}
-
-/// What stands in a cell.
-fn cell(column: &SheetColumn, format: ColumnFormat, element: usize) -> String {
-    let number = column.number(element).map(|number| format.text(number));
-    number.or_else(|| column.text(element)).unwrap_or_default()
 }
 
 fn counted_rows(n: usize) -> String {
