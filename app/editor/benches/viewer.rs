@@ -47,11 +47,9 @@ fn main() {
     let about = render.adapter.get_info();
     println!("{} ({:?}), {n_faces} faces", about.name, about.backend);
     let renderer = WgpuTestRenderer::from_render_state(render.clone());
-    let show = move |ui: &mut egui::Ui, shown: &mut Shown| {
-        match shown.is_sheet {
-            true => shown.viewer.show_sheet(ui, &shown.pinned),
-            false => drop(shown.viewer.show(ui, &shown.pinned, Some(&render))),
-        }
+    let show = move |ui: &mut egui::Ui, shown: &mut Shown| match shown.is_sheet {
+        true => shown.viewer.show_sheet(ui, &shown.pinned),
+        false => drop(shown.viewer.show(ui, &shown.pinned, Some(&render))),
     };
     let shown = Shown { viewer: Viewer::new(), pinned: Vec::new(), is_sheet: false };
     let builder = Harness::builder().with_size(Vec2::new(916.0, 760.0)).renderer(renderer);

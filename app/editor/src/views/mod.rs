@@ -221,7 +221,7 @@ impl Viewer {
                 SheetAction::BringIntoSight => {
                     let Some(picked) = &self.picked else { continue };
                     if let Some(mesh) = mesh_of(pinned, &picked.title) {
-                        self.meshes.go_to(picked, &mesh);
+                        self.meshes.go_to(ui.ctx(), picked, &mesh);
                     }
                 }
             }

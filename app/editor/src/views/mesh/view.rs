@@ -124,16 +124,14 @@ impl MeshView {
     }
 
     /// Turns an element of a mesh to the middle and the front; O(n) for a vertex.
-    pub fn go_to(&mut self, element: &PickedElement, mesh: &TriMesh) {
-        if let Some(place) = place_of(mesh, element) {
-            self.look_at(place);
-        }
+    pub fn go_to(&mut self, context: &egui::Context, element: &PickedElement, mesh: &TriMesh) {
+        place_of(mesh, element).into_iter().for_each(|place| self.look_at(context, place));
     }
 
-    /// Looks at a point, against a direction.
-    fn look_at(&mut self, (point, towards): (DVec3, DVec3)) {
+    fn look_at(&mut self, context: &egui::Context, (point, towards): (DVec3, DVec3)) {
         self.camera.look_at(point, towards);
         self.has_moved = true;
+        context.request_repaint();
     }
 
     /// Height of the pictures in points when they were shown last.
@@ -347,10 +345,7 @@ impl MeshView {
         };
         self.overlays.show(ui, &mut scene);
         let (look_at, actions) = (scene.look_at, scene.actions);
-        if let Some(place) = look_at {
-            self.look_at(place);
-            ui.ctx().request_repaint();
-        }
+        look_at.into_iter().for_each(|place| self.look_at(ui.ctx(), place));
         actions
     }
 
