@@ -46,8 +46,11 @@ fn a_view_is_kept_by_name_and_looked_from_tomorrow() {
     hand.press_with(Modifiers::COMMAND, Key::Num3);
     hand.press(Key::Num5);
     hand.press(Key::X);
+    hand.type_number("offset of the plane", "0.125");
     hand.type_number("maximum of the colors", "2.5");
     hand.wait_for_the_views();
+    let section = hand.editor().session().viewer.meshes.settings.section;
+    assert_eq!(section.offset, Some(0.125));
     let seen = meshes(&hand);
     assert_eq!((seen.0.projection, seen.1, seen.2), (Projection::Orthographic, Some(2.5), true));
     hand.click_last("View");

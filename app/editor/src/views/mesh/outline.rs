@@ -13,28 +13,41 @@ use super::gpu::outline::{Segment, SegmentBuffer};
 use super::section::Plane;
 use crate::views::memo::{Memo, Same};
 
+/// Where a point lies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Before,
+    Behind,
+    /// It is not finite.
+    Nowhere,
+}
+
 /// The pieces in which a plane meets the faces of a mesh, O(n); one a face at most, in the order of
 /// the faces. Points on the plane count as before it, so that an edge in the plane comes once, from
 /// the face behind it, and a closed mesh has closed outlines. Faces with points that are not there
 /// or not finite have none.
 pub fn outline(mesh: &TriMesh, plane: &Plane) -> Vec<[DVec3; 2]> {
-    let heights: Vec<f64> = mesh.positions.par_iter().map(|p| plane.height(*p)).collect();
+    let side = |point: &DVec3| match plane.height(*point) {
+        height if !height.is_finite() => Side::Nowhere,
+        height if height >= 0.0 => Side::Before,
+        _ => Side::Behind,
+    };
+    // A byte each: nearly all faces are passed over by these alone.
+    let sides: Vec<Side> = mesh.positions.par_iter().map(side).collect();
     let of_face = |face: &[mve_modules::data::VertexId; 3]| {
         let vertices = face.map(|vertex| vertex.idx());
-        let mut is_before = [false; 3];
-        for (is_before, vertex) in is_before.iter_mut().zip(vertices) {
-            let height = heights.get(vertex).filter(|height| height.is_finite())?;
-            *is_before = *height >= 0.0;
+        let [a, b, c] = vertices.map(|at| sides.get(at).copied().unwrap_or(Side::Nowhere));
+        if (a == b && b == c) || [a, b, c].contains(&Side::Nowhere) {
+            return None;
         }
         // The corner that is alone on its side.
-        let alone = (0..3).find(|&k| {
-            is_before[k] != is_before[(k + 1) % 3] && is_before[k] != is_before[(k + 2) % 3]
-        })?;
+        let alone = if b == c { 0 } else { 1 + usize::from(a == b) };
         let meets = |other: usize| {
             let (a, b) = (vertices[alone], vertices[other % 3]);
             // From the lower vertex, so that the two faces of an edge find the same point.
             let (a, b) = (a.min(b), a.max(b));
-            let share = heights[a] / (heights[a] - heights[b]);
+            let [of_a, of_b] = [a, b].map(|at| plane.height(mesh.positions[at]));
+            let share = of_a / (of_a - of_b);
             mesh.positions[a].lerp(mesh.positions[b], share)
         };
         let ends = [meets(alone + 1), meets(alone + 2)];

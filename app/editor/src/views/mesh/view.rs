@@ -318,7 +318,8 @@ impl MeshView {
         if let Some(bounds) = &bounds {
             self.color_table(gpu);
             // Pictures made by the processor are rougher in motion, and made well at rest.
-            let is_rough = gpu.is_software() && self.is_in_motion(ui, &responses, moved.is_moving);
+            let is_moving = self.is_in_motion(ui, &responses, moved.is_moving);
+            let is_rough = is_moving && gpu.is_software() && self.still.is_none();
             let samples = if is_rough { 1 } else { FINE };
             self.draw(ui, gpu, &tiles, bounds, range, samples);
         }

@@ -350,6 +350,16 @@ impl Hand {
         self.press(Key::Enter);
     }
 
+    /// Types into the last of the fields of a number that have this name.
+    pub fn type_last_number(&mut self, name: &str, text: &str) {
+        let last = self.harness.query_all_by_role_and_label(Role::SpinButton, name).last();
+        last.expect("a field has the name").click();
+        self.step();
+        self.press_with(Modifiers::COMMAND, Key::A);
+        self.type_text(text);
+        self.press(Key::Enter);
+    }
+
     /// Moves the pointer to a place within what has this name: shares of its width and height.
     pub fn point_within(&mut self, name: &str, x: f32, y: f32) -> Pos2 {
         let at = self.harness.get_by_label(name).rect().lerp_inside(Vec2::new(x, y));

@@ -27,13 +27,17 @@ pub fn section_controls(
     ui.label("Plane at");
     let [low, high] = section.range(&bounds);
     let mut offset = plane.offset;
-    let slider = egui::Slider::new(&mut offset, low..=high).custom_formatter(|n, _| number_text(n));
-    // A slider rounds to what its own width can show.
-    let slider = ui.add(slider.smart_aim(false));
-    ui.ctx().accesskit_node_builder(slider.id, |node| node.set_label("offset of the plane"));
-    slider
-        .on_hover_text("Where the plane is along its normal: Alt + drag, or [ and ], move it too");
-    if offset != plane.offset {
+    // A plane that a kept view puts elsewhere stays there until a hand moves it.
+    let slider = egui::Slider::new(&mut offset, low..=high).show_value(false).smart_aim(false);
+    let slider = ui.add(slider.clamping(egui::SliderClamping::Edits));
+    let tip = "Where the plane is along its normal: Alt + drag, or [ and ], move it too";
+    let field = egui::DragValue::new(&mut offset).speed((high - low) / 200.0).range(low..=high);
+    let field = field.clamp_existing_to_range(false).update_while_editing(false);
+    let field = ui.add(field.custom_formatter(|number, _| number_text(number)));
+    for (response, name) in [(&slider, "slider of the plane"), (&field, "offset of the plane")] {
+        ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    }
+    if slider.on_hover_text(tip).changed() || field.on_hover_text(tip).changed() {
         section.offset = Some(offset);
     }
     if ui.button("Flip").on_hover_text("Cut the other side away (F)").clicked() {
