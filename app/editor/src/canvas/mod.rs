@@ -14,6 +14,7 @@ mod linking;
 mod menu;
 mod paint;
 mod param;
+mod picture;
 mod search;
 mod shape;
 mod touch;
@@ -28,14 +29,15 @@ pub use keys::SHORTCUTS;
 use menu::TextEntry;
 pub use paint::status_color;
 use paint::{Brush, NodeLook, NodeState, Palette, distance_to_wire};
+use picture::show_picture;
 use search::Search;
 use shape::{Port, Shape, Shapes};
 
 use crate::catalog::Catalog;
 use crate::document::{Document, Edit, Item};
 use crate::forms::FormEvent;
-use crate::runner::{Part, Runner, Status};
-use crate::views::{Thumbnail, Thumbnails};
+use crate::runner::{Part, Runner};
+use crate::views::Thumbnails;
 
 /// How the canvas answers to hand and eye.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -397,38 +399,12 @@ impl Canvas {
             };
             brush.node(shape, &look);
             if let Some(space) = shape.picture.filter(|_| brush.shows_pictures()) {
-                self.picture(ui, brush, scene, (name, space.translate(shape.at.to_vec2())));
+                let space = space.translate(shape.at.to_vec2());
+                show_picture(&mut self.thumbnails, ui, brush, scene, (name, space));
             }
             self.touch_node(ui, brush, scene, shape, &state, actions);
         }
         self.shapes = shapes;
-    }
-
-    /// Draws the picture of what a node gives into a space of the canvas.
-    fn picture(&mut self, ui: &Ui, brush: &Brush, scene: &Scene, (name, space): (&str, Rect)) {
-        let ended = scene.runner.ended(name);
-        let module = ended.and_then(|node| scene.registry.find(&node.record.module));
-        let outputs = module.map_or(&[][..], |info| info.module.outputs);
-        let values = ended.into_iter().flat_map(|node| outputs.iter().zip(&node.outputs));
-        let mut text = "not run yet";
-        let is_old = matches!(scene.runner.status(name), Status::Dirty | Status::Running(_));
-        for (output, value) in values.filter(|(o, _)| Thumbnails::are_of(o.data_type)) {
-            let Some(node) = ended else { break };
-            let key = (node.record.key, output.name.to_owned());
-            match self.thumbnails.of(ui.ctx(), key, value) {
-                Thumbnail::Picture(picture) => {
-                    brush.picture(space, picture.id(), picture.size_vec2(), is_old);
-                    return name_picture(ui, brush, name, space, "");
-                }
-                Thumbnail::Awaited => {
-                    text = "\u{2026}";
-                    break;
-                }
-                Thumbnail::Nothing => text = "nothing to be seen",
-            }
-        }
-        brush.no_picture(space, text);
-        name_picture(ui, brush, name, space, text);
     }
 
     /// Whether a picture of what a node gives is in the making.
@@ -476,15 +452,6 @@ impl WireOver {
         let color = self.color.gamma_multiply(0.7);
         self.points.windows(2).for_each(|ends| brush.wire(ends[0], ends[1], color, 1.2));
     }
-}
-
-/// Says to a screen reader what there is to be seen of a node.
-fn name_picture(ui: &Ui, brush: &Brush, node: &str, space: Rect, text: &str) {
-    let space = brush.view.rect_to_screen(space);
-    let response = ui.interact(space, ui.id().with(("picture", node)), Sense::hover());
-    let text = if text.is_empty() { String::new() } else { format!(": {text}") };
-    let label = format!("picture of {node}{text}");
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &label));
 }
 
 fn node_of(item: &Item) -> Option<&str> {

@@ -3,20 +3,19 @@
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{
-    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId,
-    Vec2, Visuals,
+    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, Visuals,
 };
 use mve_core::NodeMode;
 
 use super::camera::CanvasView;
-use super::shape::{FOOT, Port, ROW, Shape, TITLE, WIDTH, color_of};
+use super::shape::{FOOT, Port, ROW, Shape, TITLE, color_of};
 use crate::document::{CanvasFrame, Note};
 use crate::runner::Status;
 
 /// Below this zoom, rows are too small to read and are not drawn.
 pub const ROWS_FROM: f32 = 0.45;
 /// Below this zoom, titles are too small to read and are not drawn.
-const TITLES_FROM: f32 = 0.22;
+pub const TITLES_FROM: f32 = 0.22;
 
 /// Colors of the canvas in the current theme.
 pub struct Palette {
@@ -131,7 +130,8 @@ pub struct Brush<'a> {
 }
 
 impl Brush<'_> {
-    fn zoom(&self) -> f32 {
+    /// Points of the screen for one unit of the canvas.
+    pub fn zoom(&self) -> f32 {
         self.view.camera.zoom
     }
 
@@ -373,36 +373,6 @@ impl Brush<'_> {
                 );
             }
         }
-    }
-
-    /// Whether nodes are large enough for pictures in them.
-    pub fn shows_pictures(&self) -> bool {
-        self.zoom() >= TITLES_FROM
-    }
-
-    /// Draws a picture into the middle of a space of the canvas; one of an earlier run is faint.
-    pub fn picture(&self, space: Rect, picture: TextureId, size: Vec2, is_old: bool) {
-        let space = self.view.rect_to_screen(space);
-        self.picture_ground(space);
-        let factor = (space.width() / size.x).min(space.height() / size.y);
-        let rect = Rect::from_center_size(space.center(), size * factor);
-        let tint = Color32::WHITE.gamma_multiply(if is_old { 0.4 } else { 1.0 });
-        let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-        self.painter.image(picture, rect, all, tint);
-    }
-
-    /// Says why there is no picture in a space of the canvas.
-    pub fn no_picture(&self, space: Rect, text: &str) {
-        let space = self.view.rect_to_screen(space);
-        self.picture_ground(space);
-        if self.zoom() >= ROWS_FROM {
-            let width = WIDTH - 24.0;
-            self.line(space.center(), Align2::CENTER_CENTER, text, 10.0, width, self.palette.faint);
-        }
-    }
-
-    fn picture_ground(&self, space: Rect) {
-        self.painter.rect_filled(space, 3.0 * self.zoom(), self.palette.edge.gamma_multiply(0.35));
     }
 
     /// Draws a frame behind the nodes; how it stands to what is in the hand.
