@@ -22,7 +22,7 @@ impl Editor {
         // A program needs more room than the log; each keeps the height that it was given.
         let (name, height) = match self.lower {
             Lower::Program => ("program", 400.0),
-            Lower::Console | Lower::Values => ("lower", 230.0),
+            Lower::Console | Lower::Values | Lower::Sheet => ("lower", 230.0),
         };
         // Whatever the window's size, some of the canvas stays in sight.
         let most = (ui.available_height() * 0.65).max(90.0);
@@ -34,6 +34,10 @@ impl Editor {
             match lower {
                 Lower::Console => console.show(ui, session, wishes),
                 Lower::Values => console::values(ui, session, shared, wishes),
+                Lower::Sheet => {
+                    let pinned = session.pinned_values();
+                    session.viewer.show_sheet(ui, &pinned);
+                }
                 Lower::Program => {
                     let (programs, scene) = session.programs(shared);
                     let actions = programs.show(ui, &scene);

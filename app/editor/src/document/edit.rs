@@ -62,6 +62,8 @@ pub enum Edit {
     SetMode { nodes: Vec<String>, mode: NodeMode },
     /// Whether nodes are drawn as their title alone.
     SetCollapsed { nodes: Vec<String>, is_collapsed: bool },
+    /// Whether nodes show a picture of what they give.
+    SetPictured { nodes: Vec<String>, is_pictured: bool },
     /// The title of a frame, or the text of a note.
     SetText { item: Item, text: String },
     /// The color of a frame or a note; `None` is as the theme has it.
@@ -186,6 +188,11 @@ impl Edit {
             }
             Self::SetCollapsed { nodes, is_collapsed } => {
                 let verb = if *is_collapsed { "Collapse" } else { "Expand" };
+                let name = nodes.first().map_or("nothing", String::as_str);
+                format!("{verb} {}", count(nodes.len(), name, "nodes"))
+            }
+            Self::SetPictured { nodes, is_pictured } => {
+                let verb = if *is_pictured { "Show picture of" } else { "Hide picture of" };
                 let name = nodes.first().map_or("nothing", String::as_str);
                 format!("{verb} {}", count(nodes.len(), name, "nodes"))
             }

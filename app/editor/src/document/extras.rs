@@ -65,6 +65,17 @@ pub struct Reroute {
     pub extra: JsonMap<String, Json>,
 }
 
+impl CanvasFrame {
+    /// Whether it holds a node of this place and size: the middle of the node is in it. So a hand
+    /// that moves a node a little over the edge does not take it out.
+    pub fn holds(&self, at: [f64; 2], size: [f64; 2]) -> bool {
+        [0, 1].into_iter().all(|i| {
+            let middle = at[i] + 0.5 * size[i];
+            self.at[i] <= middle && middle <= self.at[i] + self.size[i]
+        })
+    }
+}
+
 /// What the canvas draws beside nodes and links, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extras {
@@ -76,6 +87,8 @@ pub struct Extras {
     pub reroutes: IndexMap<String, Reroute>,
     /// Nodes that are drawn as their title alone.
     pub collapsed: IndexSet<String>,
+    /// Nodes that show a picture of what they give.
+    pub pictured: IndexSet<String>,
     /// What views of values keep.
     pub kept: Kept,
     /// What was not understood.
@@ -91,16 +104,10 @@ impl Extras {
         let frames = take_parts(&mut rest, "frames");
         let notes = take_parts(&mut rest, "notes");
         let reroutes = take_parts(&mut rest, "reroutes");
-        let collapsed = match rest.remove("collapsed").map(|json| (from_json(&json), json)) {
-            Some((Some(collapsed), _)) => collapsed,
-            Some((None, json)) => {
-                rest.insert("collapsed".to_owned(), json);
-                IndexSet::new()
-            }
-            None => IndexSet::new(),
-        };
+        let collapsed = take_names(&mut rest, "collapsed");
+        let pictured = take_names(&mut rest, "pictured");
         let kept = Kept::take_from(&mut rest);
-        Self { frames, notes, reroutes, collapsed, kept, rest }
+        Self { frames, notes, reroutes, collapsed, pictured, kept, rest }
     }
 
     /// Writes the section into a map, unless the map says the same already.
@@ -112,8 +119,10 @@ impl Extras {
         put_parts(&mut section, "frames", &self.frames);
         put_parts(&mut section, "notes", &self.notes);
         put_parts(&mut section, "reroutes", &self.reroutes);
-        if !self.collapsed.is_empty() {
-            section.insert("collapsed".to_owned(), to_json(&self.collapsed));
+        for (key, names) in [("collapsed", &self.collapsed), ("pictured", &self.pictured)] {
+            if !names.is_empty() {
+                section.insert(key.to_owned(), to_json(names));
+            }
         }
         self.kept.write_to(&mut section);
         for (key, left) in &self.rest {
@@ -146,6 +155,15 @@ impl Extras {
         let of_link = self.reroutes.iter().filter(move |(_, reroute)| reroute.link == *link);
         of_link.map(|(name, reroute)| (name.as_str(), reroute.at))
     }
+}
+
+/// Takes a list of names out of the section; what is none stays.
+fn take_names(rest: &mut JsonMap<String, Json>, key: &str) -> IndexSet<String> {
+    let names = rest.get(key).and_then(from_json);
+    if names.is_some() {
+        rest.shift_remove(key);
+    }
+    names.unwrap_or_default()
 }
 
 /// Takes what is understood out of a part of the section.

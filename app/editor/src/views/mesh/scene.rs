@@ -37,6 +37,18 @@ pub struct PinnedPicture {
     pub images: Arc<Images>,
 }
 
+/// What a panel is about in one frame.
+pub struct Subject<'a> {
+    /// The meshes.
+    pub meshes: &'a [MeshInput],
+    /// What may color them.
+    pub fields: &'a [PinnedField],
+    /// What may be their texture.
+    pub pictures: &'a [PinnedPicture],
+    /// The element that is looked at.
+    pub picked: Option<&'a PickedElement>,
+}
+
 /// Where a camera's normalized coordinates are on the screen.
 #[derive(Clone, Copy)]
 pub struct Screen {

@@ -11,6 +11,7 @@ use mve_modules::data::{Field, Images, TriMesh};
 
 use super::backdrop::paint_background;
 use super::distance::Distance;
+use super::element::place_of;
 use super::gpu::Gpu;
 use super::gpu::target::FINE;
 use super::gpu::texture::GpuTexture;
@@ -27,7 +28,7 @@ use super::look::values::Values;
 use super::offers::{offers, pinned_picture};
 use super::outline::outline_color;
 use super::overlays::{Depth, Overlays};
-use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
+use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen, Subject};
 use super::section::{Plane, Section};
 use super::viewport::{Colors, ShownOutline, Viewport};
 use crate::kept::{Kept, Shelf};
@@ -62,14 +63,6 @@ pub struct MeshView {
     size: Vec2,
     /// Where it is no part of a window, but a picture for a file.
     still: Option<StillOptions>,
-}
-
-/// What a panel is about in one frame.
-struct Subject<'a> {
-    meshes: &'a [MeshInput],
-    fields: &'a [PinnedField],
-    pictures: &'a [PinnedPicture],
-    picked: Option<&'a PickedElement>,
 }
 
 /// Seconds after which a camera is at rest.
@@ -120,6 +113,17 @@ impl MeshView {
     /// How meshes are shown, for the next start or for another view.
     pub fn look(&self) -> MeshLook {
         MeshLook::of(&self.settings, &self.camera)
+    }
+
+    /// Turns an element of a mesh to the middle and the front; O(n) for a vertex.
+    pub fn go_to(&mut self, context: &egui::Context, element: &PickedElement, mesh: &TriMesh) {
+        place_of(mesh, element).into_iter().for_each(|place| self.look_at(context, place));
+    }
+
+    fn look_at(&mut self, context: &egui::Context, (point, towards): (DVec3, DVec3)) {
+        self.camera.look_at(point, towards);
+        self.has_moved = true;
+        context.request_repaint();
     }
 
     /// Height of the pictures in points when they were shown last.
@@ -334,15 +338,8 @@ impl MeshView {
         };
         self.overlays.show(ui, &mut scene);
         let (look_at, actions) = (scene.look_at, scene.actions);
-        look_at.into_iter().for_each(|(point, towards)| self.go_to(ui, point, towards));
+        look_at.into_iter().for_each(|place| self.look_at(ui.ctx(), place));
         actions
-    }
-
-    /// Looks at a point, against a direction.
-    fn go_to(&mut self, ui: &egui::Ui, point: DVec3, towards: DVec3) {
-        self.camera.look_at(point, towards);
-        self.has_moved = true;
-        ui.ctx().request_repaint();
     }
 
     /// Takes in what pointer and keys do.

@@ -7,7 +7,7 @@ use super::Overlay;
 use crate::views::mesh::element::{Fact, facts, place_of, points_of};
 use crate::views::mesh::hand::click::ClickSearch;
 use crate::views::mesh::scene::{MeshScene, Screen};
-use crate::views::picked::n_elements;
+use crate::views::picked::{n_elements, one_of};
 use crate::views::{PickedElement, ViewerAction};
 
 /// The overlay of the element, which a click picks.
@@ -69,7 +69,12 @@ fn paint_mark(
         let stroke = Stroke::new(width, color);
         match places.as_slice() {
             [at] => drop(painter.circle_stroke(*at, 6.0, stroke)),
-            [_, _, _] => drop(painter.add(egui::Shape::closed_line(places.clone(), stroke))),
+            // Side by side: the joints of a closed line stand out far where an angle is small.
+            &[a, b, c] => {
+                for side in [[a, b], [b, c], [c, a]] {
+                    painter.line_segment(side, stroke);
+                }
+            }
             _ => {}
         }
     }
@@ -151,7 +156,7 @@ fn buttons(
         scene.look_at = place_of(mesh, picked);
     }
     if ui.button("Copy values").on_hover_text("All of it, with tabs between").clicked() {
-        let first = format!("{}\t{}\t{}", kind(picked.domain), picked.index, picked.title);
+        let first = format!("{}\t{}\t{}", one_of(picked.domain), picked.index, picked.title);
         let lines = facts.iter().map(|fact| format!("{}\t{}", fact.name, fact.exact));
         let lines: Vec<String> = std::iter::once(first).chain(lines).collect();
         ui.ctx().copy_text(lines.join("\n"));
@@ -162,13 +167,5 @@ fn buttons(
     });
     if close.clicked() {
         scene.actions.push(ViewerAction::Pick(None));
-    }
-}
-
-fn kind(domain: Domain) -> &'static str {
-    match domain {
-        Domain::Vertex => "vertex",
-        Domain::Corner => "corner",
-        Domain::Face => "face",
     }
 }
