@@ -284,10 +284,9 @@ fn run_steps(
     let disk_cache = cache_of(args, store)?;
     let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = program.places(&part);
+    let answer = report::answers(program, store, args.timings());
     let is_found = |place: &&usize| {
-        let record = program.record(store, **place);
-        let is_kept = record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done);
-        is_kept && report::is_timed(program, store, **place, args.timings())
+        answer(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
     };
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);

@@ -90,6 +90,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         cancel: &cancel,
         observer: &|event| observe(event, &progress, args.json),
         keep: Keep::Scalars,
+        memory: None,
         output_scope: scope,
     };
     let outcome = progress.watch(|| mve_core::run(&plan, &options));
