@@ -63,7 +63,10 @@ impl Steps {
         (assignments, repeats): (&[Assignment], u32),
     ) -> Self {
         let mut steps = Self::default();
-        steps.steps.reserve(assignments.len());
+        let n_steps = assignments.len().saturating_mul(repeats as usize);
+        steps.steps.reserve(n_steps);
+        steps.ids.reserve(n_steps);
+        steps.keys.reserve(n_steps);
         let mut series = PlanSeries::new(map, registry, options);
         for params in assignments {
             for repeat in 0..repeats {
