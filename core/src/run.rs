@@ -136,7 +136,7 @@ impl RunOutcome {
 }
 
 /// Runs a plan to its end. Failures are part of the outcome. Where a value that stays in a file was
-/// found damaged, all runs once more: what is in the cache is taken from there, and it is made anew.
+/// found damaged, all runs once more: what is sound is taken from the cache, and it is made anew.
 pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
     let (outcome, is_damaged) = run_once(plan, options);
     let is_over = !is_damaged || options.cancel.is_cancelled();

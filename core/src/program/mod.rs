@@ -13,6 +13,7 @@ mod tables;
 mod timing;
 mod unneeded;
 mod usage;
+mod wanted;
 mod work;
 
 pub use columns::{ColumnRecord, Columns, are_alike};

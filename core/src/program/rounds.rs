@@ -10,10 +10,10 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::record::{StepRecord, StepStatus};
-use super::store::{Store, StoreError};
+use super::store::StoreError;
 use super::timing::Timing;
 use super::work::{MOST_CRASHES, Workers};
-use super::{Program, ProgramEvent, ProgramOptions, Sharing, usage};
+use super::{Program, ProgramEvent, usage};
 use crate::fingerprint::FingerprintBuilder;
 
 /// How often a step is timed where nobody says.
@@ -30,27 +30,6 @@ impl Program {
             runs.values_mut().for_each(|n| *n = timings.max(1));
         }
         runs
-    }
-}
-
-/// What is asked of each step.
-pub(super) struct Wanted<'a> {
-    /// How often it is run for its times; `None` where times are not asked for.
-    runs: Option<HashMap<&'a str, usize>>,
-}
-
-impl<'a> Wanted<'a> {
-    pub fn of(program: &'a Program, options: &ProgramOptions) -> Self {
-        let is_timed = options.sharing == Sharing::Timing;
-        Self { runs: is_timed.then(|| program.runs_by_step(options.timings)) }
-    }
-
-    /// Whether the store has it.
-    pub fn is_in(&self, store: &Store, id: &str) -> bool {
-        store.record(id).is_some_and(|record| {
-            let runs = self.runs.as_ref();
-            runs.is_none_or(|runs| record.has_timings(runs.get(id).copied().unwrap_or(1)))
-        })
     }
 }
 

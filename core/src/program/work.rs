@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
 
-use super::rounds::Wanted;
 use super::store::StepClaim;
+use super::wanted::Wanted;
 use super::{
     Patience, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, RunNote, Sharing, Step,
     StepRecord, StepStatus, Store, StoreError, tables,

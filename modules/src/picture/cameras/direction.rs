@@ -68,9 +68,7 @@ fn build(settings: &Settings) -> Result<CameraSet, ModuleError> {
         From::Back => DVec3::NEG_Z,
         From::Top => DVec3::Y,
         From::Bottom => DVec3::NEG_Y,
-        From::Vector => {
-            DVec3::new(settings.get(&X)?, settings.get(&Y)?, settings.get(&Z)?)
-        }
+        From::Vector => DVec3::new(settings.get(&X)?, settings.get(&Y)?, settings.get(&Z)?),
     };
     let unit = direction.try_normalize();
     let zero = "x, y and z are all 0, which is no direction; set one of them";

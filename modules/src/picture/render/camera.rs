@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::project::TAN_HALF_ANGLE;
+/// The tangent of half of the opening angle of 60°.
+pub(super) const TAN_HALF_ANGLE: f64 = 0.577_350_269_189_625_8;
 
 /// A camera with its axes; a point `p` has the camera coordinates
 /// `(right, up, forward) · (p − eye)`.
