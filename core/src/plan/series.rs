@@ -88,7 +88,7 @@ impl<'a> PlanSeries<'a> {
         let options = PlanOptions { repeat, ..self.options };
         let likeness = likeness(&values, repeat);
         let known = self.drafts.get_mut(&likeness);
-        if !known.is_some_and(|draft| draft.redo(&values, &options).is_some()) {
+        if known.is_none_or(|draft| draft.redo(&values, &options).is_none()) {
             let drawn = Draft::new(self.map, self.registry, &options, &values)?;
             if self.drafts.len() >= MOST_DRAFTS {
                 self.drafts.clear();
