@@ -12,7 +12,8 @@ use super::Step;
 use super::columns::{Columns, deciders};
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
-use crate::plan::{PlanNode, PlanOptions, PlanSeries, Planned, no_file, one_case};
+use crate::param::{MODULE, Setting};
+use crate::plan::{Plan, PlanNode, PlanOptions, PlanSeries, Planned, no_file, one_case};
 use crate::problem::Problem;
 use crate::registry::Registry;
 
@@ -23,7 +24,7 @@ pub(super) type Assignment = IndexMap<String, Json>;
 const MOST_PROBLEMS: usize = 20;
 
 /// What to do where repeats write one file.
-const ADVICE_REPEATS: &str = "put {repeat} or {step} into the name";
+const ADVICE_REPEATS: &str = "put {repeat} into the name";
 
 static NO_ASSIGNMENT: LazyLock<Assignment> = LazyLock::new(Assignment::new);
 
@@ -120,7 +121,7 @@ impl Steps {
         let node = &planned.plan.nodes[place];
         let count = self.keys.entry(node.key).or_default();
         *count = (*count + 1).min(2);
-        self.check_outputs(node, params);
+        self.check_outputs(planned.plan, node, params);
         let missing = no_file();
         let reads = node.reads.iter().filter(|(_, content)| *content != missing);
         self.inputs.extend(reads.cloned());
@@ -131,7 +132,7 @@ impl Steps {
     }
 
     /// Finds files of other steps where the node of the next one writes.
-    fn check_outputs(&mut self, node: &PlanNode, params: &Assignment) {
+    fn check_outputs(&mut self, plan: &Plan, node: &PlanNode, params: &Assignment) {
         // A file beside another one, such as the materials of a mesh, is no second fault.
         let mut is_told = false;
         let this = self.steps.len();
@@ -154,7 +155,7 @@ impl Steps {
                 && self.reported.insert(format!("write {}", one_case(path).display()))
             {
                 let other = self.steps.get(other).map_or(params, |step| &step.params);
-                let message = met(path, &shown(other), &shown(params));
+                let message = clash(plan, path, other, params);
                 self.problems.push(Problem::error(message).at(&node.name));
             }
         }
@@ -202,16 +203,42 @@ impl Hasher for FirstBytes {
     }
 }
 
-/// What is wrong where two steps, each told by its parameters, write one file.
-fn met(path: &Path, other: &str, step: &str) -> String {
-    let path = path.display();
-    match (other == step, step.is_empty()) {
-        (true, true) => format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
-        (true, false) => format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}"),
-        (false, _) => format!(
-            "two steps write \"{path}\": {other}; and {step}. Put a varied parameter or {{step}} \
-             into the name"
-        ),
+/// Says that two steps, or two repeats of one, write one path, and what to put into its name.
+fn clash(plan: &Plan, path: &Path, other: &Assignment, params: &Assignment) -> String {
+    let (path, step) = (path.display(), shown(params));
+    match (other == params, step.is_empty()) {
+        (true, true) => return format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
+        (true, false) => return format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}"),
+        (false, _) => {}
+    }
+    let mut references: Vec<String> = Vec::new();
+    for (name, value) in params.iter().chain(other) {
+        let is_known = |reference: &String| references.contains(reference);
+        let reference = reference_to(plan, name);
+        if (params.get(name), other.get(name)) != (Some(value), Some(value))
+            && !is_known(&reference)
+        {
+            references.push(reference);
+        }
+    }
+    let references = references.join(" and ");
+    format!(
+        "two steps write \"{path}\": {}; and {step}. Put {references} into the name",
+        shown(other)
+    )
+}
+
+/// What names the value of a parameter in the name of a file: where that is a module or a file,
+/// what comes from it.
+fn reference_to(plan: &Plan, path: &str) -> String {
+    let mut parts = path.split('.');
+    let (node, param) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    let planned = plan.nodes.iter().find(|planned| planned.name == node);
+    let setting = planned.and_then(|planned| planned.settings.find(param));
+    match setting {
+        _ if param == MODULE => format!("{{{node}.source}}"),
+        Some(Setting::File { .. }) => format!("{{{node}.source}}"),
+        _ => format!("{{{node}.{param}}}"),
     }
 }
 
