@@ -228,7 +228,7 @@ fn watch(
 ) -> Findings {
     let bounds = mesh.bounds().expect("a mesh");
     let (options, distance) = (ImageOptions::DEFAULT, (bounds.1 - bounds.0).length());
-    let cameras = options.cameras.around(bounds).into_iter();
+    let cameras = options.cameras.around(bounds, &mesh.positions).into_iter();
     let lenses = cameras.map(|camera| Lens::new(camera, options.resolution, distance)).collect();
     let findings = Arc::default();
     let [asked, placement] = &mut placements;

@@ -23,7 +23,7 @@ fn surface(mesh: &TriMesh, shading: Shading) -> Option<Surface<'_>> {
 }
 
 fn options(size: usize) -> PictureOptions {
-    PictureOptions { size, sides: Sides::Both, background: 0, kind: PixelKind::Gray }
+    PictureOptions { size, sides: Sides::Both, background: 0, kind: PixelKind::Gray, samples: 1 }
 }
 
 fn benches(criterion: &mut Criterion) {

@@ -72,7 +72,8 @@ pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions
         );
         return Err(ModuleError::param(&VIEW.resolution, message));
     }
-    let is_seen = mesh.bounds().is_some_and(|bounds| !cameras.around(bounds).is_empty());
+    let is_seen =
+        mesh.bounds().is_some_and(|bounds| !cameras.around(bounds, &mesh.positions).is_empty());
     if !is_seen && !mesh.faces.is_empty() {
         let message = "no camera can be placed around the mesh: its box has no extent, or one too \
                        large or too small; an image-driven cost needs pictures";

@@ -195,7 +195,7 @@ impl<D: Difference> ImageDriven<D> {
     pub fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let lenses = mesh.bounds().map_or_else(Vec::new, |bounds| {
             let distance = (bounds.1 - bounds.0).length();
-            let cameras = options.cameras.around(bounds);
+            let cameras = options.cameras.around(bounds, &mesh.positions);
             cameras.into_iter().map(|c| Lens::new(c, options.resolution, distance)).collect()
         });
         Self {

@@ -57,7 +57,7 @@ pub static METRIC: Entry<MakeMetric> = Entry {
 };
 
 /// The metric with its view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageRmsMetric {
     /// How pictures are taken.
     pub view: View,

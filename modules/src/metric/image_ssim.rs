@@ -54,7 +54,7 @@ pub static METRIC: Entry<MakeMetric> = Entry {
 };
 
 /// The metric with its view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSsimMetric {
     /// How pictures are taken.
     pub view: View,

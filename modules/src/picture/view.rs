@@ -49,7 +49,7 @@ impl Enumeration for Albedo<'static> {
 }
 
 /// How pictures are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// From where.
     pub cameras: CameraSet,
@@ -105,7 +105,7 @@ impl ViewParams {
             cameras: ChoiceParam::new(
                 "cameras",
                 "Where pictures are taken from: directions from the center of the box around the \
-                 mesh, one diagonal of the box away.",
+                 mesh, one diagonal of the box away; a single Direction is fitted to the picture.",
                 &CAMERA_SETS,
                 defaults.cameras,
             ),
@@ -196,7 +196,7 @@ impl View {
     /// What the pictures are like.
     pub fn pictures(&self, kind: PixelKind) -> PictureOptions {
         let Self { size, sides, background, .. } = *self;
-        PictureOptions { size, sides, background, kind }
+        PictureOptions { size, sides, background, kind, samples: 1 }
     }
 
     /// Pictures of both meshes, from cameras around the original; normals of both are computed from

@@ -120,7 +120,7 @@ fn of_mesh(mesh: &TriMesh) -> Option<ColorImage> {
     let surface = Surface::new(mesh, shading, source, Albedo::Colors, Control::none()).ok()?;
     let size = 2 * SIDE * SAMPLES;
     let (sides, kind) = (Sides::Both, PixelKind::Rgb);
-    let options = PictureOptions { size, sides, background: 0, kind };
+    let options = PictureOptions { size, sides, background: 0, kind, samples: 1 };
     let lens = Lens::new(camera, size, distance);
     let image = render::picture(&surface, &lens, "", &options, || Ok(())).ok()?;
     cut_out(&image)

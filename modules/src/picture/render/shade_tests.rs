@@ -15,7 +15,7 @@ fn lens(size: usize) -> Lens {
 }
 
 fn options(size: usize, sides: Sides, kind: PixelKind) -> PictureOptions {
-    PictureOptions { size, sides, background: 7, kind }
+    PictureOptions { size, sides, background: 7, kind, samples: 1 }
 }
 
 fn shot(
