@@ -130,11 +130,6 @@ pub struct Walker<'a> {
 }
 
 impl<'a> Walker<'a> {
-    /// The tree that is asked.
-    pub(super) fn bvh(&self) -> &'a Bvh {
-        self.bvh
-    }
-
     /// Nodes that were looked at so far.
     pub fn n_visits(&self) -> usize {
         self.n_visits
@@ -154,12 +149,7 @@ impl<'a> Walker<'a> {
 
     /// Starts the next query with the face of `hit`, a hit of this walker's tree.
     pub fn start_from(&mut self, hit: &Hit) {
-        self.start_from_slot(hit.slot);
-    }
-
-    /// The same by where the tree keeps the face.
-    pub(super) fn start_from_slot(&mut self, slot: u32) {
-        self.last = Some(slot);
+        self.last = Some(hit.slot);
     }
 
     /// The squared distance from `point` to the face of `hit`, which may be of another point.
@@ -311,7 +301,7 @@ impl<'a> Walker<'a> {
         while let Some(pending) = self.stack.pop() {
             let node = &bvh.nodes[pending.child as usize];
             n_visits += 1;
-            let mut near = node.distances_sq(&query).cmple(Vec4::splat(bound)).bitmask();
+            let mut near = node.distances_sq_to_box(&query).cmple(Vec4::splat(bound)).bitmask();
             let mut lanes = 0;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;

@@ -73,14 +73,13 @@ proptest! {
         let queries: Vec<DVec3> = queries.iter().map(|&q| place(q * spread)).collect();
         let expected: Vec<f64> = queries.iter().map(|&q| brute_force(&mesh, q)).collect();
         let mut walker = bvh.walker();
-        let mut batch = Vec::new();
         let many = ManyQueries::new(&bvh, queries[0]);
-        many.distances_sq(&queries, &mut batch, &Control::none()).unwrap();
+        let batch = many.closest(&queries, &Control::none()).unwrap();
         let rounding = 1e-14 * scale * (1.0 + spread);
-        for ((&query, &expected), &batch) in queries.iter().zip(&expected).zip(&batch) {
+        for ((&query, &expected), batch) in queries.iter().zip(&expected).zip(batch) {
             let single = bvh.closest(query).unwrap().distance_sq;
             let seeded = walker.closest(query).unwrap().distance_sq;
-            for found in [single, seeded, batch] {
+            for found in [single, seeded, batch.unwrap().distance_sq] {
                 prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
             }
         }
