@@ -67,6 +67,25 @@ impl Node {
         sum
     }
 
+    /// The sum of the volumes of the boxes.
+    pub fn volume(&self) -> f64 {
+        let side =
+            |axis: usize, lane: usize| f64::from(self.high[axis][lane] - self.low[axis][lane]);
+        let is_there = |&lane: &usize| self.child[lane] != EMPTY;
+        (0..4)
+            .filter(is_there)
+            .map(|lane| (0..3).map(|axis| side(axis, lane)).product::<f64>())
+            .sum()
+    }
+
+    /// The volume of the box around the boxes.
+    pub fn volume_around(&self) -> f64 {
+        let side = |axis: usize| {
+            f64::from(self.high[axis].max_element()) - f64::from(self.low[axis].min_element())
+        };
+        (0..3).map(side).product()
+    }
+
     /// The children that are there.
     pub fn filled(&self) -> impl Iterator<Item = u32> {
         self.child.into_iter().filter(|&child| child != EMPTY)

@@ -44,6 +44,8 @@ const FEW_HARD: usize = 16;
 const HARD_SHARE: usize = 32;
 /// Nodes that points may take on average before it ends, too.
 const VISITS_PER_POINT: usize = 128;
+/// Trees of pieces are given so many times as many: lists are long where faces lie across each other.
+const PATIENCE: usize = 8;
 /// Hard points that are taken together: more share more work, fewer leave some for other threads.
 const CHUNK: usize = 8192;
 /// A group of so many points, or a list of so many faces, is small: its points take the whole list.
@@ -102,10 +104,15 @@ impl Panorama {
     fn new(bvh: &Bvh, center: DVec3, control: &Control) -> Result<Self, Cancelled> {
         let ball = Ball { center, radius: f64::INFINITY, longest_axis: 0 };
         let mut views = Vec::with_capacity(bvh.triangles.len());
+        // A face may have several boxes.
+        let mut is_there = vec![false; bvh.triangles.len()];
         for (at, node) in bvh.nodes.iter().enumerate() {
             control.item(at, usize::MAX)?;
-            let slots = node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF);
-            views.extend(slots.map(|slot| View::of(bvh, slot, &ball)));
+            for slot in node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF) {
+                if !std::mem::replace(&mut is_there[slot as usize], true) {
+                    views.push(View::of(bvh, slot, &ball));
+                }
+            }
         }
         Ok(Self { ball, views })
     }
@@ -162,7 +169,7 @@ impl<'a> ManyQueries<'a> {
     ) -> Result<(Vec<Option<Hit>>, Vec<u32>), Cancelled> {
         let mut hits = Vec::with_capacity(points.len());
         let mut walker = self.bvh.walker();
-        let mut hard = Hard::default();
+        let mut hard = Hard::of(self.bvh);
         for (at, &point) in points.iter().enumerate() {
             hits.push(hard.ask(&mut walker, at, point));
             walker.poll(control)?;
@@ -185,7 +192,7 @@ impl<'a> ManyQueries<'a> {
     ) -> Result<Vec<u32>, Cancelled> {
         out.clear();
         let mut walker = self.bvh.walker();
-        let mut hard = Hard::default();
+        let mut hard = Hard::of(self.bvh);
         for group in points.chunks(GROUP) {
             if !hard.are_all && walker.shared_distances_sq(group, out) {
                 continue;
@@ -237,25 +244,31 @@ impl<'a> ManyQueries<'a> {
 }
 
 /// The points that are not asked one by one.
-#[derive(Default)]
 struct Hard {
     points: Vec<u32>,
+    patience: usize,
     /// Whether all that follow are hard.
     are_all: bool,
 }
 
 impl Hard {
+    fn of(bvh: &Bvh) -> Self {
+        let patience = if bvh.is_of_pieces { PATIENCE } else { 1 };
+        Self { points: Vec::new(), patience, are_all: false }
+    }
+
     /// Asks for a point by the tree, if that takes not too long; otherwise takes note of it.
     fn ask(&mut self, walker: &mut Walker, at: usize, point: DVec3) -> Option<Hit> {
         if !is_usable(point) {
             return None;
         }
-        let hit = if self.are_all { None } else { walker.closest_by(point, MOST_VISITS) };
+        let hit =
+            if self.are_all { None } else { walker.closest_by(point, self.patience * MOST_VISITS) };
         if hit.is_none() {
             self.points.push(at as u32);
             self.are_all |= self.points.len() > FEW_HARD + at / HARD_SHARE;
         }
-        self.are_all |= walker.n_visits() > VISITS_PER_POINT * (FEW_HARD + at);
+        self.are_all |= walker.n_visits() > self.patience * VISITS_PER_POINT * (FEW_HARD + at);
         hit
     }
 }

@@ -53,6 +53,8 @@ pub struct Bvh {
     pub(super) copies: Vec<(u32, FaceId)>,
     pub(super) frame: BoxFrame,
     pub(super) n_left_out: usize,
+    /// Whether faces have several boxes, as they lie across each other.
+    pub(super) is_of_pieces: bool,
 }
 
 impl Bvh {
@@ -200,7 +202,8 @@ impl<'a> Walker<'a> {
                 } else if child != EMPTY {
                     let slot = child & !LEAF;
                     let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
-                    if distance_sq <= limit_sq {
+                    // A face may have several boxes.
+                    if distance_sq <= limit_sq && out.iter().all(|hit| hit.slot != slot) {
                         out.push(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
                     }
                     if out.len() == most {

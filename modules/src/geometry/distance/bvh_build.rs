@@ -1,6 +1,9 @@
 //! Building the tree of [`Bvh`]: top down, by the surface area heuristic over binned centers
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again. Of faces with the same corners the tree has one.
+//! Where long faces lie across each other in all directions, so that no boxes tell them apart, the
+//! tree has several boxes around pieces of each (Ernst & Greiner, "Early split clipping for bounding
+//! volume hierarchies", RT 2007).
 
 use glam::{DVec3, Vec3A, Vec4};
 use mve_core::{Cancelled, Control};
@@ -18,17 +21,24 @@ const N_BINS: usize = 16;
 const SAH_DEPTH: u32 = 40;
 /// Nodes over at most so many faces turn their boxes: larger ones are few.
 const MOST_TURNED: usize = 4096;
+/// Trees in which a point of the box around all is in more boxes than this, on average, are built
+/// anew of pieces of faces: those over a surface have it in 20 or less, long faces in all
+/// directions in hundreds.
+const MOST_OVERLAP: f64 = 64.0;
+/// Pieces that each face is cut into along its longest side then.
+const N_PIECES: u32 = 16;
 /// Parts of at least this many triangles look whether the work was cancelled.
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
 const STRIDE: usize = 1 << 15;
 
-/// A face and its box in the tree's frame.
+/// A face or a piece of it, and its box in the tree's frame.
 #[derive(Clone, Copy)]
 struct Item {
     low: Vec3A,
     high: Vec3A,
     face: u32,
+    piece: u32,
 }
 
 impl Item {
@@ -39,16 +49,62 @@ impl Item {
 }
 
 impl Item {
-    /// Around a face of the mesh.
-    fn around(face: u32, corners: [DVec3; 3]) -> Self {
+    /// Around a piece of a face of the mesh.
+    fn around(face: u32, piece: u32, points: &[DVec3]) -> Self {
         let mut bounds = Bounds::EMPTY;
-        for corner in corners {
+        for point in points {
             // Wider by the rounding of the conversion.
-            let corner = corner.as_vec3a();
-            let margin = corner.abs() * f32::EPSILON + Vec3A::splat(f32::MIN_POSITIVE);
-            bounds.add(corner - margin, corner + margin);
+            let point = point.as_vec3a();
+            let margin = point.abs() * f32::EPSILON + Vec3A::splat(f32::MIN_POSITIVE);
+            bounds.add(point - margin, point + margin);
         }
-        Self { low: bounds.low, high: bounds.high, face }
+        Self { low: bounds.low, high: bounds.high, face, piece }
+    }
+}
+
+/// The corners of a piece of a triangle, which is cut across its longest side.
+#[derive(Clone, Copy)]
+struct Piece {
+    points: [DVec3; Self::MOST],
+    n: usize,
+}
+
+impl Piece {
+    /// Two of each cut, and a corner of the triangle between.
+    const MOST: usize = 5;
+
+    fn new([a, b, c]: [DVec3; 3], piece: u32, n_pieces: u32) -> Self {
+        if n_pieces == 1 {
+            return Self { points: [a, b, c, c, c], n: 3 };
+        }
+        let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| from.distance_squared(to));
+        let [a, b, c] = match () {
+            () if ab >= bc.max(ca) => [a, b, c],
+            () if bc >= ca => [b, c, a],
+            () => [c, a, b],
+        };
+        let side = b - a;
+        // Where along the longest side the third corner is, and a point of the two others there.
+        let peak = ((c - a).dot(side) / side.length_squared()).clamp(0.0, 1.0);
+        let peak = if peak.is_nan() { 0.0 } else { peak };
+        let opposite = |t: f64| {
+            if t <= peak { a.lerp(c, t / peak) } else { c.lerp(b, (t - peak) / (1.0 - peak)) }
+        };
+        let [from, to] = [piece, piece + 1].map(|k| f64::from(k) / f64::from(n_pieces));
+        let mut points = [a + side * from, a + side * to, c, c, c];
+        let mut n = 2;
+        for t in [from, to] {
+            // At a peak that is an end the quotient is not a number; there the corner is.
+            let point = opposite(t);
+            points[n] = if point.is_finite() { point } else { c };
+            n += 1;
+        }
+        n += usize::from(from < peak && peak < to);
+        Self { points, n }
+    }
+
+    fn points(&self) -> &[DVec3] {
+        &self.points[..self.n]
     }
 }
 
@@ -97,30 +153,55 @@ impl Bvh {
     /// [`Cancelled`] when `control` says so.
     pub fn build(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
         control.at(0.0)?;
+        let whole = Self::of_pieces(mesh, 1, control.part(0.0, 1.0))?;
+        if whole.overlap(&control)? <= MOST_OVERLAP {
+            return Ok(whole);
+        }
+        drop(whole);
+        Self::of_pieces(mesh, N_PIECES, control.part(1.0, 1.0))
+    }
+
+    /// In how many boxes a point of the box around all is, on average.
+    fn overlap(&self, control: &Control) -> Result<f64, Cancelled> {
+        let mut sum = 0.0;
+        for (at, node) in self.nodes.iter().enumerate() {
+            control.item(at, usize::MAX)?;
+            sum += node.volume();
+        }
+        let whole = self.nodes.first().map_or(0.0, Node::volume_around);
+        Ok(if whole > 0.0 { sum / whole } else { 0.0 })
+    }
+
+    /// Arranges pieces of the faces, so many of each.
+    fn of_pieces(mesh: &TriMesh, n_pieces: u32, control: Control) -> Result<Self, Cancelled> {
         let corners_of = |face: usize| -> Option<[DVec3; 3]> {
             let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
             let corners = [a?, b?, c?];
             corners.iter().all(|&p| is_usable(p)).then_some(corners)
         };
         let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
-        let mut items = Vec::with_capacity(mesh.faces.len());
+        let mut items = Vec::with_capacity(mesh.faces.len() * n_pieces as usize);
         for face in 0..mesh.faces.len() {
-            if face % STRIDE == 0 {
-                control.at(0.0)?;
-            }
-            if let Some(corners) = corners_of(face) {
-                items.push(Item::around(face as u32, corners.map(|p| frame.local(p))));
-            }
+            control.item(face, usize::MAX)?;
+            let Some(corners) = corners_of(face) else { continue };
+            let corners = corners.map(|p| frame.local(p));
+            items.extend((0..n_pieces).map(|piece| {
+                let points = Piece::new(corners, piece, n_pieces);
+                Item::around(face as u32, piece, points.points())
+            }));
         }
         let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
         let main = control.part(0.0, 0.9);
         let (nodes, n_items) = (Vec::new(), items.len());
         let copies = Vec::new();
         let mut builder =
-            Builder { mesh, frame, nodes, copies, n_items, n_placed: 0, control: main };
+            Builder { mesh, n_pieces, frame, nodes, copies, n_items, n_placed: 0, control: main };
         let whole = Part { start: 0, end: items.len(), bounds };
         builder.node(&mut items, whole, 0)?;
-        let Builder { nodes, copies, .. } = builder;
+        let Builder { mut nodes, copies, .. } = builder;
+        if n_pieces > 1 {
+            items = one_a_face(&mut nodes, &items, mesh.faces.len(), control.part(0.9, 0.9))?;
+        }
         let copies = by_slot(copies, &items, control.part(0.9, 0.9))?;
         let mut triangles = Vec::with_capacity(items.len());
         let mut faces = Vec::with_capacity(items.len());
@@ -131,8 +212,36 @@ impl Bvh {
             faces.extend(chunk.iter().map(|item| FaceId(item.face)));
         }
         let n_left_out = mesh.faces.len() - items.len();
-        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out })
+        let is_of_pieces = n_pieces > 1;
+        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out, is_of_pieces })
     }
+}
+
+/// The first piece of each face, to which all leaves of that face are led.
+fn one_a_face(
+    nodes: &mut [Node],
+    items: &[Item],
+    n_faces: usize,
+    control: Control,
+) -> Result<Vec<Item>, Cancelled> {
+    let mut slots = vec![EMPTY; n_faces];
+    let mut first = Vec::with_capacity(n_faces);
+    for (at, item) in items.iter().enumerate() {
+        control.item(at, usize::MAX)?;
+        let slot = &mut slots[item.face as usize];
+        if *slot == EMPTY {
+            *slot = first.len() as u32;
+            first.push(*item);
+        }
+    }
+    for (at, node) in nodes.iter_mut().enumerate() {
+        control.item(at, usize::MAX)?;
+        for child in node.child.iter_mut().filter(|c| **c != EMPTY && **c & LEAF != 0) {
+            let item = &items[(*child & !LEAF) as usize];
+            *child = LEAF | slots[item.face as usize];
+        }
+    }
+    Ok(first)
 }
 
 /// The middle of the faces' corners, and the power of two that brings them within -1 to 1.
@@ -173,6 +282,7 @@ fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
 
 struct Builder<'a> {
     mesh: &'a TriMesh,
+    n_pieces: u32,
     frame: BoxFrame,
     nodes: Vec<Node>,
     /// Faces of the tree, each with another of the same corners.
@@ -230,7 +340,8 @@ impl Builder<'_> {
         let mut turned = [Bounds::EMPTY; 4];
         for (bounds, part) in turned.iter_mut().zip(parts) {
             for item in &items[part.start..part.end] {
-                for p in self.corners(item) {
+                let piece = Piece::new(self.corners(item), item.piece, self.n_pieces);
+                for p in piece.points() {
                     let p = (x * p.x + y * p.y + z * p.z + origin).as_vec3a();
                     bounds.add(p, p);
                 }
@@ -325,7 +436,10 @@ impl Builder<'_> {
             let corners = self.corner_bits(item.face);
             if let (Some(first), true) = (distinct.last(), last == Some((code, corners))) {
                 let Item { face: first, .. } = first;
-                self.copies.push((FaceId(*first), FaceId(item.face)));
+                // A face without any extent has all its pieces at one place.
+                if *first != item.face {
+                    self.copies.push((FaceId(*first), FaceId(item.face)));
+                }
                 copies.push(item);
             } else {
                 last = Some((code, corners));
@@ -371,6 +485,7 @@ fn by_slot(
     let mut by_slot: Vec<_> =
         copies.into_iter().map(|(face, copy)| (slots[face.idx()], copy)).collect();
     by_slot.sort_unstable_by_key(|&(slot, copy)| (slot, copy.0));
+    by_slot.dedup();
     Ok(by_slot)
 }
 
