@@ -154,7 +154,7 @@ fn cover_ring(
         last = Some(added);
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(ring.len());
-    for (place, &corner) in (0u32..).zip(&ring[..]) {
+    for (place, &corner) in (0u32..).zip(ring) {
         if place.is_multiple_of(POINTS as u32) {
             control.at(0.0)?;
         }

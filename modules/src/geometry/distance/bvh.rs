@@ -9,7 +9,7 @@
 //! tree was walked. Of several faces at the same distance any may be named.
 //!
 //! Many queries that lie near each other go through a [`Walker`], which starts each query with the
-//! face that the one before found; where boxes do not help, [`bulk`](super::bulk) does.
+//! face that the one before found; where boxes do not help, [`many`](super::many) does.
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};

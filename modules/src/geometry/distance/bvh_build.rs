@@ -2,14 +2,15 @@
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again. Of faces with the same corners the tree has one.
 //! Where long faces lie across each other in all directions, so that no boxes tell them apart, the
-//! tree has several boxes around pieces of each (Ernst & Greiner, "Early split clipping for bounding
+//! tree has several boxes around [pieces](super::pieces) of each (Ernst & Greiner, "Early split clipping for bounding
 //! volume hierarchies", RT 2007).
 
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
 
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node};
 use super::bvh::{Bvh, is_usable};
+use super::pieces::{Bounds, Item, Piece, one_a_face};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
@@ -31,104 +32,6 @@ const N_PIECES: u32 = 16;
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
 const STRIDE: usize = 1 << 15;
-
-/// A face or a piece of it, and its box in the tree's frame.
-#[derive(Clone, Copy)]
-struct Item {
-    low: Vec3A,
-    high: Vec3A,
-    face: u32,
-    piece: u32,
-}
-
-impl Item {
-    /// Twice the center of the box.
-    fn center(&self) -> Vec3A {
-        self.low + self.high
-    }
-}
-
-impl Item {
-    /// Around a piece of a face of the mesh.
-    fn around(face: u32, piece: u32, points: &[DVec3]) -> Self {
-        let mut bounds = Bounds::EMPTY;
-        for point in points {
-            // Wider by the rounding of the conversion.
-            let point = point.as_vec3a();
-            let margin = point.abs() * f32::EPSILON + Vec3A::splat(f32::MIN_POSITIVE);
-            bounds.add(point - margin, point + margin);
-        }
-        Self { low: bounds.low, high: bounds.high, face, piece }
-    }
-}
-
-/// The corners of a piece of a triangle, which is cut across its longest side.
-#[derive(Clone, Copy)]
-struct Piece {
-    points: [DVec3; Self::MOST],
-    n: usize,
-}
-
-impl Piece {
-    /// Two of each cut, and a corner of the triangle between.
-    const MOST: usize = 5;
-
-    fn new([a, b, c]: [DVec3; 3], piece: u32, n_pieces: u32) -> Self {
-        if n_pieces == 1 {
-            return Self { points: [a, b, c, c, c], n: 3 };
-        }
-        let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| from.distance_squared(to));
-        let [a, b, c] = match () {
-            () if ab >= bc.max(ca) => [a, b, c],
-            () if bc >= ca => [b, c, a],
-            () => [c, a, b],
-        };
-        let side = b - a;
-        // Where along the longest side the third corner is, and a point of the two others there.
-        let peak = ((c - a).dot(side) / side.length_squared()).clamp(0.0, 1.0);
-        let peak = if peak.is_nan() { 0.0 } else { peak };
-        let opposite = |t: f64| {
-            if t <= peak { a.lerp(c, t / peak) } else { c.lerp(b, (t - peak) / (1.0 - peak)) }
-        };
-        let [from, to] = [piece, piece + 1].map(|k| f64::from(k) / f64::from(n_pieces));
-        let mut points = [a + side * from, a + side * to, c, c, c];
-        let mut n = 2;
-        for t in [from, to] {
-            // At a peak that is an end the quotient is not a number; there the corner is.
-            let point = opposite(t);
-            points[n] = if point.is_finite() { point } else { c };
-            n += 1;
-        }
-        n += usize::from(from < peak && peak < to);
-        Self { points, n }
-    }
-
-    fn points(&self) -> &[DVec3] {
-        &self.points[..self.n]
-    }
-}
-
-/// A box that grows.
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: Vec3A,
-    high: Vec3A,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
-
-    fn add(&mut self, low: Vec3A, high: Vec3A) {
-        self.low = self.low.min(low);
-        self.high = self.high.max(high);
-    }
-
-    /// Half the surface area; 0 when empty.
-    fn half_area(&self) -> f32 {
-        let d = (self.high - self.low).max(Vec3A::ZERO);
-        d.x * d.y + d.y * d.z + d.z * d.x
-    }
-}
 
 /// A run of items that becomes one child.
 #[derive(Clone, Copy)]
@@ -215,33 +118,6 @@ impl Bvh {
         let is_of_pieces = n_pieces > 1;
         Ok(Self { nodes, triangles, faces, copies, frame, n_left_out, is_of_pieces })
     }
-}
-
-/// The first piece of each face, to which all leaves of that face are led.
-fn one_a_face(
-    nodes: &mut [Node],
-    items: &[Item],
-    n_faces: usize,
-    control: Control,
-) -> Result<Vec<Item>, Cancelled> {
-    let mut slots = vec![EMPTY; n_faces];
-    let mut first = Vec::with_capacity(n_faces);
-    for (at, item) in items.iter().enumerate() {
-        control.item(at, usize::MAX)?;
-        let slot = &mut slots[item.face as usize];
-        if *slot == EMPTY {
-            *slot = first.len() as u32;
-            first.push(*item);
-        }
-    }
-    for (at, node) in nodes.iter_mut().enumerate() {
-        control.item(at, usize::MAX)?;
-        for child in node.child.iter_mut().filter(|c| **c != EMPTY && **c & LEAF != 0) {
-            let item = &items[(*child & !LEAF) as usize];
-            *child = LEAF | slots[item.face as usize];
-        }
-    }
-    Ok(first)
 }
 
 /// The middle of the faces' corners, and the power of two that brings them within -1 to 1.

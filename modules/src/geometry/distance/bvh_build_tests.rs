@@ -1,7 +1,7 @@
 //! Tests of the tree: it finds what a look at every face finds, and has equal faces once.
 
 use super::*;
-use crate::geometry::distance::bulk::ManyQueries;
+use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::fixtures::mesh_of;
 use proptest::prelude::*;
 

@@ -16,9 +16,9 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::bulk::ManyQueries;
 use super::bvh::{Bvh, Hit};
 use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
+use super::many::ManyQueries;
 use super::sample::{SurfaceSampler, sample_edges};
 use crate::data::{Domain, Field, TriMesh};
 use crate::mesh::morton::{morton_order, sort_by_code};

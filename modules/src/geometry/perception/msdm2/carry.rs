@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::curvature_mesh::CurvatureMesh;
 use super::{MAX_LEVELS, MeshCurvature, Variant};
 use crate::data::FaceId;
-use crate::geometry::distance::bulk::ManyQueries;
 use crate::geometry::distance::bvh::{Hit, Walker};
+use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::morton::morton_order;
 
 /// Vertices of one chunk.
