@@ -2,8 +2,8 @@
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again. Of faces with the same corners the tree has one.
 //! Where long faces lie across each other in all directions, so that no boxes tell them apart, the
-//! tree has several boxes around [pieces](super::pieces) of each (Ernst & Greiner, "Early split clipping for bounding
-//! volume hierarchies", RT 2007).
+//! tree has several boxes around [pieces](super::pieces) of each (Ernst & Greiner, "Early split
+//! clipping for bounding volume hierarchies", RT 2007).
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};

@@ -20,7 +20,8 @@ const FEW_HARD: usize = 16;
 const HARD_SHARE: usize = 32;
 /// Nodes that points may take on average before it ends, too.
 const VISITS_PER_POINT: usize = 128;
-/// Trees of pieces are given so many times as many: lists are long where faces lie across each other.
+/// Trees of pieces are given so many times as many: lists are long where faces lie across each
+/// other.
 const PATIENCE: usize = 8;
 /// Hard points that are taken together: more share more work, fewer leave some for other threads.
 const CHUNK: usize = 8192;
