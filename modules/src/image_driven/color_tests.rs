@@ -83,7 +83,7 @@ fn render(mesh: &TriMesh, lens: &Lens, options: &ImageOptions) -> Vec<u8> {
     let faces = NormalSource::Faces;
     let surface = Surface::new(mesh, shading, faces, options.albedo, Control::none()).unwrap();
     let ImageOptions { resolution: size, sides, background, .. } = *options;
-    let options = PictureOptions { size, sides, background, kind: PixelKind::Gray };
+    let options = PictureOptions { size, sides, background, kind: PixelKind::Gray, samples: 1 };
     crate::picture::render::picture(&surface, lens, "", &options, || Ok(())).unwrap().bytes
 }
 
