@@ -7,7 +7,7 @@ use crate::cost::Squares;
 use crate::data::FaceId;
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
-    Candidates, Contraction, Placement, SimplifyOptions, Stop, simplify, trial,
+    Candidates, Contraction, Placement, SimplifyOptions, Stop, Turns, simplify, trial,
 };
 use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
@@ -181,7 +181,7 @@ fn a_mesh_in_no_picture_has_prices_of_zero() {
     let mut cost = ImageDriven::new(&point, Squares, SMALL);
     assert!(cost.lenses.is_empty());
     let stop = Stop { ratio: Some(0.5), cost: Some(0.0), ..Stop::default() };
-    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, turns: Turns::Any, ..SimplifyOptions::DEFAULT };
     let found = simplify(&point, &mut cost, &mut Endpoint, options, Control::none()).unwrap();
     assert_eq!(found.statistics.largest_cost, Some(0.0));
 }
@@ -204,7 +204,7 @@ impl Placement for Anywhere {
 fn surfaces_behind_the_cameras_price_as_in_whole_pictures() {
     let mesh = small_vase();
     let stop = Stop { ratio: Some(0.7), ..Stop::default() };
-    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, turns: Turns::Any, ..SimplifyOptions::DEFAULT };
     for sides in [Sides::Front, Sides::Both] {
         let mut cost = Checked::new(&mesh, Squares, ImageOptions { sides, ..SMALL });
         simplify(&mesh, &mut cost, &mut Anywhere, options, Control::none()).unwrap();

@@ -1,5 +1,6 @@
 //! What a run gives.
 
+use super::blocked::Blocked;
 use super::stop::Outcome;
 use crate::data::TriMesh;
 
@@ -41,7 +42,11 @@ pub struct Statistics {
     pub n_rejected_flip: usize,
     /// Edges that the boundary policy, seams or a coordinate that is not finite forbids.
     pub n_rejected_boundary: usize,
-    /// Price of the dearest collapse made, if there was one.
+    /// Collapses that turned a face by more than 45°, under [`Turns::Adaptive`](super::Turns).
+    pub n_wide_turns: usize,
+    /// What holds the edges that are left, where the number of faces was not reached.
+    pub blocked: Option<Blocked>,
+    /// Price of the dearest collapse made, if there was one; 0 if all were free.
     pub largest_cost: Option<f64>,
 }
 
@@ -56,6 +61,8 @@ impl Statistics {
             n_rejected_link: 0,
             n_rejected_flip: 0,
             n_rejected_boundary: 0,
+            n_wide_turns: 0,
+            blocked: None,
             largest_cost: None,
         }
     }

@@ -335,7 +335,7 @@ proptest! {
         let before = topology(&TriMesh::new(mesh.positions.clone(), proper));
         let mut options = to_faces(n);
         if flip {
-            options.flip_angle_rad = None;
+            options.turns = Turns::Any;
         }
         for result in [
             run_with(&mesh, EdgeLength, Midpoint, options),
