@@ -285,11 +285,30 @@ mod tests {
     }
 
     #[test]
+    fn a_missed_target_names_the_limit_and_what_to_set() {
+        let run = |flip_angle: serde_json::Value| {
+            let trial = Trial::of(&super::MODULE).input("mesh", ball());
+            trial.set("target_faces", json!(8)).set("flip_angle", flip_angle).log().unwrap()
+        };
+        let lines = run(json!(1.0)).join("\n");
+        assert!(lines.contains("more than flip_angle 1 (set flip_angle higher)"), "{lines}");
+        assert!(!run(json!(null)).join("\n").contains("flip_angle"));
+    }
+
+    /// A ball of 768 faces.
+    fn ball() -> TriMesh {
+        let mut mesh = subdivided_box(&BoxOptions::DEFAULT);
+        let (low, high) = mesh.bounds().unwrap();
+        mesh.positions.iter_mut().for_each(|p| *p = (*p - low.midpoint(high)).normalize());
+        mesh
+    }
+
+    #[test]
     fn targets_placements_and_costs_are_followed() {
         assert_eq!(simplified(&[]).faces.len(), 384);
         assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
         let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];
-        assert_eq!(simplified(&by_cost).faces.len(), 768);
+        assert_eq!(simplified(&by_cost).faces.len(), 12);
         let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
         let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
         assert!(ends.positions.iter().all(|p| originals.contains(p)));

@@ -35,7 +35,7 @@ impl Blocked {
     ) -> Result<Self, Cancelled> {
         let mut blocked = Self::default();
         let mut memory = Rings::default();
-        for edge in mesh.edges() {
+        for edge in mesh.edges_left(ticker)? {
             ticker.tick(mesh.n_faces())?;
             *blocked.by(mesh, pricer, limits, edge, (marks, &mut memory)) += 1;
         }

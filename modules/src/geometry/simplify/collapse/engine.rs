@@ -10,7 +10,9 @@ use super::cost::Cost;
 use super::marks::VertexMarks;
 use super::merge::Merged;
 use super::mesh::WorkingMesh;
-use super::observer::{Collapse, Observer, WedgeChange, complete_changes, list_wedges};
+use super::observer::{
+    Collapse, MovedCorner, Observer, WedgeChange, complete_changes, list_moved, list_wedges,
+};
 use super::options::SimplifyOptions;
 use super::outcome::{Seconds, Simplified, Statistics};
 use super::placement::Placement;
@@ -52,6 +54,7 @@ struct Memory {
     rings: Rings,
     merged: Merged,
     wedges: Vec<WedgeChange>,
+    moved_corners: Vec<MovedCorner>,
 }
 
 impl<'a> Engine<'a> {
@@ -178,7 +181,7 @@ impl<'a> Engine<'a> {
         let is_wider = limits.widen();
         let was_patient = std::mem::replace(&mut self.is_patient, false);
         if is_wider || was_patient {
-            let edges = self.mesh.edges();
+            let edges = self.mesh.edges_left(&mut self.ticker)?;
             self.price(&edges)?;
         }
         Ok(is_wider || was_patient)
@@ -239,7 +242,7 @@ impl<'a> Engine<'a> {
     /// Tries the collapse at the head of the queue; what it did, if it was made.
     fn attempt<'m>(&mut self, entry: Entry, memory: &'m mut Memory) -> Option<&'m Merged> {
         let Self { mesh, queue, pricer, statistics, limits, .. } = self;
-        let Memory { rings, merged, wedges } = memory;
+        let Memory { rings, merged, wedges, moved_corners } = memory;
         let edge = entry.edge;
         let choice = queue.choice(edge);
         let Some(&proposal) = pricer.proposals(mesh, edge).get(usize::from(choice)) else {
@@ -272,10 +275,11 @@ impl<'a> Engine<'a> {
         let price = queue.own_price(edge);
         let is_free = pricer.cost.is_free(mesh, &proposal.contraction, price);
         let [kept, gone] = [rings.kept, rings.gone].map(VertexId);
-        let before = [mesh.position(kept), mesh.position(gone)];
+        let before = [kept, gone, kept].map(|v| mesh.position(v));
         let is_observed = !self.observers.is_empty();
         if is_observed {
             list_wedges(mesh, rings, wedges);
+            list_moved(rings, moved_corners);
         }
         let values = pricer.attributes(&proposal);
         mesh.merge(rings, position, values, &mut self.marks, merged);
@@ -288,12 +292,13 @@ impl<'a> Engine<'a> {
         let collapse = Collapse {
             kept,
             gone,
+            also_gone: None,
             position,
             before,
             dying_faces: &merged.dying_faces,
             price,
+            moved_corners,
             wedges,
-            rings,
         };
         pricer.collapsed(mesh, &collapse);
         self.observers.iter_mut().for_each(|observer| observer.collapsed(mesh, &collapse));

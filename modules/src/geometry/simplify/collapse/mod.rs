@@ -60,7 +60,7 @@ pub use blocked::Blocked;
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use mesh::WorkingMesh;
-pub use observer::{Collapse, Element, Observer, WedgeChange};
+pub use observer::{Collapse, Element, MovedCorner, Observer, WedgeChange};
 pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions, Turns};
 pub use outcome::{Seconds, Simplified, Statistics};
 pub use placement::Placement;

@@ -237,4 +237,49 @@ mod tests {
         let turns = |height| rings.shape_after(&complex, DVec3::Z * height, &limits).is_none();
         assert_eq!([turns(0.001), turns(10.0)], [false, true]);
     }
+
+    /// A face over the side from (0, 0) to (1, 0) whose third corner moves from one height over its
+    /// middle to another.
+    fn moved(heights: [f64; 2], turns: Turns) -> (ShapeLimits, Option<Shape>) {
+        let options = SimplifyOptions { turns, ..SimplifyOptions::DEFAULT };
+        let limits = ShapeLimits::new(&options, true).unwrap();
+        let corners = heights.map(|height| DVec3::new(0.5, height, 0.0));
+        let mut shape = Shape::SOUND;
+        let is_sound = shape.add(corners, [DVec3::ZERO, DVec3::X], &limits).is_some();
+        (limits, is_sound.then_some(shape))
+    }
+
+    #[test]
+    fn a_thin_face_waits_by_the_square_of_how_thin_it_is() {
+        // The angle at either end of the side has the tangent 2 × height.
+        let doublings = |degrees: [f64; 2]| {
+            let heights = degrees.map(|angle| 0.5 * angle.to_radians().tan());
+            let (limits, shape) = moved(heights, Turns::Adaptive);
+            limits.doublings(shape.unwrap())
+        };
+        // A third of 3 degrees costs 9 times as much, which is more than 2³.
+        assert_eq!(
+            [20.0, 3.1, 2.9, 1.6, 1.0].map(|angle| doublings([45.0, angle])),
+            [0, 0, 1, 2, 4]
+        );
+        // One that was thinner before is no reason to wait.
+        assert_eq!(doublings([0.5, 1.0]), 0);
+    }
+
+    #[test]
+    fn turns_beyond_45_degrees_wait_and_beyond_90_are_none() {
+        let turned = |degrees: f64, turns| {
+            let options = SimplifyOptions { turns, ..SimplifyOptions::DEFAULT };
+            let limits = ShapeLimits::new(&options, true).unwrap();
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let corners = [DVec3::new(0.5, 1.0, 0.0), DVec3::new(0.5, cos, sin)];
+            let mut shape = Shape::SOUND;
+            shape.add(corners, [DVec3::ZERO, DVec3::X], &limits)?;
+            Some(limits.doublings(shape))
+        };
+        let adaptive = [44.0, 46.0, 89.0, 91.0].map(|angle| turned(angle, Turns::Adaptive));
+        assert_eq!(adaptive, [Some(0), Some(2), Some(2), None]);
+        let limit = Turns::UpTo(60f64.to_radians());
+        assert_eq!([59.0, 61.0].map(|angle| turned(angle, limit)), [Some(0), None]);
+    }
 }
