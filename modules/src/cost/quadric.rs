@@ -6,8 +6,8 @@
 //! [`TIE`] × weight × edge length² is added, the error of a vertex that lies 10⁻⁵ of its edge off
 //! its planes. Where the surface is flat and every error is zero up to rounding, it makes short
 //! edges go first, which keeps the faces there well shaped; elsewhere it does not count. An error
-//! that is no larger than this term is none: coordinates of six digits round by that much. Where the
-//! corners of a face merge, the quadric is the sum of all three and the longest edge counts.
+//! that is no larger than this term is none: coordinates of seven digits are off by less. Where
+//! the corners of a face merge, the quadric is the sum of all three and the longest edge counts.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control, Entry};

@@ -306,9 +306,7 @@ impl<'a> Engine<'a> {
         statistics.n_wide_turns += usize::from(shape.is_turned);
         Some(merged)
     }
-}
 
-impl Engine<'_> {
     /// Lets a collapse of poor shape wait, or tries another place first that costs less than that;
     /// `false` where it has waited, or should not.
     fn let_wait(&mut self, entry: Entry, choice: u8, shape: Shape) -> bool {

@@ -29,6 +29,8 @@ mod engine;
 mod engine_tests;
 #[cfg(test)]
 mod guard_tests;
+#[cfg(test)]
+mod limit_tests;
 mod link;
 mod marks;
 mod merge;
