@@ -15,7 +15,7 @@ use super::{Program, ReportSpec, Step};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Axis, Map, ProgramSpec};
-use crate::param::MODULE;
+use crate::param::{MODULE, Setting};
 use crate::plan::{Plan, assign, no_file, one_case};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
@@ -172,15 +172,15 @@ fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
 }
 
 /// What to do where repeats write one file.
-const ADVICE_REPEATS: &str = "put {repeat} or {step} into the name";
+const ADVICE_REPEATS: &str = "put {repeat} into the name";
 
 /// What is remembered of the steps so far to check the next.
 #[derive(Default)]
 struct Checker {
     /// The parameters of the step that writes each path.
-    writers: BTreeMap<PathBuf, String>,
+    writers: BTreeMap<PathBuf, Assignment>,
     /// Those of a step that needs each folder.
-    folders: BTreeMap<PathBuf, String>,
+    folders: BTreeMap<PathBuf, Assignment>,
     /// In how many different steps each key occurs.
     keys: HashMap<Fingerprint, u32>,
     ids: HashSet<String>,
@@ -210,8 +210,7 @@ impl Checker {
             // A file beside another one, such as the materials of a mesh, is no second fault.
             let mut is_told = false;
             for path in &node.writes {
-                let step = shown(params);
-                let other = self.writers.insert(one_case(path), step.clone());
+                let other = self.writers.insert(one_case(path), params.clone());
                 // Of a file and a folder of one name, whichever comes second finds the other.
                 let folder = one_case(path).ancestors().skip(1).find_map(|f| self.writers.get(f));
                 let inside = self.folders.get(&one_case(path)).cloned();
@@ -219,24 +218,53 @@ impl Checker {
                     && !std::mem::replace(&mut is_told, true)
                     && self.reported.insert(format!("write {}", one_case(path).display()))
                 {
-                    let path = path.display();
-                    let message = match (other == step, step.is_empty()) {
-                        (true, true) => format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
-                        (true, false) => {
-                            format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}")
-                        }
-                        (false, _) => format!(
-                            "two steps write \"{path}\": {other}; and {step}. Put a varied \
-                             parameter or {{step}} into the name"
-                        ),
-                    };
+                    let message = clash(plan, path, &other, params);
                     self.problems.push(Problem::error(message).at(&node.name));
                 }
                 for folder in one_case(path).ancestors().skip(1) {
-                    self.folders.insert(folder.to_owned(), step.clone());
+                    self.folders.insert(folder.to_owned(), params.clone());
                 }
             }
         }
+    }
+}
+
+/// Says that two steps, or two repeats of one, write one path, and what to put into its name.
+fn clash(plan: &Plan, path: &Path, other: &Assignment, params: &Assignment) -> String {
+    let (path, step) = (path.display(), shown(params));
+    match (other == params, step.is_empty()) {
+        (true, true) => return format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
+        (true, false) => return format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}"),
+        (false, _) => {}
+    }
+    let mut references: Vec<String> = Vec::new();
+    for (name, value) in params.iter().chain(other) {
+        let is_known = |reference: &String| references.contains(reference);
+        let reference = reference_to(plan, name);
+        if (params.get(name), other.get(name)) != (Some(value), Some(value))
+            && !is_known(&reference)
+        {
+            references.push(reference);
+        }
+    }
+    let references = references.join(" and ");
+    format!(
+        "two steps write \"{path}\": {}; and {step}. Put {references} into the name",
+        shown(other)
+    )
+}
+
+/// What names the value of a parameter in the name of a file: where that is a module or a file,
+/// what comes from it.
+fn reference_to(plan: &Plan, path: &str) -> String {
+    let mut parts = path.split('.');
+    let (node, param) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    let planned = plan.nodes.iter().find(|planned| planned.name == node);
+    let setting = planned.and_then(|planned| planned.settings.find(param));
+    match setting {
+        _ if param == MODULE => format!("{{{node}.source}}"),
+        Some(Setting::File { .. }) => format!("{{{node}.source}}"),
+        _ => format!("{{{node}.{param}}}"),
     }
 }
 
