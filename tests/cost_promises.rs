@@ -245,6 +245,7 @@ fn watch(
     lenses: Vec<Lens>,
     mut placements: [Box<dyn Placement>; 2],
     only_grows: bool,
+    n_collapses: usize,
 ) -> Findings {
     let findings = Arc::default();
     let [asked, placement] = &mut placements;
@@ -257,7 +258,7 @@ fn watch(
         before: BTreeMap::new(),
         findings: Arc::clone(&findings),
     };
-    let options = to_faces(mesh.faces.len() - 12);
+    let options = to_faces(mesh.faces.len() - 2 * n_collapses);
     simplify(mesh, &mut watched, asked.as_mut(), options, Control::none()).expect("no cancel");
     drop(watched);
     Arc::into_inner(findings).expect("one owner").into_inner().expect("no panic")
@@ -318,7 +319,7 @@ fn no_price_changes_beyond_the_reach_and_none_falls_that_only_grows() {
         let (cost, placements) = make();
         let only_grows = placements[0].only_grows();
         let claims = cost.only_grows() && only_grows;
-        let found = watch(&mesh, cost, lenses, placements, only_grows);
+        let found = watch(&mesh, cost, lenses, placements, only_grows, 6);
         assert_eq!(found.broken.first(), None, "{name}: {} broken", found.broken.len());
         assert!(found.n_beyond_reach > 50, "{name}: {} compared", found.n_beyond_reach);
         assert_eq!(found.n_growing > 300, claims, "{name}");
@@ -332,7 +333,7 @@ fn promises_hold_whatever_the_parameters_are() {
     each_variant(&mesh, |name, cost, lenses| {
         let placements: [Box<dyn Placement>; 2] =
             [Box::new(Optimal::DEFAULT), Box::new(Optimal::DEFAULT)];
-        let found = watch(&mesh, cost, lenses, placements, true);
+        let found = watch(&mesh, cost, lenses, placements, true, 2);
         assert_eq!(found.broken.first(), None, "{name}: {} broken", found.broken.len());
         n_compared += usize::from(found.n_beyond_reach > 0);
         n_variants += 1;
@@ -466,7 +467,7 @@ fn false_promises_are_found() {
     let mesh = bumpy();
     let middle = || -> [Box<dyn Placement>; 2] { [Box::new(Middle), Box::new(Middle)] };
     let broken = |reach, only_grows| {
-        watch(&mesh, Box::new(Liar { reach, only_grows }), Vec::new(), middle(), true).broken
+        watch(&mesh, Box::new(Liar { reach, only_grows }), Vec::new(), middle(), true, 6).broken
     };
     assert_eq!(broken(Reach::NEIGHBORS, false), Vec::<String>::new());
     assert!(broken(Reach::MERGED, false).iter().all(|found| found.starts_with("reach")));

@@ -61,8 +61,7 @@ impl Blocked {
         };
         let fits = |limits: &ShapeLimits| {
             places.iter().any(|place| {
-                place.position.is_finite()
-                    && rings.shape_after(&mesh.complex, place.position, limits).is_some()
+                rings.shape_after(&mesh.complex, place.position, Some(limits)).is_some()
             })
         };
         match limits {

@@ -256,11 +256,7 @@ impl<'a> Engine<'a> {
             return None;
         };
         let position = proposal.position;
-        let shape = match limits {
-            Some(limits) => rings.shape_after(&mesh.complex, position, limits),
-            None => Some(Shape::SOUND),
-        };
-        let Some(shape) = shape.filter(|_| position.is_finite()) else {
+        let Some(shape) = rings.shape_after(&mesh.complex, position, limits.as_ref()) else {
             statistics.n_rejected_flip += 1;
             match pricer.next_choice(mesh, edge, (entry.price, choice)) {
                 Some((price, choice)) => queue.set(Entry { price, ..entry }, choice),
@@ -302,8 +298,7 @@ impl<'a> Engine<'a> {
         };
         pricer.collapsed(mesh, &collapse);
         self.observers.iter_mut().for_each(|observer| observer.collapsed(mesh, &collapse));
-        statistics.add_collapse(if is_free { price.min(0.0) } else { price });
-        statistics.n_wide_turns += usize::from(shape.is_turned);
+        statistics.add_collapse(if is_free { price.min(0.0) } else { price }, shape.is_turned);
         Some(merged)
     }
 

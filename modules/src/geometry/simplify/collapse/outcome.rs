@@ -67,8 +67,9 @@ impl Statistics {
         }
     }
 
-    /// Counts a collapse at this price.
-    pub(super) fn add_collapse(&mut self, price: f64) {
+    /// Counts a collapse at this price, and whether it turned a face far.
+    pub(super) fn add_collapse(&mut self, price: f64, is_wide_turn: bool) {
+        self.n_wide_turns += usize::from(is_wide_turn);
         self.n_collapses += 1;
         self.largest_cost = Some(self.largest_cost.map_or(price, |largest| largest.max(price)));
     }

@@ -97,16 +97,17 @@ impl Shape {
 }
 
 impl Rings {
-    /// What merging the ends at `position` does to the faces that stay; `None` where it turns one
-    /// too far, makes it degenerate, or folds it onto the next; what is degenerate or folded
+    /// What merging the ends at `position` does to the faces that stay, which any may without
+    /// limits; `None` where the position is not finite, or it turns a face too far, makes it degenerate, or folds it onto the next; what is degenerate or folded
     /// already may do anything.
     pub fn shape_after(
         &self,
         complex: &Complex,
         position: DVec3,
-        limits: &ShapeLimits,
+        limits: Option<&ShapeLimits>,
     ) -> Option<Shape> {
         let mut shape = Shape::SOUND;
+        let Some(limits) = limits else { return position.is_finite().then_some(shape) };
         let mut reference = None;
         let mut is_even = true;
         for (vertex, face) in self.staying() {
@@ -115,7 +116,8 @@ impl Rings {
             let normal = shape.add(moved, opposite, limits)?;
             is_even &= is_within(normal, *reference.get_or_insert(normal), COS_HALF_FOLD);
         }
-        (is_even || !self.fold(complex, position)).then_some(shape)
+        let is_sound = position.is_finite() && (is_even || !self.fold(complex, position));
+        is_sound.then_some(shape)
     }
 
     /// Whether two faces next to each other at the merged vertex are folded as they were not.
@@ -234,7 +236,8 @@ mod tests {
         let limits = ShapeLimits::new(&options, false).unwrap().with_any_turn();
         // Any turn is allowed here. The sides of the needle meet at 11 degrees, those of the low
         // roof at 178.
-        let turns = |height| rings.shape_after(&complex, DVec3::Z * height, &limits).is_none();
+        let turns =
+            |height| rings.shape_after(&complex, DVec3::Z * height, Some(&limits)).is_none();
         assert_eq!([turns(0.001), turns(10.0)], [false, true]);
     }
 
