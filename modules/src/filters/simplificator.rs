@@ -120,6 +120,10 @@ const STATISTICS_OUT: Out<Measures> =
         WIDE_TURNS,
     ]));
 
+/// What the working mesh, the queue and the quadrics take for each face: measured from 100,000 to
+/// 400,000 faces (docs/BENCHMARKS.md). Costs that look at pictures take more.
+const BYTES_A_FACE: usize = 200;
+
 pub static MODULE: Module = Module {
     id: "Simplificator",
     summary: "Simplifies a mesh by edge collapses, the cheapest first.",
@@ -146,6 +150,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
         None => warn_of_seams(io, &mesh)?,
     }
+    io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let mut cost = (cost.entry.build)(&mesh, &cost.params)?;
     let mut placement = (placement.entry.build)(&mesh, &placement.params)?;

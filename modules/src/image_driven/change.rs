@@ -5,7 +5,7 @@ use wide::i32x8;
 
 use crate::data::{FaceId, VertexId};
 use crate::geometry::simplify::collapse::{Collapse, Proposal, WorkingMesh};
-use crate::picture::render::{LANES, NO_FACE, normal};
+use crate::picture::render::{FaceColor, LANES, NO_FACE, normal};
 
 /// A face before or after a collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,8 @@ pub(super) struct Change {
     pub old: Vec<PatchFace>,
     /// The faces that come, by number.
     pub new: Vec<PatchFace>,
+    /// Their colors, unless all is white.
+    pub colors: Vec<FaceColor>,
     /// All vertices of the faces that go.
     pub ring: Vec<u32>,
     /// The vertex that stays.

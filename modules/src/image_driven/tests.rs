@@ -7,21 +7,21 @@ use crate::cost::Squares;
 use crate::data::{FaceId, VertexId};
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
-    Candidates, Contraction, DyingFace, Placement, Proposal, SimplifyOptions, Stop, Turns,
+    Candidates, Contraction, DyingFace, Placement, Proposal, Seams, SimplifyOptions, Stop, Turns,
     simplify, trial,
 };
 use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
 
 /// Prices by active areas, and checks some of them against whole pictures.
-struct Checked<D: Difference> {
+pub struct Checked<D: Difference> {
     active: ImageDriven<D>,
     whole: ImageDriven<D>,
-    n_checked: Mutex<usize>,
+    pub n_checked: Mutex<usize>,
 }
 
 impl<D: Difference> Checked<D> {
-    fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
+    pub fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let new =
             |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
         Self { active: new(Areas::Active), whole: new(Areas::Whole), n_checked: Mutex::new(0) }
@@ -63,18 +63,29 @@ impl<D: Difference> Cost for Checked<D> {
     }
 }
 
-const SMALL: ImageOptions = ImageOptions {
+pub const SMALL: ImageOptions = ImageOptions {
     cameras: CameraSet::Fibonacci(3),
     resolution: 64,
     sides: Sides::Both,
+    albedo: Albedo::White,
+    is_lit: true,
     background: 90,
     areas: Areas::Active,
     renewal: Renewal::Lazy,
 };
 
-fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+pub fn halve(mesh: &TriMesh, cost: &mut dyn Cost, placement: &mut dyn Placement) -> TriMesh {
+    halve_with(mesh, cost, placement, Seams::Kept)
+}
+
+pub fn halve_with(
+    mesh: &TriMesh,
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    seams: Seams,
+) -> TriMesh {
     let stop = Stop { ratio: Some(0.5), ..Stop::default() };
-    let options = SimplifyOptions { stop, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, seams, ..SimplifyOptions::DEFAULT };
     simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
 }
 
@@ -95,7 +106,7 @@ fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
 }
 
 /// The picture of a camera after all collapses.
-fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
+pub fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     let mut scratch = Scratch::default();
     let watched = &mut *lock(&cost.cameras[camera]);
     let (mesh, changes) = (None, &[][..]);
@@ -103,7 +114,7 @@ fn picture<D: Difference>(cost: &ImageDriven<D>, camera: usize) -> Picture {
     watched.view.picture.clone()
 }
 
-fn small_vase() -> TriMesh {
+pub fn small_vase() -> TriMesh {
     vase(&VaseOptions { segments: 12, profile_segments: 18, ..VaseOptions::DEFAULT })
 }
 

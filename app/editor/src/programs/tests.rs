@@ -6,6 +6,7 @@ use std::sync::Arc;
 use mve_core::{Map, ProgramSpec};
 use serde_json::json;
 
+use super::run::check::check;
 use super::*;
 
 fn map(programs: Json) -> Arc<Map> {
@@ -82,4 +83,30 @@ fn results_go_where_the_command_puts_them() {
     };
     assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
     assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
+}
+
+#[test]
+fn results_of_another_map_of_this_name_are_told() {
+    let base = tempfile::tempdir().unwrap();
+    let text = r#"{"mve": 1, "nodes": {"a": {"module": "Echo"}}, "programs": {"p": {}}}"#;
+    let registry = mve_core::testing::registry();
+    let map = Arc::new(mve_core::Map::parse(text).unwrap());
+    let subject = |folder: &str, map_file: &str| {
+        let folder = base.path().join(folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("m.json"), text).unwrap();
+        let (map, name, map_file) = (Arc::clone(&map), "p".to_owned(), map_file.to_owned());
+        let (registry, store) = (registry.clone(), base.path().join("store"));
+        ProgramSubject { map, name, folder, map_file, registry, store }
+    };
+    let first = check(subject("one", "m.json"));
+    assert_eq!(first.trouble, None);
+    let store = mve_core::Store::open(&base.path().join("store")).unwrap();
+    let cancel = mve_core::CancelToken::new();
+    let options = mve_core::testing::program_options(&cancel);
+    mve_core::run_program(&first.program.unwrap(), &store, &options).unwrap();
+    assert_eq!(check(subject("one", "m.json")).trouble, None);
+    let trouble = check(subject("two", "m.json")).trouble.unwrap();
+    assert!(trouble.contains("one/m.json") && trouble.contains("another map"), "{trouble}");
+    assert_eq!(check(subject("two", "")).trouble, None);
 }

@@ -8,7 +8,7 @@ use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use mve_core::{Control, Data, DataType, Fingerprint, Value};
 use mve_modules::data::{Image, Images, PixelKind, TriMesh};
 use mve_modules::picture::render::{
-    self, Lens, NormalSource, Paint, PictureOptions, Shading, Sides, Surface,
+    self, Albedo, Lens, NormalSource, PictureOptions, Shading, Sides, Surface,
 };
 
 use super::background::{Progress, Task};
@@ -117,10 +117,10 @@ fn of_mesh(mesh: &TriMesh) -> Option<ColorImage> {
     }
     let camera = render::Camera { eye, right: axes.right, up: axes.up, forward: -axes.back };
     let (shading, source) = (Shading::Gouraud, NormalSource::Layer);
-    let surface = Surface::new(mesh, shading, source, Paint::Layer, Control::none()).ok()?;
+    let surface = Surface::new(mesh, shading, source, Albedo::Colors, Control::none()).ok()?;
     let size = 2 * SIDE * SAMPLES;
     let (sides, kind) = (Sides::Both, PixelKind::Rgb);
-    let options = PictureOptions { size, sides, background: 0, kind };
+    let options = PictureOptions { size, sides, background: 0, kind, samples: 1 };
     let lens = Lens::new(camera, size, distance);
     let image = render::picture(&surface, &lens, "", &options, || Ok(())).ok()?;
     cut_out(&image)

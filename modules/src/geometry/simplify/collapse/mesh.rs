@@ -9,6 +9,7 @@ use super::attributes::Attributes;
 use super::complex::{Complex, flag};
 use super::marks::VertexMarks;
 use super::merge::Merged;
+use super::merging::Merging;
 use super::options::{Boundary, Seams};
 use super::order::Order;
 use super::proposal::Contraction;
@@ -16,7 +17,7 @@ use super::quadrics::Quadrics;
 use super::rings::Rings;
 use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
-use crate::data::{Domain, FaceId, TriMesh, VertexId};
+use crate::data::{Domain, FaceId, NO_VALUE, TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
 use crate::mesh::quadric::Quadric;
 
@@ -153,6 +154,57 @@ impl WorkingMesh {
     /// The value of a wedge; numbers beyond those of the layer are 0, a label is its number.
     pub fn value(&self, wedge: WedgeId, layer: LayerId) -> DVec3 {
         self.attributes.layers[layer.0 as usize].value(wedge)
+    }
+
+    /// The value at corner `k` of a face in a layer over anything: of the corner, of the vertex
+    /// there, or of the face.
+    pub fn corner_value(&self, face: FaceId, k: usize, layer: LayerId) -> Option<DVec3> {
+        let working = &self.attributes.layers[layer.0 as usize];
+        let element = match working.domain {
+            Domain::Vertex => self.complex.faces[face.idx()].vertices[k],
+            Domain::Corner => 3 * face.0 + k as u32,
+            Domain::Face => face.0,
+        };
+        working.wedge(element).map(|wedge| working.value(wedge))
+    }
+
+    /// What a contraction to a position would make of the wedges of a layer; those that `given`
+    /// names take the values from there. Corners at a third vertex keep their wedges, and a layer
+    /// over faces all of them.
+    pub fn merging(
+        &self,
+        layer: LayerId,
+        contraction: &Contraction,
+        position: DVec3,
+        given: &[AttributeValue],
+    ) -> Merging {
+        let mut merging = Merging::default();
+        let ends = [contraction.kept.0, contraction.gone.0];
+        let working = &self.attributes.layers[layer.0 as usize];
+        merging.find((layer, working), &self.complex, ends, position, given);
+        merging
+    }
+
+    /// The value that [`WorkingMesh::corner_value`] would give after this merging of the layer, for
+    /// a face that stays.
+    pub fn corner_value_after(
+        &self,
+        face: FaceId,
+        k: usize,
+        layer: LayerId,
+        contraction: &Contraction,
+        merging: &Merging,
+    ) -> Option<DVec3> {
+        let working = &self.attributes.layers[layer.0 as usize];
+        let is_merged = contraction.has(VertexId(self.complex.faces[face.idx()].vertices[k]));
+        let element = match working.domain {
+            Domain::Vertex if is_merged => contraction.kept.0,
+            Domain::Corner if is_merged => 3 * face.0 + k as u32,
+            _ => return self.corner_value(face, k, layer),
+        };
+        let wedge = merging.now(working.wedge_at(element));
+        let old = || working.value(WedgeId(wedge));
+        (wedge != NO_VALUE).then(|| merging.value(WedgeId(wedge)).unwrap_or_else(old))
     }
 
     /// The edges that are left, by id; O(n_faces).

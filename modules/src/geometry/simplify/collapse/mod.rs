@@ -29,11 +29,13 @@ mod engine;
 mod engine_tests;
 #[cfg(test)]
 mod guard_tests;
+mod layer;
 #[cfg(test)]
 mod limit_tests;
 mod link;
 mod marks;
 mod merge;
+mod merging;
 mod mesh;
 mod observer;
 #[cfg(test)]
@@ -61,6 +63,7 @@ mod wedge;
 pub use blocked::Blocked;
 pub use cost::Cost;
 pub use merge::DyingFace;
+pub use merging::Merging;
 pub use mesh::WorkingMesh;
 pub use observer::{Collapse, Element, MovedCorner, Observer, WedgeChange};
 pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions, Turns};
