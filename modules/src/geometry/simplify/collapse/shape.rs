@@ -97,9 +97,10 @@ impl Shape {
 }
 
 impl Rings {
-    /// What merging the ends at `position` does to the faces that stay, which any may without
-    /// limits; `None` where the position is not finite, or it turns a face too far, makes it degenerate, or folds it onto the next; what is degenerate or folded
-    /// already may do anything.
+    /// What merging the ends at `position` does to the faces that stay, which may be anything
+    /// without limits; `None` where the position is not finite, or it turns a face too far, makes
+    /// it degenerate, or folds it onto the next. What is degenerate or folded already may do
+    /// anything.
     pub fn shape_after(
         &self,
         complex: &Complex,
