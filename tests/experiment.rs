@@ -110,7 +110,6 @@ fn repeats_that_write_one_file_are_told_once() {
         "programs": {"p": {"repeats": 5}}}"#;
     let program = Program::new(&Map::parse(text).unwrap(), "p", &registry(), Path::new("/"));
     let problems: Vec<_> = program.err().unwrap().iter().map(ToString::to_string).collect();
-    let expected = "program \"p\": save: two repeats write \"a.obj\": put {repeat} or {step} into \
-                    the name";
+    let expected = "program \"p\": save: two repeats write \"a.obj\": put {repeat} into the name";
     assert_eq!(problems, [expected]);
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use mve_core::testing::{plan_options, program_options, run_options};
 use mve_core::{
     CancelToken, FileHashes, Map, Plan, PlanOptions, Program, ProgramOptions, RunOptions, Scalar,
-    Store, run, run_program,
+    Store, assign, run, run_program,
 };
 use mve_modules::registry;
 use mve_tests::{maps, root};
@@ -50,6 +50,32 @@ fn saving_a_map_changes_no_byte() {
             continue;
         }
         assert_eq!(map.to_text(), text, "{}", path.display());
+    }
+}
+
+#[test]
+fn steps_are_planned_together_as_they_are_alone() {
+    let registry = registry();
+    for path in maps() {
+        let map = Map::load(&path).unwrap();
+        let (folder, files) = (path.parent().unwrap(), FileHashes::new());
+        for name in map.programs.keys() {
+            let program = Program::new(&map, name, &registry, folder).unwrap();
+            for step in &program.steps {
+                let mut alone = map.clone();
+                // As a program sets them: what brings other parameters along comes first.
+                let mut params: Vec<_> = step.params.iter().collect();
+                params.sort_by_key(|(path, _)| {
+                    (!path.ends_with(".module"), path.matches('.').count())
+                });
+                for (path, value) in params {
+                    assign(&mut alone, &registry, path, value.clone()).unwrap();
+                }
+                let options = PlanOptions { repeat: step.repeat, ..plan_options(folder, &files) };
+                let plan = Plan::new(&alone, &registry, &options).unwrap();
+                assert_eq!(plan.id.short(), step.id, "{} {name} {step:?}", path.display());
+            }
+        }
     }
 }
 

@@ -65,10 +65,17 @@ fn describe_quantities(quantities: Quantities, text: &mut String) {
         _ => return,
     };
     for quantity in row {
-        let facts = facts_of(quantity);
-        let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
-        let _ = writeln!(text, "  - `{}`{facts}: {}", quantity.name, quantity.doc);
+        let _ = writeln!(text, "  - {}", line_of(quantity));
     }
+}
+
+/// A number by its name, with its title, unit and direction.
+fn line_of(quantity: &Quantity) -> String {
+    let title = Some(quantity.title).filter(|title| !title.is_empty()).map(str::to_owned);
+    let facts = Some(facts_of(quantity)).filter(|facts| !facts.is_empty());
+    let facts: Vec<_> = title.into_iter().chain(facts).collect();
+    let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
+    format!("`{}`{facts}: {}", quantity.name, quantity.doc)
 }
 
 fn facts_of(quantity: &Quantity) -> String {
@@ -92,6 +99,11 @@ fn describe_params(params: &[ParamSpec], depth: usize, text: &mut String) {
         for part in spec.kind.answers().parts() {
             let _ = writeln!(text, "{indent}  - `{}`: {}", part.id, part.summary);
             describe_params(part.params, depth + 2, text);
+            let entry = spec.choice().and_then(|choice| choice.list.find(part.id));
+            let numbers = entry.map_or(&[][..], |entry| entry.quantities);
+            for quantity in numbers {
+                let _ = writeln!(text, "{indent}    - gives {}", line_of(quantity));
+            }
         }
     }
 }

@@ -52,6 +52,9 @@ struct FileContent {
 }
 
 impl DiskCache {
+    /// The budget of a folder of which nobody says more.
+    pub const USUAL_BYTES: u64 = 16 << 30;
+
     /// A cache in this folder, which is made if it is not there.
     pub fn open(folder: &Path, budget: u64) -> io::Result<Self> {
         fs::create_dir_all(folder)?;

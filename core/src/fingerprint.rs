@@ -25,13 +25,13 @@ impl Fingerprint {
 
     /// The first 16 hexadecimal digits: enough to tell a billion apart, short enough for a name.
     pub fn short(&self) -> String {
-        self.to_string()[..16].to_owned()
+        blake3::Hash::from(self.0).to_hex()[..16].to_owned()
     }
 }
 
 impl fmt::Display for Fingerprint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(&blake3::Hash::from(self.0).to_hex())
     }
 }
 
@@ -63,9 +63,10 @@ impl<'de> Deserialize<'de> for Fingerprint {
 }
 
 /// Gathers the parts of a fingerprint. Each part is written with its length, so that no two lists
-/// of parts give the same bytes.
+/// of parts give the same bytes. The bytes are hashed at the end, all at once: they are few, and
+/// the hasher is slow at small pieces.
 #[derive(Default)]
-pub(crate) struct FingerprintBuilder(blake3::Hasher);
+pub(crate) struct FingerprintBuilder(Vec<u8>);
 
 impl FingerprintBuilder {
     /// Starts one, for a kind of thing: fingerprints of two kinds never meet.
@@ -76,8 +77,8 @@ impl FingerprintBuilder {
     }
 
     pub fn part(&mut self, bytes: &[u8]) {
-        self.0.update(&(bytes.len() as u64).to_le_bytes());
-        self.0.update(bytes);
+        self.0.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+        self.0.extend_from_slice(bytes);
     }
 
     pub fn text(&mut self, text: &str) {
@@ -88,8 +89,13 @@ impl FingerprintBuilder {
         self.part(&fingerprint.0);
     }
 
+    /// Parts that another builder gathered, as if they had come to this one.
+    pub fn parts(&mut self, gathered: &Self) {
+        self.0.extend_from_slice(&gathered.0);
+    }
+
     pub fn finish(self) -> Fingerprint {
-        Fingerprint(*self.0.finalize().as_bytes())
+        Fingerprint::of(&self.0)
     }
 }
 

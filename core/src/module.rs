@@ -3,12 +3,14 @@
 use std::any::type_name;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::cancel::CancelToken;
 use crate::control::MissedTarget;
 use crate::control::{Control, Reporter};
 use crate::data::{Data, Value};
 use crate::error::ModuleError;
+use crate::memory::{MemoryBudget, Reservation};
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType, Settings};
 use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 use crate::stored::StoredWriter;
@@ -66,6 +68,11 @@ pub struct Io<'a> {
     pub(crate) reporter: &'a dyn Reporter,
     /// Where it writes values that stay in files; `None` for the system's temporary folder.
     pub(crate) folder: Option<&'a Path>,
+    /// What runs that go on at once share; `None` where nobody counts.
+    pub(crate) memory: Option<&'a MemoryBudget>,
+    pub(crate) reservation: Option<Reservation<'a>>,
+    /// How long it waited for memory, which is no part of its work.
+    pub(crate) waited: Duration,
 }
 
 impl<'a> Io<'a> {
@@ -78,7 +85,18 @@ impl<'a> Io<'a> {
         folder: Option<&'a Path>,
     ) -> Self {
         let outputs = vec![None; module.outputs.len()];
-        Self { module, settings, inputs, outputs, cancel, reporter, folder }
+        Self {
+            module,
+            settings,
+            inputs,
+            outputs,
+            cancel,
+            reporter,
+            folder,
+            memory: None,
+            reservation: None,
+            waited: Duration::ZERO,
+        }
     }
 
     /// The value of a required input, shared.
@@ -156,6 +174,19 @@ impl<'a> Io<'a> {
     /// Progress and cancellation of the whole run, for algorithms. It borrows nothing of the `Io`.
     pub fn control(&self) -> Control<'a> {
         Control::of_run(self.reporter, self.cancel)
+    }
+
+    /// Says how many bytes of memory the work will take at most, before it takes them: beside what
+    /// its inputs have, and with its outputs. Waits while the steps of a program that run at once
+    /// would take more than they may together. The last call counts; an estimate will do.
+    pub fn reserve(&mut self, bytes: usize) -> Result<(), ModuleError> {
+        self.reservation = None;
+        if let Some(memory) = self.memory {
+            let start = Instant::now();
+            self.reservation = Some(memory.reserve(bytes, self.cancel)?);
+            self.waited += start.elapsed();
+        }
+        Ok(())
     }
 
     /// Writes a line to the log of the run.

@@ -17,11 +17,13 @@ use crate::cancel::CancelToken;
 use crate::data::Value;
 use crate::error::ModuleError;
 use crate::files::{lying_at, refuse_links, refuse_special};
+use crate::memory::MemoryBudget;
 use crate::module::Io;
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
 use crate::param::{Setting, Settings};
 use crate::plan::{OutputScope, Plan, PlanNode, Source};
+use crate::stored::Stored;
 
 /// Progress of one node is told at most this often.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
@@ -43,6 +45,8 @@ pub struct RunOptions<'a> {
     pub keep: Keep,
     /// Whether savers may follow symbolic links out of the output folder.
     pub output_scope: OutputScope,
+    /// Memory that modules reserve, where runs that go on at once share it.
+    pub memory: Option<&'a MemoryBudget>,
 }
 
 /// Which values of a run outlive it.
@@ -131,8 +135,16 @@ impl RunOutcome {
     }
 }
 
-/// Runs a plan to its end. Failures are part of the outcome.
+/// Runs a plan to its end. Failures are part of the outcome. Where a value that stays in a file was
+/// found damaged, all runs once more: what is sound is taken from the cache, and it is made anew.
 pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
+    let (outcome, is_damaged) = run_once(plan, options);
+    let is_over = !is_damaged || options.cancel.is_cancelled();
+    if is_over { outcome } else { run_once(plan, options).0 }
+}
+
+/// Runs a plan, and tells whether a node failed on a damaged value.
+fn run_once(plan: &Plan, options: &RunOptions) -> (RunOutcome, bool) {
     let runner =
         Runner { plan, options, state: Mutex::new(State::new(plan)), changed: Condvar::new() };
     let threads = options.threads.clamp(1, plan.nodes.len().max(1));
@@ -145,7 +157,12 @@ pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
     let state = runner.state.into_inner().unwrap_or_else(PoisonError::into_inner);
     let names = plan.nodes.iter().map(|node| node.name.clone());
     let outcomes = state.outcomes.into_iter().flatten();
-    RunOutcome { nodes: names.zip(outcomes).collect() }
+    (RunOutcome { nodes: names.zip(outcomes).collect() }, state.is_damaged)
+}
+
+/// The files that values are handles to.
+fn stored_in(values: &[Option<Value>]) -> Vec<Stored> {
+    values.iter().flatten().flat_map(Value::stored).collect()
 }
 
 struct Runner<'a> {
@@ -164,6 +181,8 @@ struct State {
     values: Vec<Vec<(Option<Value>, usize)>>,
     outcomes: Vec<Option<NodeOutcome>>,
     n_ended: usize,
+    /// Whether a node failed on a value whose file was damaged.
+    is_damaged: bool,
 }
 
 impl State {
@@ -177,7 +196,7 @@ impl State {
         }
         let ready = (0..plan.nodes.len()).rev().filter(|place| waiting[*place] == 0).collect();
         let outcomes = plan.nodes.iter().map(|_| None).collect();
-        Self { ready, waiting, values, outcomes, n_ended: 0 }
+        Self { ready, waiting, values, outcomes, n_ended: 0, is_damaged: false }
     }
 
     /// The value of an output; the last one to ask owns it alone.
@@ -202,11 +221,15 @@ impl Runner<'_> {
                 continue;
             };
             let node = &self.plan.nodes[place];
-            let inputs = node.inputs.iter().map(|s| s.and_then(|s| state.fetch(s))).collect();
+            let inputs: Vec<_> =
+                node.inputs.iter().map(|s| s.and_then(|s| state.fetch(s))).collect();
             let linked = node.linked.iter().map(|(p, s)| (*p, state.fetch(*s))).collect();
             drop(state);
+            let files: Vec<Stored> = stored_in(&inputs);
             let (outcome, outputs) = self.run_node(node, inputs, linked);
             state = self.lock();
+            let is_failed = matches!(outcome.record.status, NodeStatus::Failed { .. });
+            state.is_damaged |= is_failed && files.iter().any(|file| !file.is_sound());
             self.end(&mut state, place, outcome, outputs);
             self.changed.notify_all();
         }
@@ -371,8 +394,11 @@ impl Runner<'_> {
         let start = Instant::now();
         let folder = self.options.cache.and_then(Cache::folder);
         let mut io = Io::new(module, &settings, inputs, self.options.cancel, &listener, folder);
-        let outputs = contained(|| (module.run)(&mut io)).and_then(|()| io.finish());
-        let seconds = start.elapsed().as_secs_f64();
+        io.memory = self.options.memory;
+        let ended = contained(|| (module.run)(&mut io));
+        let waited = io.waited;
+        let outputs = ended.and_then(|()| io.finish());
+        let seconds = start.elapsed().saturating_sub(waited).as_secs_f64();
         let log = listener.log.into_inner().unwrap_or_else(PoisonError::into_inner);
         match outputs {
             Ok(outputs) => {

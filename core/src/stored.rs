@@ -48,6 +48,8 @@ struct Place {
     /// Open as long as there is a handle, so that a cache may drop its name of the file.
     file: File,
     name: FileName,
+    /// Blocks, by number, that were as they were written when they were first read from here.
+    verified: Vec<bool>,
 }
 
 #[derive(Debug)]
@@ -83,8 +85,9 @@ impl Stored {
         id.finish()
     }
 
-    /// Fills `bytes` with what stands from `start` on. Reads and verifies the blocks that hold it,
-    /// and no others; memory for one block.
+    /// Fills `bytes` with what stands from `start` on. A block is read as a whole and verified the
+    /// first time that a handle reads any of it, and after that only what is asked for; memory for
+    /// one block.
     ///
     /// # Errors
     /// [`ErrorKind::UnexpectedEof`] beyond the end, and [`ErrorKind::InvalidData`] for a block that
@@ -93,35 +96,42 @@ impl Stored {
     pub fn read(&self, start: u64, bytes: &mut [u8]) -> io::Result<()> {
         let end = start.checked_add(bytes.len() as u64).filter(|end| *end <= self.0.n_bytes);
         let end = end.ok_or_else(|| io::Error::from(ErrorKind::UnexpectedEof))?;
-        let mut block = Vec::new();
         let mut at = start;
         while at < end {
             let number = at / BLOCK as u64;
-            let first = number * BLOCK as u64;
-            let n = (self.0.n_bytes - first).min(BLOCK as u64);
-            block.resize(n as usize, 0);
-            self.read_block(number, &mut block)?;
-            let upto = end.min(first + n);
-            let (from, into) = ((at - first) as usize, (at - start) as usize);
-            let len = (upto - at) as usize;
-            bytes[into..into + len].copy_from_slice(&block[from..from + len]);
+            let upto = end.min((number + 1) * BLOCK as u64);
+            let part = &mut bytes[(at - start) as usize..(upto - start) as usize];
+            self.read_part(number, (at % BLOCK as u64) as usize, part)?;
             at = upto;
         }
         Ok(())
     }
 
-    /// Fills `block` with the block of this number, or gives the file up.
-    fn read_block(&self, number: u64, block: &mut [u8]) -> io::Result<()> {
+    /// Fills `part` with what stands in a block from `first` on, or gives the file up.
+    fn read_part(&self, number: u64, first: usize, part: &mut [u8]) -> io::Result<()> {
         let gone = || io::Error::new(ErrorKind::InvalidData, "its file was damaged; run again");
+        let from = number * BLOCK as u64;
         let read = {
             let mut place = self.place();
-            let file = &mut place.as_mut().ok_or_else(gone)?.file;
-            let sought = file.seek(SeekFrom::Start(number * BLOCK as u64));
-            sought.and_then(|_| file.read_exact(block))
+            let place = place.as_mut().ok_or_else(gone)?;
+            if place.verified.get(number as usize) == Some(&true) {
+                let sought = place.file.seek(SeekFrom::Start(from + first as u64));
+                sought.and_then(|_| place.file.read_exact(part)).map(|()| true)
+            } else {
+                let mut block = vec![0; (self.0.n_bytes - from).min(BLOCK as u64) as usize];
+                let sought = place.file.seek(SeekFrom::Start(from));
+                sought.and_then(|_| place.file.read_exact(&mut block)).map(|()| {
+                    part.copy_from_slice(&block[first..first + part.len()]);
+                    let hash = Fingerprint::of(&block);
+                    let is_same = self.0.blocks.get(number as usize) == Some(&hash);
+                    place.verified.resize(self.0.blocks.len(), false);
+                    place.verified[number as usize] = is_same;
+                    is_same
+                })
+            }
         };
-        let is_same = || self.0.blocks.get(number as usize) == Some(&Fingerprint::of(block));
         let fault = match read {
-            Ok(()) if is_same() => return Ok(()),
+            Ok(true) => return Ok(()),
             Err(error) if error.kind() != ErrorKind::UnexpectedEof => {
                 format!("cannot be read: {error}")
             }
@@ -171,7 +181,11 @@ impl Stored {
         if is_whole {
             // The time of the file is the time of its last use.
             let _ = file.set_modified(std::time::SystemTime::now());
-            self.place().get_or_insert(Place { file, name: FileName::Kept(path) });
+            self.place().get_or_insert(Place {
+                file,
+                name: FileName::Kept(path),
+                verified: Vec::new(),
+            });
         }
         is_whole
     }
@@ -241,7 +255,8 @@ impl StoredWriter {
     pub fn finish(mut self) -> io::Result<Stored> {
         self.end_block()?;
         let (file, path) = self.file.into_parts();
-        let place = Mutex::new(Some(Place { file, name: FileName::Temporary(path) }));
+        let place =
+            Mutex::new(Some(Place { file, name: FileName::Temporary(path), verified: Vec::new() }));
         let Self { n_bytes, blocks, .. } = self;
         Ok(Stored(Arc::new(Content { n_bytes, blocks, place })))
     }
@@ -345,6 +360,21 @@ mod tests {
             let error = clone.read(0, &mut byte).unwrap_err();
             assert_eq!(error.to_string(), "its file was damaged; run again");
         }
+    }
+
+    #[test]
+    fn a_block_is_verified_once_and_then_read_in_parts() {
+        let bytes = content(2 * BLOCK);
+        let value = stored(&bytes);
+        let mut part = [0; 9];
+        value.read(BLOCK as u64 + 1, &mut part).unwrap();
+        // What is beside the part is not looked at again; in the other block it is.
+        let mut damaged = bytes.clone();
+        (damaged[BLOCK + 500], damaged[500]) = (!bytes[BLOCK + 500], !bytes[500]);
+        std::fs::write(path_of(&value), damaged).unwrap();
+        value.read(BLOCK as u64 + 200, &mut part).unwrap();
+        assert_eq!(part, bytes[BLOCK + 200..BLOCK + 209]);
+        assert!(value.read(200, &mut part).unwrap_err().to_string().contains("block 0 has"));
     }
 
     #[test]

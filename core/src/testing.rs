@@ -45,6 +45,7 @@ pub fn run_options<'a>(folder: &'a Path, cancel: &'a CancelToken) -> RunOptions<
         observer: &|_| {},
         keep: Keep::Scalars,
         output_scope: OutputScope::Folder,
+        memory: None,
     }
 }
 

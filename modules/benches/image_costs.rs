@@ -8,14 +8,16 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
+use glam::DVec2;
 use mve_core::{Cancelled, Control};
 use mve_modules::cost::Squares;
-use mve_modules::data::TriMesh;
+use mve_modules::data::{Domain, Image, Layer, LayerValues, PixelKind, TriMesh};
 use mve_modules::geometry::simplify::collapse::{
     Batch, Collapse, Cost, Reach, Renewal, SimplifyOptions, Stop, WorkingMesh, simplify,
 };
 use mve_modules::image_driven::{Areas, Difference, ImageDriven, ImageOptions, Structure};
-use mve_modules::mesh::fixtures::torus;
+use mve_modules::mesh::fixtures::{textured, torus};
+use mve_modules::picture::render::Albedo;
 use mve_modules::placement::Optimal;
 
 /// Whole pictures are drawn for one in so many batches, to have a time to compare with.
@@ -81,9 +83,14 @@ impl<D: Difference> Cost for Counted<D> {
     }
 }
 
-fn measure<D: Difference>(name: &str, mesh: &TriMesh, to: usize, difference: D, size: usize) {
+fn measure<D: Difference>(
+    name: &str,
+    mesh: &TriMesh,
+    to: usize,
+    difference: D,
+    options: ImageOptions,
+) {
     let run = |with_whole: bool| {
-        let options = ImageOptions { resolution: size, ..ImageOptions::DEFAULT };
         let new =
             |areas| ImageDriven::new(mesh, difference.clone(), ImageOptions { areas, ..options });
         let mut cost = Counted {
@@ -124,16 +131,38 @@ fn model(name: &str) -> Option<TriMesh> {
     mve_modules::formats::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
 }
 
+/// The mesh with a color a vertex, and a texture laid on along z.
+fn painted(mesh: TriMesh) -> TriMesh {
+    let (positions, faces) = (mesh.positions.clone(), mesh.faces.clone());
+    let picture = Image {
+        name: String::new(),
+        width: 64,
+        height: 64,
+        kind: PixelKind::Rgb,
+        bytes: (0..64 * 64 * 3).map(|k: u32| (k * 7919 % 251) as u8).collect(),
+    };
+    let mut mesh = textured(mesh, picture, |face, k| {
+        let at = positions[faces[face.idx()][k].idx()];
+        DVec2::new(at.x, at.y)
+    });
+    let colors = positions.iter().map(|at| (*at + 1.5) / 3.0).collect();
+    let (name, domain) = (Layer::COLOR.to_owned(), Domain::Vertex);
+    let index = (0..positions.len() as u32).collect();
+    mesh.set_layer(Layer { name, domain, values: LayerValues::Vec3(colors), index });
+    mesh
+}
+
 fn main() {
     let word = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
     let both = |name: &str, mesh: &TriMesh, to: usize, size: usize| {
+        let options = ImageOptions { resolution: size, ..ImageOptions::DEFAULT };
         let mse = format!("{name} ImageMse {size}");
         if mse.contains(&word) {
-            measure(&mse, mesh, to, Squares, size);
+            measure(&mse, mesh, to, Squares, options);
         }
         let ssim = format!("{name} ImageSsim {size}");
         if ssim.contains(&word) {
-            measure(&ssim, mesh, to, Structure::default(), size);
+            measure(&ssim, mesh, to, Structure::default(), options);
         }
     };
     if let Some(cow) = model("cow.obj") {
@@ -142,6 +171,15 @@ fn main() {
     }
     if let Some(bunny) = model("stanford-bunny.obj") {
         both("bunny", &bunny, 6945, 256);
+    }
+    // What colors take: the same surface white, with a color a vertex, and textured.
+    let painted = painted(torus(1.0, 0.4, 50));
+    for albedo in [Albedo::White, Albedo::Colors, Albedo::Textures] {
+        let name = format!("{albedo:?} ImageMse");
+        if name.contains(&word) {
+            let to = painted.faces.len() - 1000;
+            measure(&name, &painted, to, Squares, ImageOptions { albedo, ..ImageOptions::DEFAULT });
+        }
     }
     // The same number of collapses in meshes of 4 and 64 times the size.
     for n in [50, 100, 400] {

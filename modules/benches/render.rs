@@ -13,17 +13,17 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use mve_core::Control;
 use mve_modules::data::{PixelKind, TriMesh};
 use mve_modules::picture::render::{
-    CameraSet, Frame, Lens, NormalSource, Paint, PictureOptions, Shading, Sides, Surface, Visible,
+    Albedo, CameraSet, Frame, Lens, NormalSource, PictureOptions, Shading, Sides, Surface, Visible,
     picture,
 };
 use mve_modules::picture::ssim::ssim;
 
 fn surface(mesh: &TriMesh, shading: Shading) -> Option<Surface<'_>> {
-    Surface::new(mesh, shading, NormalSource::Faces, Paint::White, Control::none()).ok()
+    Surface::new(mesh, shading, NormalSource::Faces, Albedo::White, Control::none()).ok()
 }
 
 fn options(size: usize) -> PictureOptions {
-    PictureOptions { size, sides: Sides::Both, background: 0, kind: PixelKind::Gray }
+    PictureOptions { size, sides: Sides::Both, background: 0, kind: PixelKind::Gray, samples: 1 }
 }
 
 fn benches(criterion: &mut Criterion) {

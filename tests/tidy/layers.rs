@@ -12,13 +12,14 @@ use super::sources::{Token, tokens};
 const LISTS: [&str; 5] = ["io", "generate", "filters", "measure", "images"];
 
 /// The parts of `core/src`; each may name those before it.
-const CORE: [&str; 28] = [
+const CORE: [&str; 29] = [
     "fingerprint",
     "machine",
     "json",
     "template",
     "cancel",
     "control",
+    "memory",
     "error",
     "files",
     "stored",

@@ -1,7 +1,7 @@
 //! Reading a map with the settings of the command line, and saying what is wrong with it.
 
 use std::io::{ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use mve_core::{
     FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Position, Problem, Registry,
@@ -57,7 +57,7 @@ fn parse_assignment(text: &str) -> Result<Assignment, String> {
 impl Assignment {
     /// The value for the parameter that it is meant for: a text stays one even where it looks like
     /// a number, and a file is where the person who types is, not where the map is.
-    fn value_for(&self, map: &Map, registry: &Registry) -> Json {
+    fn value_for(&self, map: &Map, registry: &Registry, map_folder: &Path) -> Json {
         let spec = self.path.split_once('.').and_then(|(node, param)| {
             let node = map.nodes.get(node)?;
             declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
@@ -65,14 +65,36 @@ impl Assignment {
         let (is_file, is_text) =
             spec.map_or((false, false), |spec| (spec.input_file().is_some(), spec.is_text()));
         match &self.value {
-            Json::String(path) if is_file => std::path::absolute(path).map_or_else(
-                |_| path.clone().into(),
-                |absolute| absolute.to_string_lossy().into_owned().into(),
-            ),
+            Json::String(path) if is_file => {
+                let seen = seen_from(map_folder, Path::new(path));
+                seen.unwrap_or_else(|| path.into()).to_string_lossy().into_owned().into()
+            }
             value if is_text && !value.is_string() => self.text.clone().into(),
             _ => self.value.clone(),
         }
     }
+}
+
+/// A file as a map in this folder names it: relative to the folder, as tables then show it.
+/// `None` where the system does not say where either is.
+fn seen_from(folder: &Path, file: &Path) -> Option<PathBuf> {
+    let file = std::path::absolute(file).ok()?;
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = std::path::absolute(folder).ok()?;
+    // What `..` means behind a link depends on where the link leads.
+    let is_plain = |path: &Path| path.components().all(|part| part != Component::ParentDir);
+    let n_same = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    if !is_plain(&folder) || !is_plain(&file) || n_same < 2 || folder.canonicalize().ok()? != folder
+    {
+        return Some(file);
+    }
+    let up = folder.components().skip(n_same).map(|_| Component::ParentDir);
+    Some(up.chain(file.components().skip(n_same)).collect())
+}
+
+/// The folder of a file.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
 }
 
 /// What stands for the name of a map that comes from standard input.
@@ -112,7 +134,10 @@ impl MapArgs {
     /// Paths and values of what `--set` sets.
     pub fn settings(&self, loaded: &Loaded) -> Vec<(String, Json)> {
         let value = |assignment: &Assignment| {
-            (assignment.path.clone(), assignment.value_for(&loaded.map, &loaded.registry))
+            (
+                assignment.path.clone(),
+                assignment.value_for(&loaded.map, &loaded.registry, loaded.folder()),
+            )
         };
         self.set.set.iter().map(value).collect()
     }
@@ -133,7 +158,7 @@ impl SetArgs {
         let mut complaints = Vec::new();
         for assignment in assignments {
             let path = &assignment.path;
-            let value = assignment.value_for(&map, &registry);
+            let value = assignment.value_for(&map, &registry, folder_of(&file));
             if let Err(problem) = assign(&mut map, &registry, path, value) {
                 let message = format!("--set {path}: {}", problem.message);
                 complaints.push(Problem { message, place: Place::default(), ..problem });
@@ -161,7 +186,7 @@ fn explain_map(path: &Path, error: MapError) -> Stop {
 impl Loaded {
     /// The folder that input paths are relative to.
     pub fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
+        folder_of(&self.path)
     }
 
     /// Checks the map, together with the settings of the command line.
@@ -251,5 +276,23 @@ mod tests {
         assert_eq!(value("a.x=b=c"), Json::from("b=c"));
         assert_eq!(value("a.x="), Json::from(""));
         assert!(parse_assignment("a.x").is_err() && parse_assignment("x=5").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_named_as_seen_from_the_map() {
+        let base = tempfile::tempdir().unwrap();
+        let base = base.path().canonicalize().unwrap();
+        let maps = base.join("maps");
+        std::fs::create_dir(&maps).unwrap();
+        let seen = |folder: &Path, file: &str| seen_from(folder, &base.join(file)).unwrap();
+        assert_eq!(seen(&maps, "maps/a.obj"), Path::new("a.obj"));
+        assert_eq!(seen(&maps, "scans/b/a.obj"), Path::new("../scans/b/a.obj"));
+        // Behind a link `..` leads elsewhere.
+        std::os::unix::fs::symlink(&maps, base.join("link")).unwrap();
+        assert_eq!(seen(&base.join("link"), "scans/a.obj"), base.join("scans/a.obj"));
+        // Nothing in common but the root.
+        let other = seen_from(&maps, Path::new("/elsewhere/a.obj")).unwrap();
+        assert_eq!(other, Path::new("/elsewhere/a.obj"));
     }
 }

@@ -80,20 +80,6 @@ fn limit_of(groups: &str, root: &Path) -> Option<usize> {
     limits.min()
 }
 
-/// A tenth of what is free on the disk of a folder; `None` where the system does not tell.
-pub fn tenth_of_disk(folder: &Path) -> Option<u64> {
-    #[cfg(unix)]
-    {
-        let about = rustix::fs::statvfs(folder).ok()?;
-        Some(about.f_bavail.saturating_mul(about.f_frsize) / 10)
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = folder;
-        None
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -16,12 +16,12 @@ use serde_json::Value as Json;
 
 use crate::exit::{Exit, Stop};
 use crate::load::{Loaded, MapArgs};
-use crate::machine::{half_of_memory, parse_count, parse_size, set_threads, tenth_of_disk};
+use crate::machine::{half_of_memory, parse_count, parse_size, set_threads};
 use crate::out;
 use crate::out::warning_mark;
 use crate::program_report as report;
 use crate::progress::{Progress, seconds};
-use crate::run::{DISK_CACHE_BYTES, open_cache};
+use crate::run::open_cache;
 use crate::stop::Signals;
 
 /// Warnings that are said while steps run; all of them are in the logs of their steps.
@@ -229,11 +229,8 @@ fn cache_of(args: &Args, store: &Store) -> Result<Option<DiskCache>, Stop> {
     let asked = args.cache_size.map(|bytes| bytes as u64);
     match &args.cache {
         _ if args.no_cache || args.timing.is_some() => Ok(None),
-        Some(folder) => open_cache(folder, asked.unwrap_or(DISK_CACHE_BYTES)).map(Some),
-        None => {
-            let tenth = || tenth_of_disk(store.folder()).unwrap_or(DISK_CACHE_BYTES);
-            open_cache(&store.cache_folder(), asked.unwrap_or_else(tenth)).map(Some)
-        }
+        Some(folder) => open_cache(folder, asked.unwrap_or(DiskCache::USUAL_BYTES)).map(Some),
+        None => Ok(store.disk_cache(asked).map(Some)?),
     }
 }
 
@@ -284,10 +281,9 @@ fn run_steps(
     let disk_cache = cache_of(args, store)?;
     let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = program.places(&part);
+    let answer = report::answers(program, store, args.timings());
     let is_found = |place: &&usize| {
-        let record = program.record(store, **place);
-        let is_kept = record.is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done);
-        is_kept && report::is_timed(program, store, **place, args.timings())
+        answer(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
     };
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);

@@ -1,8 +1,9 @@
 //! What a program gave, or would do, for a person.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use mve_core::{Part, Program, ProgramOutcome, Step, StepStatus, Store, brief_value};
+use mve_core::{Part, Program, ProgramOutcome, Step, StepRecord, StepStatus, Store, brief_value};
 use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -16,12 +17,19 @@ use crate::table::{Table, wrap};
 /// Rows of a table on a terminal, where more would scroll away.
 const MOST_ROWS: usize = 100;
 
-/// Whether a step has as many times as are asked for, where any are.
-pub fn is_timed(program: &Program, store: &Store, place: usize, timings: Option<usize>) -> bool {
-    let Some(timings) = timings else { return true };
-    let runs = program.runs_by_step(timings);
-    let wanted = runs.get(program.steps[place].id.as_str()).copied().unwrap_or(timings);
-    program.record(store, place).is_some_and(|record| record.has_timings(wanted))
+/// The record of a step that has as many times as are asked for, where any are.
+pub fn answers<'a>(
+    program: &'a Program,
+    store: &'a Store,
+    timings: Option<usize>,
+) -> impl Fn(usize) -> Option<Arc<StepRecord>> + 'a {
+    let runs = timings.map(|timings| program.runs_by_step(timings));
+    move |place| {
+        let id = program.steps[place].id.as_str();
+        let wanted = runs.as_ref().and_then(|runs| runs.get(id).copied());
+        let record = program.record(store, place);
+        record.filter(|record| wanted.is_none_or(|wanted| record.has_timings(wanted)))
+    }
 }
 
 /// The parameters of a step in a line.
@@ -55,12 +63,11 @@ pub fn dry_run(
     json: bool,
 ) -> Result<Exit, Stop> {
     let steps = program.places(part);
+    let answer = store.map(|store| answers(program, store, timings));
     let rows: Vec<_> = steps
         .iter()
         .map(|place| {
-            let record = store.and_then(|store| program.record(store, *place));
-            let is_timed = store.is_some_and(|store| is_timed(program, store, *place, timings));
-            let record = record.filter(|_| is_timed);
+            let record = answer.as_ref().and_then(|answer| answer(*place));
             let status = record.map_or("to do", |record| record.status.word());
             Row { event: "step", step: &program.steps[*place], status }
         })

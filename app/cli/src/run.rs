@@ -20,9 +20,6 @@ use crate::progress::{Progress, seconds};
 use crate::stop::Signals;
 use crate::table::Table;
 
-/// Values that a cache folder may hold.
-pub const DISK_CACHE_BYTES: u64 = 16 << 30;
-
 const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 
 /// Run a map once
@@ -73,7 +70,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         std::fs::create_dir_all(&args.out).map_err(|error| Stop::file(&args.out, &error))?;
     }
     // Values in memory would have no second reader within one run.
-    let cache = args.cache.as_deref().map(|folder| open_cache(folder, DISK_CACHE_BYTES));
+    let cache = args.cache.as_deref().map(|folder| open_cache(folder, DiskCache::USUAL_BYTES));
     let cache = cache.transpose()?.map(|disk| Cache::new(0, Some(disk)));
     let threads = set_threads(args.threads)?;
     let cancel = CancelToken::new();
@@ -90,6 +87,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         cancel: &cancel,
         observer: &|event| observe(event, &progress, args.json),
         keep: Keep::Scalars,
+        memory: None,
         output_scope: scope,
     };
     let outcome = progress.watch(|| mve_core::run(&plan, &options));

@@ -196,7 +196,11 @@ fn write(checkout: &Path, parts: &[Part], test: &str) -> Result<Exit, Stop> {
     for (path, text) in &files {
         out::write_file(path, text)?;
     }
-    out::print(&format!("{said}test it with: {test}\n"))
+    let then = match parts.iter().any(|part| part.file.starts_with("modules/")) {
+        true => "then document it: cargo run -p mve -- modules --write docs/modules.md\n",
+        false => "",
+    };
+    out::print(&format!("{said}test it with: {test}\n{then}"))
 }
 
 /// The text as `rustfmt` leaves it, since lines are longer or shorter by the id; as it is where
@@ -250,13 +254,17 @@ fn file_name(id: &str) -> Result<String, Stop> {
         return Err(Stop::usage(message));
     }
     let mut name = String::new();
-    let mut before = 'A';
-    for c in id.chars() {
-        if c.is_ascii_uppercase() && !before.is_ascii_uppercase() {
+    let letters: Vec<char> = id.chars().collect();
+    for (place, c) in letters.iter().enumerate() {
+        let is_lower = |place: usize| letters.get(place).is_some_and(char::is_ascii_lowercase);
+        // A word begins at a capital behind what is none, or at the last one of several.
+        let begins = c.is_ascii_uppercase()
+            && place > 0
+            && (!letters[place - 1].is_ascii_uppercase() || is_lower(place + 1));
+        if begins {
             name.push('_');
         }
         name.push(c.to_ascii_lowercase());
-        before = c;
     }
     check_word(&name)?;
     Ok(name)
@@ -352,7 +360,14 @@ mod tests {
 
     #[test]
     fn ids_become_file_names() {
-        let names = [("FillHoles", "fill_holes"), ("ObjLoader", "obj_loader"), ("QEM", "qem")];
+        let names = [
+            ("FillHoles", "fill_holes"),
+            ("ObjLoader", "obj_loader"),
+            ("QEM", "qem"),
+            ("HTTPThing", "http_thing"),
+            ("Msdm2", "msdm2"),
+            ("SSIMOf", "ssim_of"),
+        ];
         for (id, name) in names {
             assert_eq!(file_name(id).ok().as_deref(), Some(name));
         }

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Pos2, Vec2};
 use eframe::egui_wgpu::RendererOptions;
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use mve_core::Value;
 use mve_editor::views::{Pinned, PortState, Viewer};
@@ -21,6 +22,8 @@ use mve_modules::mesh::fixtures::torus;
 struct Shown {
     viewer: Viewer,
     pinned: Vec<Pinned>,
+    /// Whether the table of elements is in the place of the mesh.
+    is_sheet: bool,
 }
 
 /// The window's own part of a frame, and all of it.
@@ -44,10 +47,11 @@ fn main() {
     let about = render.adapter.get_info();
     println!("{} ({:?}), {n_faces} faces", about.name, about.backend);
     let renderer = WgpuTestRenderer::from_render_state(render.clone());
-    let show = move |ui: &mut egui::Ui, shown: &mut Shown| {
-        shown.viewer.show(ui, &shown.pinned, Some(&render));
+    let show = move |ui: &mut egui::Ui, shown: &mut Shown| match shown.is_sheet {
+        true => shown.viewer.show_sheet(ui, &shown.pinned),
+        false => drop(shown.viewer.show(ui, &shown.pinned, Some(&render))),
     };
-    let shown = Shown { viewer: Viewer::new(), pinned: Vec::new() };
+    let shown = Shown { viewer: Viewer::new(), pinned: Vec::new(), is_sheet: false };
     let builder = Harness::builder().with_size(Vec2::new(916.0, 760.0)).renderer(renderer);
     let mut harness = builder.build_ui_state(show, shown);
     frame(&mut harness);
@@ -57,8 +61,29 @@ fn main() {
     harness.state_mut().viewer.meshes.settings.lines.has_wire = true;
     measure(&mut harness, "wire");
     harness.state_mut().viewer.meshes.settings.lines.has_wire = false;
+    measure_cut(&mut harness);
     harness.state_mut().pinned = vec![mesh, field];
     measure(&mut harness, "colored by faces");
+    measure_sheet(&mut harness);
+}
+
+/// The table of all faces: scrolled by the wheel, then sorted.
+fn measure_sheet(harness: &mut Harness<Shown>) {
+    harness.state_mut().is_sheet = true;
+    report("sheet: comes in", until_quiet(harness));
+    harness.hover_at(Pos2::new(300.0, 400.0));
+    let scroll = |harness: &mut Harness<Shown>| {
+        let (unit, phase) = (egui::MouseWheelUnit::Point, egui::TouchPhase::Move);
+        let (delta, modifiers) = (Vec2::new(0.0, -5000.0), egui::Modifiers::NONE);
+        harness.event(egui::Event::MouseWheel { unit, delta, phase, modifiers });
+        frame(harness)
+    };
+    report("sheet: scrolls", (0..40).map(|_| scroll(harness)).collect());
+    harness.get_by_label("Sort by area").click();
+    let start = Instant::now();
+    let sorting = until_quiet(harness);
+    report(&format!("sheet: sorted within {:.0?}", start.elapsed()), sorting);
+    report("sheet: scrolls, sorted", (0..40).map(|_| scroll(harness)).collect());
 }
 
 fn pin(title: &str, value: Value) -> Pinned {
@@ -84,6 +109,24 @@ fn measure(harness: &mut Harness<Shown>, name: &str) {
     let resting = until_quiet(harness);
     report(&format!("{name}: made well at rest, within {:.0?}", start.elapsed()), resting);
     report(&format!("{name}: nothing changes"), (0..10).map(|_| frame(harness)).collect());
+}
+
+/// A plane that moves through the mesh, with its outline.
+fn measure_cut(harness: &mut Harness<Shown>) {
+    let section = |harness: &mut Harness<Shown>, offset: f64| {
+        let section = &mut harness.state_mut().viewer.meshes.settings.section;
+        (section.is_on, section.normal, section.offset) = (true, glam::DVec3::Y, Some(offset));
+    };
+    section(harness, 0.0);
+    report("cut: comes in", until_quiet(harness));
+    let mut moving = Vec::new();
+    for step in 0..40 {
+        section(harness, 0.05 * f64::from(step));
+        moving.push(frame(harness));
+    }
+    report("cut: the plane moves", moving);
+    report("cut: at rest", until_quiet(harness));
+    harness.state_mut().viewer.meshes.settings.section.is_on = false;
 }
 
 /// Draws until nothing is in the making.

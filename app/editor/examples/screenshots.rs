@@ -58,6 +58,16 @@ fn main() {
     hand.wait_for_the_views();
     save(&mut hand, &folder, "error_field.png");
 
+    hand.click("Spreadsheet");
+    hand.replace_text("filter the rows", "least_angle < 12 and z > 0.5");
+    hand.wait_for_the_views();
+    hand.click("Sort by area");
+    hand.wait_for_the_views();
+    hand.point_within("rows of the table", 0.3, 0.2);
+    hand.click_at("rows of the table", 0.1, 0.2);
+    hand.wait_for_the_views();
+    save(&mut hand, &folder, "spreadsheet.png");
+
     hand.unpin_all();
     hand.click("Program");
     hand.wait_for_the_program();

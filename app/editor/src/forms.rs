@@ -2,12 +2,14 @@
 
 mod field;
 mod points;
+mod suggest;
 mod widgets;
 
 use eframe::egui::{self, RichText, Ui};
 pub use field::{CELL_WIDTH, FieldPlace, ParamField};
 use mve_core::{ParamSpec, chosen};
 use serde_json::{Map as JsonMap, Value as Json};
+pub use suggest::{Counts, halves, known_count};
 use widgets::focus_asked;
 pub use widgets::{line, pick, select_all};
 
@@ -48,6 +50,8 @@ pub struct Form<'a> {
     pub wants_focus: bool,
     /// For a parameter with a link, the output that it comes from.
     pub link_of: &'a dyn Fn(&str) -> Option<String>,
+    /// How many of a unit there are in the inputs of the node.
+    pub counts: &'a [(&'static str, usize)],
 }
 
 impl Form<'_> {
@@ -96,7 +100,8 @@ impl Form<'_> {
                 return;
             }
             let place = FieldPlace::Row;
-            let mut field = ParamField { spec, name, path, given, place, events };
+            let suggested = halves(spec, self.counts, 1).pop();
+            let mut field = ParamField { spec, name, path, given, place, suggested, events };
             if spec.can_be_off {
                 field.switch(ui);
             }

@@ -10,6 +10,7 @@ pub mod catalog;
 pub mod document;
 pub mod drag;
 mod forms;
+pub mod kept;
 pub mod programs;
 pub mod runner;
 pub mod views;

@@ -55,7 +55,7 @@ mod tests {
         let pinned = Pinned { title, value: Some(value), state };
         let show = |ui: &mut egui::Ui, actions: &mut Vec<ViewerAction>| {
             let values = vec![(0, &pinned)];
-            let shown = ViewInput { values, all: &[], height: 100.0, render: None };
+            let shown = ViewInput { values, all: &[], height: 100.0, render: None, picked: None };
             actions.extend(MeasuresView.show(ui, &shown));
         };
         let mut harness = Harness::new_ui_state(show, Vec::new());

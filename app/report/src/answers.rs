@@ -276,13 +276,14 @@ impl Answer {
         }
         if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
             let axis = results.group_axis().map_or("group", |axis| axis.title.as_str());
+            let form = ChangeForm::of_estimate(over);
             let interval = over.interval.map_or(String::new(), |(low, high)| {
-                format!(", 95\u{a0}% confidence interval {}", span(low, high))
+                format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
             });
             sentences.push(format!(
                 "With the pairs of each {axis} averaged first, since they are not independent: {} \
                  (geometric mean of {}{interval}).",
-                change(over.ratio),
+                form.change(over.ratio),
                 over.n
             ));
         }
@@ -312,8 +313,9 @@ impl Answer {
             false => (self.n_lower, "lower"),
         };
         let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
+        let form = ChangeForm::of_estimate(overall);
         let interval = overall.interval.map_or(String::new(), |(low, high)| {
-            format!(", 95\u{a0}% confidence interval {}", span(low, high))
+            format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
         });
         let test = match self.p_ranks {
             Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
@@ -330,7 +332,7 @@ impl Answer {
             0 => String::new(),
             n_equal => format!(", equal in {n_equal}"),
         };
-        let change = change(overall.ratio);
+        let change = form.change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
             (false, ..) | (_, Better::Neither, _) => String::new(),
             (_, Better::Lower, false) | (_, Better::Higher, true) => {
@@ -367,28 +369,94 @@ impl Answer {
     }
 }
 
-/// A ratio as a change: `12 % lower`, `3.1 times as high`.
-pub fn change(ratio: f64) -> String {
-    let percent = |share: f64| labels::rounded(100.0 * share, 2);
-    match ratio {
-        r if (r - 1.0).abs() < 5e-5 => "no different".to_owned(),
-        r if r < 0.1 => format!("{} times lower", labels::rounded(1.0 / r, 2)),
-        r if r < 1.0 => format!("{}\u{a0}% lower", percent(1.0 - r)),
-        r if r <= 2.0 => format!("{}\u{a0}% higher", percent(r - 1.0)),
-        r => format!("{} times higher", labels::rounded(r, 2)),
+/// How the changes of one sentence are said, so that they compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeForm {
+    /// `12 % lower`.
+    Percent,
+    /// `3.1 times higher`.
+    Times,
+}
+
+impl ChangeForm {
+    /// In percent where all of these ratios read well so.
+    pub fn of(ratios: &[f64]) -> Self {
+        match ratios.iter().all(|ratio| (0.1..=2.0).contains(ratio)) {
+            true => Self::Percent,
+            false => Self::Times,
+        }
+    }
+
+    /// A ratio as a change.
+    fn change(self, ratio: f64) -> String {
+        let side = if ratio < 1.0 { "lower" } else { "higher" };
+        match self.amount(ratio) {
+            None => "no different".to_owned(),
+            Some(amount) => format!("{amount} {side}"),
+        }
+    }
+
+    /// How much a ratio differs from 1, with its unit; `None` where it hardly does.
+    fn amount(self, ratio: f64) -> Option<String> {
+        let is_off = (ratio - 1.0).abs() >= 5e-5;
+        is_off.then(|| match self {
+            Self::Percent => {
+                format!("{}\u{a0}%", labels::rounded(100.0 * (ratio - 1.0).abs(), 2))
+            }
+            Self::Times => {
+                // Two digits would make 1.04 and 1 the same.
+                let factor = ratio.max(ratio.recip());
+                let digits = if factor < 2.0 { 3 } else { 2 };
+                format!("{} times", labels::rounded(factor, digits))
+            }
+        })
+    }
+
+    /// An interval of ratios.
+    fn span(self, low: f64, high: f64) -> String {
+        let side = |ratio: f64| ratio < 1.0;
+        // From the smaller change to the larger one, where both go one way.
+        let (first, last) = if side(high) { (high, low) } else { (low, high) };
+        match (side(low) == side(high), self.amount(first), self.amount(last)) {
+            (true, Some(first), Some(_)) => {
+                let first = first.trim_end_matches(" times").trim_end_matches("\u{a0}%");
+                format!("{first} to {}", self.change(last))
+            }
+            _ => format!("{} to {}", self.change(low), self.change(high)),
+        }
+    }
+
+    /// That of a mean and its interval, which one sentence says.
+    fn of_estimate(estimate: RatioEstimate) -> Self {
+        let (low, high) = estimate.interval.unwrap_or((estimate.ratio, estimate.ratio));
+        Self::of(&[low, estimate.ratio, high])
     }
 }
 
-/// An interval of ratios in words.
-pub fn span(low: f64, high: f64) -> String {
-    let percent = |share: f64| labels::rounded(100.0 * share, 2);
-    match (low, high) {
-        (low, high) if high <= 1.0 && low >= 0.1 => {
-            format!("{} to {}\u{a0}% lower", percent(1.0 - high), percent(1.0 - low))
-        }
-        (low, high) if low >= 1.0 && high <= 2.0 => {
-            format!("{} to {}\u{a0}% higher", percent(low - 1.0), percent(high - 1.0))
-        }
-        _ => format!("{} to {}", change(low), change(high)),
+/// A ratio as a change: `12 % lower`, `3.1 times higher`.
+pub fn change(ratio: f64) -> String {
+    ChangeForm::of(&[ratio]).change(ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_says_its_changes_in_one_form() {
+        let said = |low: f64, high: f64| ChangeForm::of(&[low, high]).span(low, high);
+        assert_eq!(said(0.24, 0.8), "20 to 76\u{a0}% lower");
+        assert_eq!(said(1.05, 1.5), "5 to 50\u{a0}% higher");
+        assert_eq!(said(0.9, 1.2), "10\u{a0}% lower to 20\u{a0}% higher");
+        // 1 / 0.24 and 1 / 0.05.
+        assert_eq!(said(0.05, 0.24), "4.2 to 20 times lower");
+        assert_eq!(said(0.05, 1.2), "20 times lower to 1.2 times higher");
+        assert_eq!(said(1.0, 3.0), "no different to 3 times higher");
+        assert_eq!([change(0.05), change(0.5)], ["20 times lower", "50\u{a0}% lower"]);
+        assert_eq!([change(1.0), change(31.0)], ["no different", "31 times higher"]);
+        let estimate = RatioEstimate { ratio: 0.2, interval: Some((0.05, 0.8)), n: 9 };
+        let form = ChangeForm::of_estimate(estimate);
+        assert_eq!(form.change(estimate.ratio), "5 times lower");
+        assert_eq!(form.span(0.05, 0.8), "1.25 to 20 times lower");
     }
 }

@@ -63,8 +63,13 @@ fn of_table(table: &Pivot) -> String {
     let widest = |column: usize| cells.iter().map(|row| row[column].decimals()).max().unwrap_or(0);
     let widest: Vec<usize> = (0..table.columns.len()).map(widest).collect();
     for (place, (row, cells)) in rows.iter().zip(&cells).enumerate() {
+        let is_first_of_group = n_names > 1
+            && (1..table.rows.len()).contains(&place)
+            && row.names.first() != rows[place - 1].names.first();
         if place == table.rows.len() {
             out.push_str("\\midrule\n");
+        } else if is_first_of_group {
+            out.push_str("\\addlinespace\n");
         }
         let mut line = names(&rows, place, n_names, table.rows.len());
         if row.is_unequal && table.better != Better::Neither {
@@ -106,7 +111,8 @@ fn caption(table: &Pivot, digits: Digits) -> String {
     let name = table.column.as_deref().unwrap_or("measures");
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let label: String = name.chars().map(plain).collect();
-    format!("\\caption{{{}}}\n\\label{{tab:{label}}}\n", sentences.join(" "))
+    // Classes that are made for captions below leave no room behind one.
+    format!("\\caption{{{}}}\n\\label{{tab:{label}}}\n\\smallskip\n", sentences.join(" "))
 }
 
 /// A line for each axis of the columns, with equal neighbors merged; the last one names the rows.
@@ -293,11 +299,42 @@ fn escaped(text: &str) -> String {
             '”' => out.push_str("''"),
             '…' => out.push_str("\\ldots{}"),
             '\u{a0}' => out.push('~'),
+            c if symbol(c).is_some() => {
+                let _ = write!(out, "$\\{}$", symbol(c).unwrap_or_default());
+            }
             c if labels::is_odd(c) => out.push(' '),
             c => out.push(c),
         }
     }
     out
+}
+
+/// The command of a sign that pdflatex does not know outside of formulas.
+fn symbol(c: char) -> Option<&'static str> {
+    const GREEK: [&str; 25] = [
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
+        "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "varsigma", "sigma", "tau", "upsilon",
+        "phi", "chi", "psi", "omega",
+    ];
+    Some(match c {
+        '≤' => "le",
+        '≥' => "ge",
+        '≠' => "ne",
+        '≈' => "approx",
+        '∞' => "infty",
+        '→' => "to",
+        '←' => "leftarrow",
+        '√' => "surd",
+        '∆' | 'Δ' => "Delta",
+        'Σ' | '∑' => "Sigma",
+        'Ω' => "Omega",
+        'Φ' => "Phi",
+        'µ' => "mu",
+        // It has no command, being an o.
+        'ο' => return None,
+        'α'..='ω' => GREEK[c as usize - 'α' as usize],
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -308,6 +345,7 @@ mod tests {
     #[test]
     fn no_text_is_taken_for_a_command() {
         assert_eq!(escaped("50% of a_b & \\x{}"), "50\\% of a\\_b \\& \\textbackslash{}x\\{\\}");
+        assert_eq!(escaped("σ ≤ ω, α → μ"), "$\\sigma$ $\\le$ $\\omega$, $\\alpha$ $\\to$ $\\mu$");
         assert_eq!(escaped("1 ± 0.2 <b>"), "1 $\\pm$ 0.2 \\textless{}b\\textgreater{}");
     }
 

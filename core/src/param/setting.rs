@@ -187,26 +187,11 @@ impl Settings {
                 faults.push(Fault { path: name.clone(), message });
             }
         }
-        let mut settings = Vec::with_capacity(specs.len());
-        for spec in specs {
-            let default = spec.default_setting();
-            let setting = match given.get(spec.name) {
-                Some(_) if linked.contains(&spec.name) => default,
-                Some(json) => spec.parse(json, faults).or(default),
-                None if default.is_some() => default,
-                // The entry that a choice has by default may need a parameter: that one is named.
-                None => match spec.default_json() {
-                    Some(json) => spec.parse(&json, faults),
-                    None => {
-                        let message = spec.kind.answers().unset().to_owned();
-                        faults.push(Fault { path: spec.name.to_owned(), message });
-                        None
-                    }
-                },
-            };
-            settings.push((spec.name, setting.unwrap_or(Setting::Off)));
-        }
-        Self(settings)
+        let setting = |spec: &ParamSpec| {
+            let is_linked = linked.contains(&spec.name);
+            (spec.name, spec.settle(given.get(spec.name), is_linked, faults))
+        };
+        Self(specs.iter().map(setting).collect())
     }
 
     /// The settings as a map file would say them.
@@ -215,7 +200,17 @@ impl Settings {
     }
 
     pub(crate) fn write_key(&self, specs: &[ParamSpec], key: &mut FingerprintBuilder) {
-        for (spec, (name, setting)) in specs.iter().zip(&self.0) {
+        (0..self.0.len()).for_each(|place| self.write_key_at(place, specs, key));
+    }
+
+    /// Adds the parameter at one place of the list to a key.
+    pub(crate) fn write_key_at(
+        &self,
+        place: usize,
+        specs: &[ParamSpec],
+        key: &mut FingerprintBuilder,
+    ) {
+        if let (Some(spec), Some((name, setting))) = (specs.get(place), self.0.get(place)) {
             key.text(name);
             spec.kind.answers().write_key(setting, key);
         }
@@ -228,6 +223,15 @@ impl Setting {
         match self {
             Self::Structured(value) => value.get::<T>().map(|shared| (*shared).clone()),
             _ => None,
+        }
+    }
+
+    /// Whether it names a file, or an entry of a choice that does.
+    pub(crate) fn has_files(&self) -> bool {
+        match self {
+            Self::File { .. } => true,
+            Self::Choice { params, .. } => params.0.iter().any(|(_, below)| below.has_files()),
+            _ => false,
         }
     }
 
@@ -275,6 +279,31 @@ impl Setting {
 }
 
 impl ParamSpec {
+    /// The value of this parameter where a map gives it this JSON, or nothing. Whatever is wrong is
+    /// pushed to `faults`, and the default stands in for it.
+    pub(crate) fn settle(
+        &self,
+        given: Option<&Json>,
+        is_linked: bool,
+        faults: &mut Vec<Fault>,
+    ) -> Setting {
+        let default = || self.default_setting();
+        let setting = match given {
+            Some(_) if is_linked => default(),
+            Some(json) => self.parse(json, faults).or_else(default),
+            // The entry that a choice has by default may need a parameter: that one is named.
+            None => default().or_else(|| match self.default_json() {
+                Some(json) => self.parse(&json, faults),
+                None => {
+                    let message = self.kind.answers().unset().to_owned();
+                    faults.push(Fault { path: self.name.to_owned(), message });
+                    None
+                }
+            }),
+        };
+        setting.unwrap_or(Setting::Off)
+    }
+
     /// Reads a JSON value as this parameter; `None`, and a fault, if it does not fit.
     pub(crate) fn parse(&self, json: &Json, faults: &mut Vec<Fault>) -> Option<Setting> {
         if json.is_null() && self.can_be_off {

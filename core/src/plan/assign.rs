@@ -40,7 +40,8 @@ pub fn assign(map: &mut Map, registry: &Registry, path: &str, value: Json) -> Re
         .map_err(|message| Problem::error(message).at(node_name).port(param_path))
 }
 
-fn set(
+/// Sets a parameter, or one nested under a choice, among those of a node.
+pub(super) fn set(
     params: &mut JsonMap<String, Json>,
     specs: Option<&'static [ParamSpec]>,
     path: &str,

@@ -4,6 +4,7 @@ mod assign;
 mod keys;
 mod modes;
 mod outputs;
+mod series;
 mod wiring;
 
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ use crate::registry::{ModuleInfo, Registry};
 pub use assign::assign;
 pub use modes::passed_on;
 pub(crate) use outputs::one_case;
+pub(crate) use series::{PlanSeries, Planned};
 
 /// What a plan needs to know beside the map.
 #[derive(Clone, Copy, Debug)]
@@ -105,47 +107,61 @@ impl Plan {
         registry: &Registry,
         options: &PlanOptions,
     ) -> Result<Self, Vec<Problem>> {
-        let mut problems = map.problems().to_vec();
-        if map.nodes.is_empty() && problems.is_empty() {
-            problems.push(Problem::error("the map has no nodes: there is nothing to run"));
-        }
-        let whole = map;
-        let active = modes::without_inactive(whole, registry, &mut problems);
-        let map = active.as_ref().map_or(whole, |active| &active.map);
-        let left_out = active.as_ref().map_or(&[][..], |active| &active.left_out);
-        let left_out = prepare_inactive(whole, left_out, registry, options);
-        let wiring = wiring::wire(map, registry, &mut problems);
-        let mut nodes = Vec::with_capacity(map.nodes.len());
-        for (place, (name, _)) in map.nodes.iter().enumerate() {
-            if let Some(info) = wiring.modules[place] {
-                let linked = &wiring.linked[place];
-                let node = prepare(map, name, info, linked, options, &mut problems);
-                nodes.push(Some(node));
-            } else {
-                nodes.push(None);
-            }
-        }
-        let order = wiring::order(map, &wiring, &mut problems);
-        let has_errors = |problems: &[Problem]| problems.iter().any(Problem::is_error);
-        // Names of output files quote the parameters of other nodes, so they wait for all of them.
-        let names = outputs::names(whole, &nodes, &left_out, options, &mut problems);
-        if has_errors(&problems) {
-            return Err(problems);
-        }
-        let mut nodes = wiring::arrange(nodes, &wiring, &order);
-        keys::fill(&mut nodes, &names);
-        let id = keys::plan_id(&nodes, options.repeat);
-        outputs::fill(&mut nodes, &names, &id, options, &mut problems);
-        if has_errors(&problems) {
-            return Err(problems);
-        }
-        Ok(Self { nodes, warnings: problems, id })
+        draw_up(map, registry, options).map(|drawn| drawn.plan)
     }
 
     /// The node of this name.
     pub fn find(&self, name: &str) -> Option<&PlanNode> {
         self.nodes.iter().find(|node| node.name == name)
     }
+}
+
+/// A plan, and what it takes to make parts of it again.
+struct DrawnUp {
+    plan: Plan,
+    names: outputs::Names,
+    /// Nodes that do not run, whose parameters names may quote.
+    left_out: Vec<PlanNode>,
+}
+
+fn draw_up(map: &Map, registry: &Registry, options: &PlanOptions) -> Result<DrawnUp, Vec<Problem>> {
+    let mut problems = map.problems().to_vec();
+    if map.nodes.is_empty() && problems.is_empty() {
+        problems.push(Problem::error("the map has no nodes: there is nothing to run"));
+    }
+    let whole = map;
+    let active = modes::without_inactive(whole, registry, &mut problems);
+    let map = active.as_ref().map_or(whole, |active| &active.map);
+    let left_out = active.as_ref().map_or(&[][..], |active| &active.left_out);
+    let left_out = prepare_inactive(whole, left_out, registry, options);
+    let wiring = wiring::wire(map, registry, &mut problems);
+    let mut nodes = Vec::with_capacity(map.nodes.len());
+    for (place, (name, _)) in map.nodes.iter().enumerate() {
+        if let Some(info) = wiring.modules[place] {
+            let linked = &wiring.linked[place];
+            let node = prepare(map, name, info, linked, options, &mut problems);
+            nodes.push(Some(node));
+        } else {
+            nodes.push(None);
+        }
+    }
+    let order = wiring::order(map, &wiring, &mut problems);
+    let has_errors = |problems: &[Problem]| problems.iter().any(Problem::is_error);
+    // Names of output files quote the parameters of other nodes, so they wait for all of them.
+    let running = nodes.iter().flatten();
+    let all = running.clone().chain(&left_out);
+    let names = outputs::names(whole, running, all, options, &mut problems);
+    if has_errors(&problems) {
+        return Err(problems);
+    }
+    let mut nodes = wiring::arrange(nodes, &wiring, &order);
+    keys::fill(&mut nodes, &names);
+    let id = keys::plan_id(&nodes, &keys::by_name(&nodes), options.repeat);
+    outputs::fill(&mut nodes, &names, &id, options, &mut problems);
+    if has_errors(&problems) {
+        return Err(problems);
+    }
+    Ok(DrawnUp { plan: Plan { nodes, warnings: problems, id }, names, left_out })
 }
 
 /// Nodes that do not run, with their parameters, which names of output files may quote. Whatever
@@ -163,7 +179,7 @@ fn prepare_inactive(
     names.iter().filter_map(node).collect()
 }
 
-/// Reads a node's parameters and fingerprints its input files.
+/// Reads a node's parameters, and finds its input files.
 fn prepare(
     map: &Map,
     name: &str,
@@ -191,31 +207,39 @@ fn prepare(
         let message = format!("this is a bug in the module: {fault}");
         problems.push(Problem::error(message).at(name));
     }
-    let mut reads = Vec::new();
-    settings.each_mut(specs, &mut |path, spec, setting| match (spec.input_file(), setting) {
-        (Some(file), Setting::File { written, resolved }) => {
-            *resolved = options.map_folder.join(written.as_str());
-            if let Err(message) = read(resolved, file.also_reads, options.files, &mut reads) {
-                let hint = match Path::new(written.as_str()).is_relative() {
-                    true => "; paths in a map are relative to its folder",
-                    false => "",
-                };
-                problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
-            }
-        }
-        (_, setting) => spec.repeat(setting, options.repeat),
-    });
-    PlanNode {
+    settings.each_mut(specs, &mut |_, spec, setting| spec.repeat(setting, options.repeat));
+    let mut node = PlanNode {
         name: name.to_owned(),
         info,
         settings,
-        reads,
+        reads: Vec::new(),
         writes: Vec::new(),
         key: Fingerprint::of(b""),
         inputs: Vec::new(),
         linked: Vec::new(),
         consumers: Vec::new(),
-    }
+    };
+    find_files(&mut node, options, problems);
+    node
+}
+
+/// Finds and fingerprints the input files of a node.
+fn find_files(node: &mut PlanNode, options: &PlanOptions, problems: &mut Vec<Problem>) {
+    let PlanNode { name, info, settings, reads, .. } = node;
+    reads.clear();
+    settings.each_mut(info.module.params, &mut |path, spec, setting| {
+        let (Some(file), Setting::File { written, resolved }) = (spec.input_file(), setting) else {
+            return;
+        };
+        *resolved = options.map_folder.join(written.as_str());
+        if let Err(message) = read(resolved, file.also_reads, options.files, reads) {
+            let hint = match Path::new(written.as_str()).is_relative() {
+                true => "; paths in a map are relative to its folder",
+                false => "",
+            };
+            problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
+        }
+    });
 }
 
 /// Fingerprints an input file and the files that it names.

@@ -31,27 +31,29 @@ pub(super) struct Name {
 pub(super) struct Names(Vec<Name>);
 
 impl Names {
+    /// Whether a node has some.
+    pub fn has(&self, node: &str) -> bool {
+        self.of(node).next().is_some()
+    }
+
     /// Those of one node.
     pub fn of<'a>(&'a self, node: &'a str) -> impl Iterator<Item = &'a Name> {
         self.0.iter().filter(move |name| name.node == node)
     }
 }
 
-/// Puts parameters into the templates of all output files. `map` is the whole map, with the nodes
-/// that are left out of the plan, which may be quoted as well.
-pub(super) fn names(
+/// Puts parameters into the templates of the output files of `writers`, which may quote those of
+/// all `nodes`. `map` is the whole map, with the nodes that are left out of the plan.
+pub(super) fn names<'a>(
     map: &Map,
-    nodes: &[Option<PlanNode>],
-    left_out: &[PlanNode],
+    writers: impl Iterator<Item = &'a PlanNode>,
+    nodes: impl Iterator<Item = &'a PlanNode> + Clone,
     options: &PlanOptions,
     problems: &mut Vec<Problem>,
 ) -> Names {
     let mut names = Vec::new();
-    let find = |name: &str| {
-        let mut known = nodes.iter().flatten().chain(left_out);
-        known.find(|node| node.name == name)
-    };
-    for node in nodes.iter().flatten() {
+    let find = |name: &str| nodes.clone().find(|node| node.name == name);
+    for node in writers {
         for (param, spec, written) in node.settings.files(node.info.module.params) {
             let Some(spec) = spec.output_file() else { continue };
             let OutputFileSpec { extensions, also_writes } = spec;

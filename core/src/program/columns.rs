@@ -137,6 +137,21 @@ fn numbered(column: &str) -> (String, &str) {
     (format!("{start}#"), &column[start.len()..])
 }
 
+/// The entries of choices that decide which columns a node has.
+pub(super) fn deciders(node: &PlanNode) -> Vec<&'static str> {
+    let outputs = node.info.module.outputs.iter();
+    let entry = |output: &OutputSpec| match output.quantities {
+        Quantities::OfChoice(param) | Quantities::FirstOfChoice(param) => {
+            match node.settings.find(param) {
+                Some(Setting::Choice { id, .. }) => Some(*id),
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    outputs.filter_map(entry).collect()
+}
+
 /// The numbers that an output gives, each with the parameter that decides it and its value.
 fn quantities<'a>(
     node: &'a PlanNode,

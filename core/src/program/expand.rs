@@ -1,31 +1,21 @@
 //! From axes, explicit steps and repeats to a checked list of steps.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 use std::time::Duration;
 
 use indexmap::IndexMap;
 use serde_json::Value as Json;
 
-use super::columns::Columns;
 use super::report_spec::About;
 use super::spread::{MOST_STEPS, spread};
-use super::{Program, ReportSpec, Step};
+use super::steps::{Assignment, Steps};
+use super::{Program, ReportSpec};
 use crate::files::FileHashes;
-use crate::fingerprint::Fingerprint;
 use crate::map::{Axis, Map, ProgramSpec};
-use crate::param::MODULE;
-use crate::plan::{Plan, assign, no_file, one_case};
+use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::Registry;
-
-/// Problems of single steps that are listed; more say nothing new.
-const MOST_PROBLEMS: usize = 20;
-
-type Assignment = IndexMap<String, Json>;
-
-static NO_ASSIGNMENT: LazyLock<Assignment> = LazyLock::new(Assignment::new);
 
 impl Program {
     /// Checks a program of a map: every step is planned, and the files that steps write are
@@ -53,43 +43,33 @@ impl Program {
         };
         let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
         let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
+        let (bare, files) = (map.without_programs(), FileHashes::new());
+        let options = plan_options(map_folder, &files);
+        let of_map = (&bare, registry, options);
+        let steps = Steps::plan(of_map, name, (&assignments, spec.repeats.unwrap_or(1)));
+        if steps.problems.iter().any(Problem::is_error) {
+            return Err(steps.problems.into_iter().map(in_program).collect());
+        }
         let mut program = Self {
             name: name.to_owned(),
-            steps: Vec::with_capacity(assignments.len()),
             varied,
-            warnings: Vec::new(),
             report: report.unwrap_or_default(),
-            columns: Columns::default(),
             map_file: String::new(),
             map_path: PathBuf::new(),
             spec: spec.clone(),
-            map: map.without_programs(),
+            map: bare,
             map_folder: map_folder.to_owned(),
             registry: registry.clone(),
-            files: FileHashes::new(),
+            files,
             time_limit,
-            shared: HashSet::new(),
-            inputs: IndexMap::new(),
-            modules: BTreeMap::new(),
-            nodes: Vec::new(),
+            shared: steps.shared_keys(),
+            steps: steps.steps,
+            warnings: steps.problems,
+            columns: steps.columns,
+            inputs: steps.inputs,
+            modules: steps.modules,
+            nodes: steps.nodes,
         };
-        let mut checker = Checker::default();
-        for assignment in &assignments {
-            for repeat in 0..spec.repeats.unwrap_or(1) {
-                program.add_step(assignment, repeat, &mut checker);
-            }
-        }
-        program.shared = checker.keys.into_iter().filter(|(_, n)| *n > 1).map(|(k, _)| k).collect();
-        let n_hidden = checker.problems.len().saturating_sub(MOST_PROBLEMS);
-        checker.problems.truncate(MOST_PROBLEMS);
-        if n_hidden > 0 {
-            let message = format!("{n_hidden} more problems of this kind");
-            checker.problems.push(Problem::error(message));
-        }
-        if checker.problems.iter().any(Problem::is_error) {
-            return Err(checker.problems.into_iter().map(in_program).collect());
-        }
-        program.warnings = checker.problems;
         program.columns.settle();
         let faults = program.faults_of_report(map, values);
         if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
@@ -105,50 +85,28 @@ impl Program {
             values,
         })
     }
-
-    fn add_step(&mut self, params: &Assignment, repeat: u32, checker: &mut Checker) {
-        match self.plan(params, repeat) {
-            Err(problems) => self.report(problems, params, checker),
-            Ok(plan) => {
-                self.report(plan.warnings.clone(), params, checker);
-                if self.nodes.is_empty() {
-                    self.nodes = plan.nodes.iter().map(|node| node.name.clone()).collect();
-                }
-                let id = plan.id.short();
-                checker.check_outputs(&plan, &id, params);
-                let missing = no_file();
-                for node in &plan.nodes {
-                    let reads = node.reads.iter().filter(|(_, content)| *content != missing);
-                    self.inputs.extend(reads.cloned());
-                    self.modules.insert(node.info.module.id, node.info.version);
-                    self.columns.add(node);
-                }
-                self.steps.push(Step { id, repeat, params: params.clone() });
-            }
-        }
-    }
 }
 
 impl Program {
-    /// Reports the problems of a step; those of the map itself are of no step, and those of other
-    /// programs none of this one.
-    fn report(&self, problems: Vec<Problem>, params: &Assignment, checker: &mut Checker) {
-        for problem in problems {
-            let program = problem.place.program.as_ref();
-            if program.is_none_or(|name| *name == self.name) {
-                let is_of_map = self.map.problems().contains(&problem);
-                checker.report(problem, if is_of_map { &NO_ASSIGNMENT } else { params });
-            }
-        }
-    }
-
     /// The plan of the map with these parameters.
     pub(super) fn plan(&self, params: &Assignment, repeat: u32) -> Result<Plan, Vec<Problem>> {
-        let mut map = self.map.clone();
-        for (path, value) in in_order(params) {
-            assign(&mut map, &self.registry, path, value.clone()).map_err(|p| vec![p])?;
-        }
-        Plan::new(&map, &self.registry, &self.plan_options(repeat))
+        self.series().plan(params, repeat).map(|planned| planned.plan.clone())
+    }
+
+    /// Plans of the map with other parameters.
+    pub(super) fn series(&self) -> PlanSeries<'_> {
+        let options = plan_options(&self.map_folder, &self.files);
+        PlanSeries::new(&self.map, &self.registry, options)
+    }
+}
+
+fn plan_options<'a>(map_folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
+    PlanOptions {
+        map_folder,
+        output_folder: None,
+        output_scope: OutputScope::Folder,
+        repeat: 0,
+        files,
     }
 }
 
@@ -160,89 +118,6 @@ fn time_limit_of(spec: &ProgramSpec) -> Result<Option<Duration>, Problem> {
         return Err(Problem::error(message));
     }
     Ok(spec.time_limit.map(Duration::from_secs_f64))
-}
-
-/// Modules first, then shorter paths first, so that a module is there before its parameters are set
-/// and a choice is made before its own.
-fn in_order(params: &Assignment) -> Vec<(&String, &Json)> {
-    let mut sorted: Vec<_> = params.iter().collect();
-    let is_module = |path: &str| path.split_once('.').is_some_and(|(_, param)| param == MODULE);
-    sorted.sort_by_key(|(path, _)| (!is_module(path), path.split('.').count()));
-    sorted
-}
-
-/// What to do where repeats write one file.
-const ADVICE_REPEATS: &str = "put {repeat} or {step} into the name";
-
-/// What is remembered of the steps so far to check the next.
-#[derive(Default)]
-struct Checker {
-    /// The parameters of the step that writes each path.
-    writers: BTreeMap<PathBuf, String>,
-    /// Those of a step that needs each folder.
-    folders: BTreeMap<PathBuf, String>,
-    /// In how many different steps each key occurs.
-    keys: HashMap<Fingerprint, u32>,
-    ids: HashSet<String>,
-    problems: Vec<Problem>,
-    reported: HashSet<String>,
-}
-
-impl Checker {
-    /// Reports a problem once, with the step where it was first seen.
-    fn report(&mut self, problem: Problem, params: &Assignment) {
-        if self.reported.insert(problem.to_string()) {
-            let step = shown(params);
-            let message = match step.is_empty() {
-                true => problem.message.clone(),
-                false => format!("{} (with {step})", problem.message),
-            };
-            self.problems.push(Problem { message, ..problem });
-        }
-    }
-
-    fn check_outputs(&mut self, plan: &Plan, id: &str, params: &Assignment) {
-        if !self.ids.insert(id.to_owned()) {
-            return;
-        }
-        for node in &plan.nodes {
-            *self.keys.entry(node.key).or_default() += 1;
-            // A file beside another one, such as the materials of a mesh, is no second fault.
-            let mut is_told = false;
-            for path in &node.writes {
-                let step = shown(params);
-                let other = self.writers.insert(one_case(path), step.clone());
-                // Of a file and a folder of one name, whichever comes second finds the other.
-                let folder = one_case(path).ancestors().skip(1).find_map(|f| self.writers.get(f));
-                let inside = self.folders.get(&one_case(path)).cloned();
-                if let Some(other) = other.or(folder.cloned()).or(inside)
-                    && !std::mem::replace(&mut is_told, true)
-                    && self.reported.insert(format!("write {}", one_case(path).display()))
-                {
-                    let path = path.display();
-                    let message = match (other == step, step.is_empty()) {
-                        (true, true) => format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
-                        (true, false) => {
-                            format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}")
-                        }
-                        (false, _) => format!(
-                            "two steps write \"{path}\": {other}; and {step}. Put a varied \
-                             parameter or {{step}} into the name"
-                        ),
-                    };
-                    self.problems.push(Problem::error(message).at(&node.name));
-                }
-                for folder in one_case(path).ancestors().skip(1) {
-                    self.folders.insert(folder.to_owned(), step.clone());
-                }
-            }
-        }
-    }
-}
-
-/// An assignment in a line.
-fn shown(params: &Assignment) -> String {
-    params.iter().map(|(path, value)| format!("{path} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
 /// The different values of each parameter that is varied, in their order.
@@ -351,6 +226,7 @@ fn assignments(spec: &ProgramSpec, folder: &Path) -> Result<Vec<Assignment>, Vec
 
 #[cfg(test)]
 mod tests {
+    use super::super::steps::shown;
     use super::*;
 
     fn spec(json: &str) -> ProgramSpec {

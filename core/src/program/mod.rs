@@ -7,11 +7,13 @@ mod record;
 mod report_spec;
 mod rounds;
 mod spread;
+mod steps;
 mod store;
 mod tables;
 mod timing;
 mod unneeded;
 mod usage;
+mod wanted;
 mod work;
 
 pub use columns::{ColumnRecord, Columns, are_alike};
@@ -39,7 +41,6 @@ use crate::disk_cache::DiskCache;
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, ProgramSpec};
-use crate::plan::{OutputScope, PlanOptions};
 use crate::problem::Problem;
 use crate::registry::Registry;
 use crate::run::Event;
@@ -273,34 +274,25 @@ impl Program {
             return;
         };
         let mut known: HashSet<String> = self.steps.iter().map(|step| step.id.clone()).collect();
-        let is_same = |step: &Step| {
-            own.keys().all(|path| step.params.contains_key(path))
+        let mut series = self.series();
+        let mut inputs = Vec::new();
+        let mut is_same = |step: &Step| {
+            let is_candidate = own.keys().all(|path| step.params.contains_key(path))
                 && step.params.keys().all(|path| self.varied.contains(path))
-                && store.record(&step.id).is_some()
-                && self.plan(&step.params, step.repeat).is_ok_and(|p| p.id.short() == step.id)
+                && store.record(&step.id).is_some();
+            let planned =
+                is_candidate.then(|| series.plan(&step.params, step.repeat).ok()).flatten();
+            planned.filter(|planned| planned.plan.id.short() == step.id).is_some_and(|planned| {
+                inputs.extend(planned.plan.nodes.iter().flat_map(|node| &node.reads).cloned());
+                true
+            })
         };
-        let earlier = plan.steps.into_iter().filter(|step| !known.contains(&step.id));
-        let mut earlier: Vec<Step> = earlier.filter(is_same).collect();
+        let earlier = plan.steps.into_iter();
+        let earlier = earlier.filter(|step| !known.contains(&step.id) && is_same(step));
+        let mut earlier: Vec<Step> = earlier.collect();
         earlier.retain(|step| known.insert(step.id.clone()));
-        let inputs = earlier.iter().filter_map(|step| self.inputs_of(step)).flatten();
-        let inputs: Vec<_> = inputs.collect();
         self.inputs.extend(inputs);
         self.steps.splice(0..0, earlier);
-    }
-
-    fn inputs_of(&self, step: &Step) -> Option<Vec<(PathBuf, Fingerprint)>> {
-        let plan = self.plan(&step.params, step.repeat).ok()?;
-        Some(plan.nodes.into_iter().flat_map(|node| node.reads).collect())
-    }
-
-    fn plan_options(&self, repeat: u32) -> PlanOptions<'_> {
-        PlanOptions {
-            map_folder: &self.map_folder,
-            output_folder: None,
-            output_scope: OutputScope::Folder,
-            repeat,
-            files: &self.files,
-        }
     }
 
     /// The map whose parameters it varies.

@@ -10,10 +10,10 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::record::{StepRecord, StepStatus};
-use super::store::{Store, StoreError};
+use super::store::StoreError;
 use super::timing::Timing;
 use super::work::{MOST_CRASHES, Workers};
-use super::{Program, ProgramEvent, ProgramOptions, Sharing, usage};
+use super::{Program, ProgramEvent, usage};
 use crate::fingerprint::FingerprintBuilder;
 
 /// How often a step is timed where nobody says.
@@ -30,17 +30,6 @@ impl Program {
             runs.values_mut().for_each(|n| *n = timings.max(1));
         }
         runs
-    }
-
-    /// Whether the store has what is asked of a step.
-    pub fn is_answered(&self, store: &Store, id: &str, options: &ProgramOptions) -> bool {
-        store.record(id).is_some_and(|record| match options.sharing {
-            Sharing::Shared => true,
-            Sharing::Timing => {
-                let runs = self.runs_by_step(options.timings);
-                record.has_timings(runs.get(id).copied().unwrap_or(1))
-            }
-        })
     }
 }
 

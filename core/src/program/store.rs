@@ -28,6 +28,7 @@ use thiserror::Error;
 
 use super::plan_file::PlanFile;
 use super::record::{StepRecord, is_sound, log_of, with_checksum};
+use crate::disk_cache::DiskCache;
 use crate::files::{fresh_file, is_below, refuse_links};
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.
@@ -189,9 +190,13 @@ impl Store {
         self.step_folder(id).exists() && self.record(id).is_none()
     }
 
-    /// Where values are kept for the next call.
-    pub fn cache_folder(&self) -> PathBuf {
-        self.folder.join(CACHE)
+    /// Values for the next call, of at most so many bytes, or of a tenth of what is free on the
+    /// disk.
+    pub fn disk_cache(&self, budget: Option<u64>) -> Result<DiskCache, StoreError> {
+        let folder = self.folder.join(CACHE);
+        let budget =
+            budget.unwrap_or_else(|| tenth_of_disk(&self.folder).unwrap_or(DiskCache::USUAL_BYTES));
+        DiskCache::open(&folder, budget).map_err(StoreError::at(&folder))
     }
 
     fn attempts_file(&self, id: &str) -> PathBuf {
@@ -395,6 +400,20 @@ impl Store {
         // Without locks the tables are still whole, and complete once the last process is done.
         let _ = lock.lock();
         work()
+    }
+}
+
+/// A tenth of what is free on the disk of a folder; `None` where the system does not tell.
+fn tenth_of_disk(folder: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let about = rustix::fs::statvfs(folder).ok()?;
+        Some(about.f_bavail.saturating_mul(about.f_frsize) / 10)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = folder;
+        None
     }
 }
 

@@ -2,14 +2,6 @@
 
 use std::fs;
 
-/// Bytes of memory that the process holds; `None` where the system does not tell.
-pub(super) fn resident_bytes() -> Option<usize> {
-    // The second number is the resident set, in pages. Pages are 4 KiB wherever it matters here;
-    // larger ones make the estimate low, and the budget looser.
-    let text = fs::read_to_string("/proc/self/statm").ok()?;
-    text.split_whitespace().nth(1)?.parse::<usize>().ok().map(|pages| pages * 4096)
-}
-
 /// Forgets how much memory the process has held so far.
 pub(super) fn forget_peak() {
     // Where that is not possible the peak is that of the whole process, and no smaller than it is.

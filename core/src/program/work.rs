@@ -9,12 +9,14 @@ use std::time::{Duration, Instant};
 use indexmap::IndexMap;
 
 use super::store::StepClaim;
+use super::wanted::Wanted;
 use super::{
     Patience, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, RunNote, Sharing, Step,
-    StepRecord, StepStatus, Store, StoreError, tables, usage,
+    StepRecord, StepStatus, Store, StoreError, tables,
 };
 use crate::cache::Cache;
 use crate::cancel::CancelToken;
+use crate::memory::{MemoryBudget, resident_bytes};
 use crate::plan::OutputScope;
 use crate::problem::Problem;
 use crate::run::{Keep, NodeRecord, NodeStatus, RunOptions, RunOutcome, run};
@@ -41,7 +43,8 @@ pub fn run_program(
             store.forget(id)?;
         }
     }
-    let is_found = |id: &&&str| program.is_answered(store, id, options);
+    let wanted = Wanted::of(program, options);
+    let is_found = |id: &&&str| wanted.is_in(store, id);
     let found = ids.iter().filter(is_found).count();
     let part = program.places(&options.part);
     tell_what_is_there(program, store, &part, options);
@@ -96,8 +99,8 @@ fn missing_of(
     store: &Store,
     (places, options): (&[usize], &ProgramOptions),
 ) -> Vec<usize> {
-    let id = |place: usize| &program.steps[place].id;
-    let is_missing = |place: &usize| !program.is_answered(store, id(*place), options);
+    let wanted = Wanted::of(program, options);
+    let is_missing = |place: &usize| !wanted.is_in(store, &program.steps[*place].id);
     places.iter().copied().filter(is_missing).collect()
 }
 
@@ -119,6 +122,8 @@ pub(super) struct Workers<'a> {
     pub store: &'a Store,
     pub options: &'a ProgramOptions<'a>,
     cache: Option<Cache>,
+    /// What the steps that run at once share.
+    memory: MemoryBudget,
     /// Places of the steps that are still to be looked at.
     pub todo: Vec<usize>,
     next: AtomicUsize,
@@ -145,6 +150,7 @@ impl<'a> Workers<'a> {
             store,
             options,
             cache,
+            memory: MemoryBudget::new(options.memory),
             todo,
             next: AtomicUsize::new(0),
             running: AtomicUsize::new(0),
@@ -208,7 +214,7 @@ impl<'a> Workers<'a> {
 
     /// Waits until the process is within its budget or no step runs.
     fn wait_for_memory(&self) {
-        let is_full = || usage::resident_bytes().is_some_and(|bytes| bytes > self.options.memory);
+        let is_full = || resident_bytes().is_some_and(|bytes| bytes > self.options.memory);
         while self.running.load(Ordering::Relaxed) > 0
             && is_full()
             && !self.options.cancel.is_cancelled()
@@ -264,6 +270,7 @@ impl<'a> Workers<'a> {
                         (self.options.observer)(&event);
                     },
                     keep: Keep::Scalars,
+                    memory: Some(&self.memory),
                     output_scope: OutputScope::Folder,
                 },
             )),

@@ -270,7 +270,10 @@ fn repeats_are_rows() {
 fn steps_that_write_one_file_are_refused() {
     let map = Map::parse(&MAP.replace("{add.amount}-{echo.say}", "{echo.say}")).unwrap();
     let problems = Program::new(&map, "p", &registry(), Path::new("/")).err().unwrap();
-    assert!(problems[0].to_string().contains("two steps write \"x.txt\""), "{problems:?}");
+    let text = problems[0].to_string();
+    assert!(text.contains("two steps write \"x.txt\""), "{problems:?}");
+    // What differs, and nothing else.
+    assert!(text.contains("Put {add.amount} into the name"), "{problems:?}");
 }
 
 #[test]

@@ -104,10 +104,7 @@ fn the_cache_keeps_the_file_and_a_damaged_block_is_made_again() {
     // Block 6 is damaged. Who reads another block does not notice, so only that block is read.
     damage_block_6(&file);
     assert_eq!(byte(&read(cache.path(), budget, BLOCK)), Some(&Scalar::Number(1.0)));
-    let failed = read(cache.path(), budget, 6 * BLOCK);
-    let (node, error) = failed.failures().next().unwrap();
-    assert_eq!(node, "read");
-    assert!(error.contains("block 6 has changed") && error.contains("run again"), "{error}");
+    // Who reads it makes the value again, in the same run.
     let again = read(cache.path(), budget, 6 * BLOCK);
     assert_eq!(again.nodes["write"].record.cached, None);
     assert_eq!(byte(&again), Some(&Scalar::Number(6.0)));
@@ -120,9 +117,7 @@ fn a_damaged_file_leaves_the_memory_of_the_process_too() {
     assert_eq!(read_by(&cache, 0).nodes["write"].record.cached, None);
     let [file] = files(folder.path()).try_into().unwrap();
     damage_block_6(&file);
-    let failed = read_by(&cache, 6 * BLOCK);
-    assert_eq!(failed.nodes["write"].record.cached, Some(CacheUse::Memory));
-    assert_eq!(failed.failures().count(), 1);
+    assert_eq!(read_by(&cache, 0).nodes["write"].record.cached, Some(CacheUse::Memory));
     let again = read_by(&cache, 6 * BLOCK);
     assert_eq!(again.nodes["write"].record.cached, None);
     assert_eq!(byte(&again), Some(&Scalar::Number(6.0)));

@@ -9,7 +9,7 @@
 use mve_core::Entry;
 
 use super::MakeCost;
-use super::pictures::{AREAS, RENEWAL, VIEW, image_options};
+use super::pictures::{AREAS, LIT, RENEWAL, VIEW, image_options};
 use crate::image_driven::{Difference, ImageDriven, Patch, Picture};
 
 pub static COST: Entry<MakeCost> = Entry {
@@ -19,6 +19,8 @@ pub static COST: Entry<MakeCost> = Entry {
     params: &[
         VIEW.cameras.spec(),
         VIEW.resolution.spec(),
+        VIEW.albedo.spec(),
+        LIT.spec(),
         VIEW.sides.spec(),
         VIEW.background.spec(),
         AREAS.spec(),

@@ -2,15 +2,19 @@
 
 use crate::geometry::simplify::collapse::Renewal;
 use crate::image_driven::{Areas, ImageOptions};
+use crate::picture::missing::missing_colors;
+use crate::picture::render::{Albedo, is_colored};
 use crate::picture::view::{ViewDefaults, ViewParams};
 use crate::prelude::*;
 
 const IMAGE_DEFAULT: ImageOptions = ImageOptions::DEFAULT;
 
-/// From where pictures are taken, and how. Surfaces are shaded flat.
+/// From where pictures are taken, and how. Surfaces are shaded flat, or not at all; colors count
+/// with their luminance.
 pub const VIEW: ViewParams = ViewParams::new(ViewDefaults {
     cameras: "Dodecahedron",
     resolution: IMAGE_DEFAULT.resolution as i64,
+    albedo: "White",
     shading: "Flat",
     sides: "Front",
     background: IMAGE_DEFAULT.background as i64,
@@ -32,6 +36,13 @@ impl Enumeration for Areas {
 
 pub const AREAS: Param<Areas> =
     Param::one_of("areas", "How much of a picture a price looks at.", "Active");
+
+pub const LIT: Param<bool> = Param::flag(
+    "lit",
+    "Whether light falls on the surface, one luminance a face. Off: colors as they are, so that a \
+     price is of the outline and of what slides on the surface, not of its shape.",
+    IMAGE_DEFAULT.is_lit,
+);
 
 impl Enumeration for Renewal {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -61,15 +72,24 @@ pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions
         );
         return Err(ModuleError::param(&VIEW.resolution, message));
     }
-    let is_seen = mesh.bounds().is_some_and(|bounds| !cameras.around(bounds).is_empty());
+    let is_seen =
+        mesh.bounds().is_some_and(|bounds| !cameras.around(bounds, &mesh.positions).is_empty());
     if !is_seen && !mesh.faces.is_empty() {
         let message = "no camera can be placed around the mesh: its box has no extent, or one too \
                        large or too small; an image-driven cost needs pictures";
         return Err(ModuleError::Failed(message.to_owned()));
     }
+    let albedo = settings.get(&VIEW.albedo)?;
+    if albedo != Albedo::White && !is_colored(mesh, albedo) && !mesh.faces.is_empty() {
+        let missing = missing_colors(mesh, albedo).join(", and it ");
+        let message = format!("the mesh {missing}; choose White, or a mesh with colors");
+        return Err(ModuleError::param(&VIEW.albedo, message));
+    }
     Ok(ImageOptions {
         cameras,
         resolution,
+        albedo,
+        is_lit: settings.get(&LIT)?,
         sides: settings.get(&VIEW.sides)?,
         background: settings.get(&VIEW.background)? as u8,
         areas: settings.get(&AREAS)?,

@@ -46,6 +46,29 @@ impl Image {
         Self { name: name.to_owned(), width, height, kind, bytes }
     }
 
+    /// The picture at one `n`th of its size: each pixel is the average of `n` × `n`, rounded to
+    /// the nearest. Columns and rows that do not fill a pixel are left out.
+    pub fn averaged(&self, n: usize) -> Self {
+        let n = n.max(1);
+        let (width, height) = (self.width / n, self.height / n);
+        let n_bytes = self.kind.n_bytes();
+        let mut bytes = Vec::with_capacity(width * height * n_bytes);
+        let mut sums = vec![0_u32; width * n_bytes];
+        for y in 0..height {
+            sums.fill(0);
+            for row in y * n..(y + 1) * n {
+                let row = &self.bytes[row * self.width * n_bytes..][..width * n * n_bytes];
+                for (x, pixel) in row.chunks_exact(n_bytes).enumerate() {
+                    let sum = &mut sums[x / n * n_bytes..][..n_bytes];
+                    sum.iter_mut().zip(pixel).for_each(|(sum, byte)| *sum += u32::from(*byte));
+                }
+            }
+            let n_samples = (n * n) as u32;
+            bytes.extend(sums.iter().map(|sum| ((sum + n_samples / 2) / n_samples) as u8));
+        }
+        Self { name: self.name.clone(), width, height, kind: self.kind, bytes }
+    }
+
     /// Whether there are as many bytes as the size asks for.
     pub fn is_whole(&self) -> bool {
         let n_pixels = self.width.checked_mul(self.height);

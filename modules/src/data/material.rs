@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::Image;
@@ -24,6 +25,15 @@ impl Material {
     /// The first texture of this role.
     pub fn texture(&self, role: TextureRole) -> Option<&Texture> {
         self.textures.iter().find(|texture| texture.role == role)
+    }
+
+    /// The color of diffuse reflection that it states (`Kd`): red, green and blue, 0 to 1.
+    pub fn diffuse(&self) -> Option<DVec3> {
+        let (_, text) = self.statements.iter().find(|(keyword, _)| keyword == "Kd")?;
+        let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().ok());
+        let [red, green, blue] = [numbers.next()??, numbers.next()??, numbers.next()??];
+        let color = DVec3::new(red, green, blue);
+        color.is_finite().then(|| color.clamp(DVec3::ZERO, DVec3::ONE))
     }
 }
 
@@ -202,6 +212,21 @@ mod tests {
             name: "a.png".to_owned(),
             place: 0,
             image: image.cloned(),
+        }
+    }
+
+    #[test]
+    fn the_diffuse_color_is_three_numbers() {
+        let material = |kd: &str| Material {
+            statements: vec![
+                ("Ns".to_owned(), "9 9 9".to_owned()),
+                ("Kd".to_owned(), kd.to_owned()),
+            ],
+            ..Material::default()
+        };
+        assert_eq!(material("1 0.5 7").diffuse(), Some(DVec3::new(1.0, 0.5, 1.0)));
+        for text in ["spectral a.rfl", "1 1", "0 nan 0"] {
+            assert_eq!(material(text).diffuse(), None, "{text}");
         }
     }
 

@@ -27,10 +27,12 @@ data_types! {
     tri_mesh: TriMesh,
 }
 
+mod face_materials;
 mod layer;
 pub(crate) mod material;
 mod name;
 
+pub use face_materials::FaceMaterials;
 pub use images::{Image, PixelKind};
 pub use layer::{Domain, Layer, LayerValues, NO_VALUE};
 pub use material::{Material, Texture, TextureImage, TextureRole};

@@ -105,6 +105,10 @@ pub enum MeshFault {
 }
 
 impl TriMesh {
+    /// About the bytes that a face of a mesh without layers takes while it is made: 12 for its
+    /// corners and 12 for its half of a vertex, twice where a list grows.
+    pub const BYTES_A_FACE: usize = 48;
+
     /// A mesh without attributes.
     pub fn new(positions: Vec<DVec3>, faces: Vec<[VertexId; 3]>) -> Self {
         Self { positions, faces, ..Self::default() }

@@ -39,6 +39,7 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let size = DVec3::new(io.param(SIZE_X)?, io.param(SIZE_Y)?, io.param(SIZE_Z)?);
     let segments = io.param(SEGMENTS)? as u32;
+    io.reserve(12 * (segments as usize).pow(2) * TriMesh::BYTES_A_FACE)?;
     io.put(MESH_OUT, subdivided_box(&BoxOptions { size, segments }));
     Ok(())
 }

@@ -50,6 +50,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         segments: io.param(SEGMENTS)? as u32,
         rim_segments: io.param(RIM_SEGMENTS)? as u32,
     };
+    let (n, rim) = (options.segments as usize, options.rim_segments as usize);
+    io.reserve((4 * n * n + 8 * n * rim) * TriMesh::BYTES_A_FACE)?;
     io.put(MESH_OUT, surface(&options));
     Ok(())
 }

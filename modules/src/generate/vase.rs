@@ -45,6 +45,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         segments: io.param(SEGMENTS)? as u32,
         profile_segments: io.param(PROFILE_SEGMENTS)? as u32,
     };
+    let n_faces = 2 * options.segments as usize * options.profile_segments as usize;
+    io.reserve(n_faces * TriMesh::BYTES_A_FACE)?;
     io.put(MESH_OUT, vase(&options));
     Ok(())
 }

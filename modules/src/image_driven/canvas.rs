@@ -3,6 +3,7 @@
 use wide::bytemuck::cast;
 use wide::{f32x8, i32x8};
 
+use super::colors::Values;
 use crate::picture::render::{LANES, Rect, Triangle};
 
 /// Pixels that are worked on together.
@@ -68,34 +69,36 @@ impl Canvas {
 
     /// Draws a face of a larger number than those before.
     #[inline(always)]
-    pub fn draw(&mut self, face: u32, triangle: &Triangle, value: u8) {
-        let Some(small) = triangle.small() else { return self.draw_large(face, triangle, value) };
+    pub fn draw(&mut self, face: u32, triangle: &Triangle, values: impl Values) {
+        let Some(small) = triangle.small() else { return self.draw_large(face, triangle, values) };
         let seen = triangle.bounds.within(&self.area);
         if seen.is_empty() {
             return;
         }
-        let (face, value) = (i32x8::splat(face as i32), all(value));
+        let face = i32x8::splat(face as i32);
         let first = (seen.x[0] - self.area.x[0]) as usize / LANES;
         let last = (seen.x[1] - 1 - self.area.x[0]) as usize / LANES;
         let left = self.area.x[0] + (first * LANES) as i32;
         let mut start = small.lanes(left, seen.y[0]);
         let n_skipped = (seen.y[0] - self.area.y[0]) as usize;
         let rows = self.blocks.chunks_exact_mut(self.n_across).skip(n_skipped);
-        for row in rows.take(seen.height()) {
+        for (row, y) in rows.take(seen.height()).zip(seen.y[0]..) {
             let mut lanes = start;
             start.go_down();
-            for there in &mut row[first..=last] {
+            for (there, block) in row[first..=last].iter_mut().zip(0..) {
                 let (is_inside, inv_depths) = lanes.next();
                 let is_seen = inv_depths.simd_gt(there.inv_depths) & cast::<_, f32x8>(is_inside);
                 there.inv_depths = is_seen.bitselect(inv_depths, there.inv_depths);
                 there.faces = cast::<_, i32x8>(is_seen).bitselect(face, there.faces);
-                let bytes = BYTES[is_seen.to_bitmask() as usize & 0xFF];
-                there.values = (value & bytes) | (there.values & !bytes);
+                let seen = is_seen.to_bitmask() & 0xFF;
+                let bytes = BYTES[seen as usize];
+                let values = values.of_lanes(left + block * LANES as i32, y, seen);
+                there.values = (values & bytes) | (there.values & !bytes);
             }
         }
     }
 
-    fn draw_large(&mut self, face: u32, triangle: &Triangle, value: u8) {
+    fn draw_large(&mut self, face: u32, triangle: &Triangle, values: impl Values) {
         triangle.rows(&self.area, |row| {
             let start = (row.y - self.area.y[0]) as usize * self.n_across;
             for (k, x) in (row.x[0]..row.x[1]).enumerate() {
@@ -106,7 +109,8 @@ impl Canvas {
                     block.inv_depths.as_mut_array()[lane] = inv_depth;
                     block.faces.as_mut_array()[lane] = face as i32;
                     let bytes = BYTES[1 << lane];
-                    block.values = (all(value) & bytes) | (block.values & !bytes);
+                    let value = all(values.of_pixel(x, row.y));
+                    block.values = (value & bytes) | (block.values & !bytes);
                 }
             }
         });

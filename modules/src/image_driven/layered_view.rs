@@ -3,20 +3,22 @@
 use mve_core::{Cancelled, Control};
 use wide::{f32x8, i32x8};
 
+use super::ImageOptions;
 use super::canvas::{BYTES, Block, Canvas, all};
 use super::change::{Change, PatchFace};
+use super::colors::{Colors, Shader, Values};
 use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
 use crate::data::{FaceId, VertexId};
 use crate::geometry::simplify::collapse::WorkingMesh;
 use crate::picture::render::{
-    Corner, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, luminance, may_be_seen,
+    Corner, FaceColor, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, may_be_seen,
 };
 
 /// A camera of an image-driven cost.
 #[derive(Debug)]
 pub(super) struct LayeredView {
-    lens: Lens,
+    shader: Shader,
     sides: Sides,
     background: u8,
     /// Where each vertex is in the picture.
@@ -32,20 +34,23 @@ impl LayeredView {
     /// Draws the whole mesh.
     pub fn new(
         lens: Lens,
-        sides: Sides,
-        background: u8,
+        options: &ImageOptions,
+        colors: Option<&Colors>,
         mesh: &WorkingMesh,
         control: Control,
     ) -> Result<Self, Cancelled> {
+        let ImageOptions { sides, background, is_lit, .. } = *options;
         let n_vertices = 0..mesh.n_vertices() as u32;
         let corners = n_vertices.map(|v| lens.corner(mesh.position(VertexId(v)))).collect();
         let stride = lens.size + LANES;
         let layers = Layers::new(stride * lens.size, background);
         let picture = Picture { size: lens.size, original: Vec::new(), now: Vec::new() };
-        let mut view = Self { lens, sides, background, corners, stride, layers, picture };
+        let shader = Shader { lens, is_lit };
+        let mut view = Self { shader, sides, background, corners, stride, layers, picture };
         for face in mesh.face_ids() {
             control.item(face.idx(), mesh.n_faces())?;
-            PatchFace::of(mesh, face).iter().for_each(|face| view.insert(face));
+            let color = colors.map(|colors| (colors, colors.of_face(mesh, face)));
+            PatchFace::of(mesh, face).iter().for_each(|face| view.insert(face, color));
         }
         let rows = view.layers.values.chunks_exact(stride);
         view.picture.now = rows.flat_map(|row| &row[..lens.size]).copied().collect();
@@ -53,25 +58,25 @@ impl LayeredView {
         Ok(view)
     }
 
-    /// Puts a face into the layers.
-    fn insert(&mut self, face: &PatchFace) {
-        let Self { lens, sides, corners, stride, layers, .. } = self;
+    /// Puts a face into the layers; white where it has no color.
+    fn insert(&mut self, face: &PatchFace, color: Option<(&Colors, FaceColor)>) {
+        let Self { shader, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
-        let whole = Rect::whole(lens.size);
-        face_triangles(lens, *sides, placed, face.points, |triangle| {
-            let value = luminance(face.normal, lens.camera.forward, triangle.side);
-            triangle.rows(&whole, |row| {
-                let first = row.y as usize * *stride + row.x[0] as usize;
-                for k in 0..(row.x[1] - row.x[0]) as usize {
-                    layers.insert(first + k, Fragment::new(face.face, row.inv_depth(k), value));
-                }
-            });
+        face_triangles(&shader.lens, *sides, placed, face.points, |triangle| match color {
+            None => {
+                let value = shader.white(face, triangle.side);
+                insert(layers, (shader.lens.size, *stride), face.face, triangle, value);
+            }
+            Some((colors, color)) => {
+                let values = shader.colored(face, triangle.side, color, colors);
+                insert(layers, (shader.lens.size, *stride), face.face, triangle, values);
+            }
         });
     }
 
     /// Takes a face out of the layers.
     fn remove(&mut self, face: &PatchFace) {
-        let Self { lens, sides, corners, stride, layers, .. } = self;
+        let Self { shader: Shader { lens, .. }, sides, corners, stride, layers, .. } = self;
         let placed = face.vertices.map(|v| corners[v as usize]);
         let whole = Rect::whole(lens.size);
         face_triangles(lens, *sides, placed, face.points, |triangle| {
@@ -84,10 +89,12 @@ impl LayeredView {
 
     /// Makes a change in the layers; the picture is brought up to date by the patch of
     /// [`LayeredView::redraw`], before.
-    pub fn make(&mut self, change: &Change) {
+    pub fn make(&mut self, change: &Change, colors: Option<&Colors>) {
         change.old.iter().for_each(|old| self.remove(old));
-        self.corners[change.kept as usize] = self.lens.corner(change.position);
-        change.new.iter().for_each(|new| self.insert(new));
+        self.corners[change.kept as usize] = self.shader.lens.corner(change.position);
+        for (at, new) in change.new.iter().enumerate() {
+            self.insert(new, colors.zip(change.colors.get(at).copied()));
+        }
     }
 
     /// Where a vertex would be after a change.
@@ -98,7 +105,7 @@ impl LayeredView {
 
     /// The pixels that a change may touch.
     fn area(&self, change: &Change, moved: Corner) -> Rect {
-        let whole = Rect::whole(self.lens.size);
+        let whole = Rect::whole(self.shader.lens.size);
         let mut area = Rect::NONE;
         area.include(moved);
         let mut are_placed = moved.is_placed();
@@ -129,8 +136,14 @@ impl LayeredView {
     /// Finds what the picture would be after a change, where it would differ; `false` where it
     /// would not.
     #[inline(always)]
-    pub fn redraw(&self, change: &Change, canvas: &mut Canvas, patch: &mut Patch) -> bool {
-        let moved = self.lens.corner(change.position);
+    pub fn redraw(
+        &self,
+        change: &Change,
+        colors: Option<&Colors>,
+        canvas: &mut Canvas,
+        patch: &mut Patch,
+    ) -> bool {
+        let moved = self.shader.lens.corner(change.position);
         if !self.may_be_seen(change, moved) {
             return false;
         }
@@ -139,6 +152,10 @@ impl LayeredView {
             return false;
         }
         canvas.clear(&area);
+        if let Some(colors) = colors {
+            self.draw_colored(change, moved, colors, canvas);
+            return self.resolve(change, canvas, area, patch);
+        }
         for new in &change.new {
             let [a, b, c] = new.vertices;
             let corner = |v: u32| self.corner_after(change, moved, v);
@@ -146,18 +163,41 @@ impl LayeredView {
             if !is_placed(placed) {
                 self.draw_clipped(new, canvas);
             } else if let Some(triangle) = Triangle::new(placed, self.sides) {
-                let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
-                canvas.draw(new.face, &triangle, value);
+                canvas.draw(new.face, &triangle, self.shader.white(new, triangle.side));
             }
         }
         self.resolve(change, canvas, area, patch)
     }
 
-    /// Draws a face of which a corner has no place.
+    /// Draws a white face of which a corner has no place.
     fn draw_clipped(&self, new: &PatchFace, canvas: &mut Canvas) {
-        face_triangles(&self.lens, self.sides, [Corner::default(); 3], new.points, |triangle| {
-            let value = luminance(new.normal, self.lens.camera.forward, triangle.side);
-            canvas.draw(new.face, triangle, value);
+        self.draw(new, [Corner::default(); 3], None, canvas);
+    }
+
+    /// Draws all faces of a change in their colors.
+    #[inline(never)]
+    fn draw_colored(&self, change: &Change, moved: Corner, colors: &Colors, canvas: &mut Canvas) {
+        for (new, &color) in change.new.iter().zip(&change.colors) {
+            let placed = new.vertices.map(|v| self.corner_after(change, moved, v));
+            self.draw(new, placed, Some((colors, color)), canvas);
+        }
+    }
+
+    /// Draws a face, white where it has no color.
+    fn draw(
+        &self,
+        face: &PatchFace,
+        placed: [Corner; 3],
+        color: Option<(&Colors, FaceColor)>,
+        canvas: &mut Canvas,
+    ) {
+        let shader = &self.shader;
+        face_triangles(&shader.lens, self.sides, placed, face.points, |triangle| match color {
+            None => canvas.draw(face.face, triangle, shader.white(face, triangle.side)),
+            Some((colors, color)) => {
+                let values = shader.colored(face, triangle.side, color, colors);
+                canvas.draw(face.face, triangle, values);
+            }
         });
     }
 
@@ -256,25 +296,24 @@ impl LayeredView {
         &self,
         mesh: &WorkingMesh,
         change: &Change,
+        colors: Option<&Colors>,
         canvas: &mut Canvas,
         patch: &mut Patch,
     ) {
-        let whole = Rect::whole(self.lens.size);
-        let moved = self.lens.corner(change.position);
+        let whole = Rect::whole(self.shader.lens.size);
+        let moved = self.shader.lens.corner(change.position);
         canvas.clear(&whole);
-        let mut draw = |face: &PatchFace| {
+        let mut draw = |face: &PatchFace, color: Option<FaceColor>| {
             let placed = face.vertices.map(|v| self.corner_after(change, moved, v));
-            face_triangles(&self.lens, self.sides, placed, face.points, |triangle| {
-                let value = luminance(face.normal, self.lens.camera.forward, triangle.side);
-                canvas.draw(face.face, triangle, value);
-            });
+            self.draw(face, placed, colors.zip(color), canvas);
         };
         for face in mesh.face_ids() {
             let FaceId(number) = face;
             if !change.removes(number) {
-                PatchFace::of(mesh, face).iter().for_each(&mut draw);
+                let color = colors.map(|colors| colors.of_face(mesh, face));
+                PatchFace::of(mesh, face).iter().for_each(|face| draw(face, color));
             } else if let Ok(at) = change.new.binary_search_by_key(&number, |new| new.face) {
-                draw(&change.new[at]);
+                draw(&change.new[at], change.colors.get(at).copied());
             }
         }
         patch.area = whole;
@@ -288,6 +327,23 @@ impl LayeredView {
             patch.values.extend(values.to_le_bytes());
         }
     }
+}
+
+/// Puts the pixels of a triangle into the layers of a picture of this size and stride.
+fn insert(
+    layers: &mut Layers,
+    (size, stride): (usize, usize),
+    face: u32,
+    triangle: &Triangle,
+    values: impl Values,
+) {
+    triangle.rows(&Rect::whole(size), |row| {
+        let first = row.y as usize * stride + row.x[0] as usize;
+        for (k, x) in (row.x[0]..row.x[1]).enumerate() {
+            let value = values.of_pixel(x, row.y);
+            layers.insert(first + k, Fragment::new(face, row.inv_depth(k), value));
+        }
+    });
 }
 
 /// The lanes from a place on.

@@ -14,6 +14,13 @@
 //! some other part of the surface comes before or behind them in a picture, nor when only pixels
 //! beside them change that a window of [`Structure`] sees, too.
 //!
+//! Surfaces are white, or have the colors and textures of the mesh (`albedo`), in the light or
+//! without it; what counts is their luminance, as in the paper. The faces that a collapse makes are
+//! drawn with the attributes that the engine would give the merged vertex, so a price is what the
+//! collapse changes in the pictures, whatever it does to a texture. On `spot`, textured, to 1,000
+//! faces, the RMS of textured pictures (24 cameras, 256²) is 9.86 by quadrics, 9.48 by `ImageMse`
+//! of white pictures, and 7.97 of textured ones.
+//!
 //! Stale prices are asked for again lazily ([`Renewal::Lazy`]), which halves the work: on `cow` to
 //! 3,000 faces 30,036 prices instead of 61,424, of which 8,706 are the first ones. The pictures of
 //! cow, spot, fandisk and the bunny come out as near to the original as with [`Renewal::AtOnce`]:
@@ -22,6 +29,9 @@
 
 mod canvas;
 mod change;
+#[cfg(test)]
+mod color_tests;
+mod colors;
 mod layered_view;
 mod layers;
 mod picture;
@@ -35,14 +45,15 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use canvas::Canvas;
-use change::Change;
+use change::{Change, PatchFace};
+use colors::Colors;
 use layered_view::LayeredView;
 pub use picture::{Difference, Patch, Picture};
 pub use structure::Structure;
 
-use crate::data::TriMesh;
+use crate::data::{FaceId, TriMesh};
 use crate::geometry::simplify::collapse::{Batch, Collapse, Cost, Reach, Renewal, WorkingMesh};
-use crate::picture::render::{CameraSet, Lens, Sides};
+use crate::picture::render::{Albedo, CameraSet, Lens, Sides};
 use mve_core::{Cancelled, Control};
 
 /// How much of the pictures a price looks at.
@@ -64,6 +75,10 @@ pub struct ImageOptions {
     pub resolution: usize,
     /// Which sides of a face are drawn.
     pub sides: Sides,
+    /// What colors the surface.
+    pub albedo: Albedo<'static>,
+    /// Whether light falls on it.
+    pub is_lit: bool,
     /// Luminance where no face is.
     pub background: u8,
     /// How much of the pictures a price looks at.
@@ -78,6 +93,8 @@ impl ImageOptions {
         cameras: CameraSet::Dodecahedron,
         resolution: 256,
         sides: Sides::Front,
+        albedo: Albedo::White,
+        is_lit: true,
         background: 255,
         areas: Areas::Active,
         renewal: Renewal::Lazy,
@@ -89,6 +106,7 @@ pub struct ImageDriven<D: Difference> {
     difference: D,
     options: ImageOptions,
     lenses: Vec<Lens>,
+    colors: Option<Colors>,
     cameras: Vec<Mutex<CameraState<D>>>,
     /// The vertices of every face, as the cameras know them.
     faces: Vec<[u32; 3]>,
@@ -135,14 +153,15 @@ impl<D: Difference> WithSimd for CameraWork<'_, D> {
         let CameraState { view, kept, n_seen } = watched;
         let Scratch { canvas, patch, difference: buffers } = scratch;
         let (difference, pending) = (&cost.difference, &cost.pending[*n_seen..]);
+        let colors = cost.colors.as_ref();
         let mut growths = Vec::with_capacity(changes.len());
         // One loop over both, so that what it calls has one caller and is inlined.
         for (at, change) in pending.iter().chain(changes).enumerate() {
             let is_made = at < pending.len();
             let differs = match mesh.filter(|_| !is_made) {
-                None => view.redraw(change, canvas, patch),
+                None => view.redraw(change, colors, canvas, patch),
                 Some(mesh) => {
-                    view.redraw_whole(mesh, change, canvas, patch);
+                    view.redraw_whole(mesh, change, colors, canvas, patch);
                     true
                 }
             };
@@ -151,7 +170,7 @@ impl<D: Difference> WithSimd for CameraWork<'_, D> {
                     difference.update(&view.picture, kept, patch, buffers);
                     patch.apply(&mut view.picture);
                 }
-                view.make(change);
+                view.make(change, colors);
             } else {
                 let picture = &view.picture;
                 growths.push(if differs {
@@ -176,13 +195,14 @@ impl<D: Difference> ImageDriven<D> {
     pub fn new(mesh: &TriMesh, difference: D, options: ImageOptions) -> Self {
         let lenses = mesh.bounds().map_or_else(Vec::new, |bounds| {
             let distance = (bounds.1 - bounds.0).length();
-            let cameras = options.cameras.around(bounds);
+            let cameras = options.cameras.around(bounds, &mesh.positions);
             cameras.into_iter().map(|c| Lens::new(c, options.resolution, distance)).collect()
         });
         Self {
             difference,
             options,
             lenses,
+            colors: Colors::of(mesh, options.albedo),
             cameras: Vec::new(),
             faces: Vec::new(),
             pending: Vec::new(),
@@ -196,8 +216,7 @@ impl<D: Difference> ImageDriven<D> {
         mesh: &WorkingMesh,
         control: Control,
     ) -> Result<CameraState<D>, Cancelled> {
-        let view =
-            LayeredView::new(lens, self.options.sides, self.options.background, mesh, control)?;
+        let view = LayeredView::new(lens, &self.options, self.colors.as_ref(), mesh, control)?;
         let kept = self.difference.keep(&view.picture);
         Ok(CameraState { view, kept, n_seen: 0 })
     }
@@ -238,7 +257,14 @@ impl<D: Difference> Cost for ImageDriven<D> {
 
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         // Threads that have had something to do just before are awake for the cameras.
-        let proposed = |proposal| Change::proposed(mesh, proposal);
+        let proposed = |proposal| {
+            let mut change = Change::proposed(mesh, proposal);
+            if let Some(colors) = &self.colors {
+                let given = batch.attributes(proposal);
+                change.colors = colors.proposed(mesh, proposal, given, &change.new);
+            }
+            change
+        };
         let changes: Vec<Change> =
             batch.proposals.par_iter().with_min_len(8).map(proposed).collect();
         let of_camera = |camera| self.ask(camera, mesh, &changes);
@@ -261,7 +287,11 @@ impl<D: Difference> Cost for ImageDriven<D> {
                 watched.get_mut().unwrap_or_else(PoisonError::into_inner).n_seen = 0;
             }
         }
-        let change = Change::made(mesh, collapse, |face| self.faces[face as usize]);
+        let mut change = Change::made(mesh, collapse, |face| self.faces[face as usize]);
+        if let Some(colors) = &self.colors {
+            let color = |new: &PatchFace| colors.of_face(mesh, FaceId(new.face));
+            change.colors = change.new.iter().map(color).collect();
+        }
         for new in &change.new {
             self.faces[new.face as usize] = new.vertices;
         }

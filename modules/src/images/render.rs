@@ -1,14 +1,14 @@
-//! Takes pictures of a mesh: see `geometry/render` for what a pixel is.
+//! Takes pictures of a mesh: see `picture/render` for what a pixel is.
 
 use crate::data::PixelKind;
-use crate::picture::render::{Frame, NormalSource, Paint, Surface, pictures};
+use crate::picture::missing::missing_colors;
+use crate::picture::render::{
+    Albedo, Frame, MAX_SIZE, NormalSource, PictureOptions, Surface, pictures,
+};
 use crate::picture::view::{View, ViewDefaults, ViewParams, n_unseen};
 use crate::prelude::*;
 
-const MESH_IN: In<TriMesh> = In::new(
-    "mesh",
-    "The mesh to look at. Its colors are in the layer \"color\", or come from the texture.",
-);
+const MESH_IN: In<TriMesh> = In::new("mesh", "The mesh to look at.");
 const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
     "frame",
     "The mesh that the cameras are placed around, to see several meshes from the same places; \
@@ -16,12 +16,13 @@ const FRAME_IN: MaybeIn<TriMesh> = MaybeIn::new(
 );
 const TEXTURE_IN: MaybeIn<Images> = MaybeIn::new(
     "texture",
-    "A picture on the surface, by the layer \"texcoord\"; the first of several. It takes the place \
-     of the layer \"color\".",
+    "A picture on all of the surface, by the layer \"texcoord\"; the first of several. It takes the \
+     place of what albedo names.",
 );
 const VIEW: ViewParams = ViewParams::new(ViewDefaults {
     cameras: "Rhombicuboctahedron",
     resolution: 512,
+    albedo: "Colors",
     shading: "Gouraud",
     sides: "Both",
     background: 0,
@@ -33,6 +34,13 @@ const CAMERA: Param<Option<i64>> = Param::maybe_integer(
 )
 .between((0, 9_999))
 .mostly((0, 23));
+const SAMPLES: Param<i64> = Param::integer(
+    "samples",
+    "Samples along each side of a pixel, which is their average: 1 leaves edges jagged, 4 makes \
+     them smooth and takes up to 16 times as long.",
+    1,
+)
+.between((1, 8));
 const NORMALS: Param<NormalSource> =
     Param::one_of("normals", "Where the normals for Gouraud shading come from.", "Faces");
 const GRAY: Param<bool> = Param::flag(
@@ -60,11 +68,13 @@ pub static MODULE: Module = Module {
         VIEW.cameras.spec(),
         CAMERA.spec(),
         VIEW.resolution.spec(),
+        VIEW.albedo.spec(),
         VIEW.shading.spec(),
         NORMALS.spec(),
         VIEW.sides.spec(),
         VIEW.background.spec(),
         GRAY.spec(),
+        SAMPLES.spec(),
     ],
     run,
 };
@@ -74,12 +84,15 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let view = VIEW.read(io.settings())?;
     let numbers = numbers(io, &view)?;
     let texture = io.maybe(TEXTURE_IN);
-    let paint = paint(io, &mesh, texture.as_deref());
+    let albedo = albedo(io, &mesh, view.albedo, texture.as_deref());
     let control = io.control();
     let normals = io.param(NORMALS)?;
-    let surface = Surface::new(&mesh, view.shading, normals, paint, control.part(0.0, 0.1))?;
+    let surface = Surface::new(&mesh, view.shading, normals, albedo, control.part(0.0, 0.1))?;
     let is_gray = io.param(GRAY)? || !surface.is_colored();
-    let options = view.pictures(if is_gray { PixelKind::Gray } else { PixelKind::Rgb });
+    let samples = samples(io, &view)?;
+    let kind = if is_gray { PixelKind::Gray } else { PixelKind::Rgb };
+    let options = PictureOptions { samples, ..view.pictures(kind) };
+    io.reserve(needs(&mesh, numbers.len(), &options))?;
     let frame_mesh = io.maybe(FRAME_IN);
     let frame = Frame::around(view.cameras, frame_mesh.as_deref().unwrap_or(&mesh));
     let images = match frame {
@@ -99,6 +112,18 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     Ok(())
 }
 
+/// Bytes that pictures of so many cameras take, with what is drawn into on each thread.
+fn needs(mesh: &TriMesh, n_cameras: usize, options: &PictureOptions) -> usize {
+    /// The nearest face and its depth, and the picture itself.
+    const BYTES_A_SAMPLE: usize = 16;
+    /// A corner in the picture.
+    const BYTES_A_VERTEX: usize = 12;
+    let n_pixels = options.size * options.size;
+    let n_samples = n_pixels * options.samples * options.samples;
+    let of_thread = n_samples * BYTES_A_SAMPLE + mesh.positions.len() * BYTES_A_VERTEX;
+    n_cameras * n_pixels * options.kind.n_bytes() + rayon::current_num_threads() * of_thread
+}
+
 /// The cameras to take pictures with.
 fn numbers(io: &Io, view: &View) -> Result<Vec<usize>, ModuleError> {
     let n = view.cameras.len();
@@ -113,20 +138,44 @@ fn numbers(io: &Io, view: &View) -> Result<Vec<usize>, ModuleError> {
     }
 }
 
-/// What colors the surface.
-fn paint<'a>(io: &Io, mesh: &TriMesh, texture: Option<&'a Images>) -> Paint<'a> {
-    let Some(texture) = texture else { return Paint::Layer };
-    if texture.0.len() > 1 {
-        io.warn(format!("the first of {} textures is used", texture.0.len()));
+/// Samples along each side of a pixel.
+fn samples(io: &Io, view: &View) -> Result<usize, ModuleError> {
+    let samples = io.param(SAMPLES)? as usize;
+    if view.size * samples <= MAX_SIZE {
+        return Ok(samples);
     }
-    match texture.0.first() {
-        None => Paint::Layer,
-        Some(_) if mesh.layer(Layer::TEXCOORD).is_none() => {
-            io.warn("the mesh has no layer \"texcoord\", so the texture is not used");
-            Paint::Layer
+    let most = MAX_SIZE / view.size;
+    let message = format!(
+        "{samples} samples a pixel of pictures with {} pixels a side are more than {MAX_SIZE} a \
+         row; take at most {most}",
+        view.size
+    );
+    Err(ModuleError::param(&SAMPLES, message))
+}
+
+/// What colors the surface: the texture that is given, or else what the view says.
+fn albedo<'a>(
+    io: &Io,
+    mesh: &TriMesh,
+    of_view: Albedo<'a>,
+    texture: Option<&'a Images>,
+) -> Albedo<'a> {
+    let texture = texture.map_or(&[][..], |texture| &texture.0);
+    if texture.len() > 1 {
+        io.warn(format!("the first of {} textures is used", texture.len()));
+    }
+    match texture.first() {
+        Some(image) if mesh.layer(Layer::TEXCOORD).is_some() => return Albedo::Picture(image),
+        Some(_) => io.warn("the mesh has no layer \"texcoord\", so the texture is not used"),
+        // A mesh without a layer of colors is white as it always was.
+        None if of_view == Albedo::Textures => {
+            for missing in missing_colors(mesh, of_view) {
+                io.warn(format!("the mesh {missing}"));
+            }
         }
-        Some(image) => Paint::Texture(image),
+        None => {}
     }
+    of_view
 }
 
 #[cfg(test)]
@@ -134,8 +183,8 @@ mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
 
-    use crate::data::{Image, PixelKind};
-    use crate::mesh::fixtures::{cube, mesh_of};
+    use crate::data::{Image, LayerValues, PixelKind};
+    use crate::mesh::fixtures::{cube, mesh_of, textured_square};
     use crate::prelude::*;
 
     fn trial(mesh: TriMesh) -> Trial {
@@ -157,6 +206,35 @@ mod tests {
         assert_eq!(error.to_string(), message);
         let many = serde_json::json!({ "Fibonacci": { "n": 7 } });
         assert_eq!(images(trial(cube(DVec3::ZERO)).set("cameras", many)).len(), 7);
+    }
+
+    #[test]
+    fn a_direction_fills_the_picture_and_samples_smooth_its_edges() {
+        let seen = |samples: i64| {
+            let direction = serde_json::json!({ "Direction": { "from": "Front" } });
+            let trial = trial(cube(DVec3::ZERO)).set("cameras", direction).set("shading", "Unlit");
+            images(trial.set("samples", samples).set("resolution", 40)).remove(0)
+        };
+        // The front of the cube takes 0.95 of 40 pixels a side, 38 × 38, and a pixel has one value.
+        let one = seen(1);
+        assert_eq!(one.bytes.iter().filter(|byte| **byte > 0).count(), 38 * 38);
+        assert_eq!(one, seen(8), "its edges are those of pixels");
+        // 0.95 of 30 pixels is 28.5: 2 × 2 samples of 60 leave 1.5 of them dark on each side.
+        let direction = serde_json::json!({ "Direction": { "from": "Front" } });
+        let trial = trial(cube(DVec3::ZERO)).set("cameras", direction).set("shading", "Unlit");
+        let smooth = images(trial.set("samples", 4).set("resolution", 30)).remove(0);
+        let row: Vec<u8> = smooth.bytes[15 * 30..16 * 30].to_vec();
+        // A quarter of the first pixel is covered: 0.75 to 1 of it, one sample of four.
+        let (edge, inside) = (f64::from(row[0]), f64::from(row[15]));
+        assert!((edge - 0.25 * inside).abs() <= 1.0, "{row:?}");
+        assert_eq!((row[0], row[1]), (row[29], row[15]));
+    }
+
+    #[test]
+    fn too_many_samples_are_refused() {
+        let error = trial(cube(DVec3::ZERO)).set("resolution", 4096).set("samples", 4).run();
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("take at most 2"), "{message}");
     }
 
     #[test]
@@ -196,7 +274,7 @@ mod tests {
             ["warning: the mesh has no layer \"texcoord\", so the texture is not used"]
         );
         let mut mesh = cube(DVec3::ZERO);
-        let values = crate::data::LayerValues::Vec3(vec![DVec3::new(1.0, 0.5, 0.0)]);
+        let values = LayerValues::Vec3(vec![DVec3::new(1.0, 0.5, 0.0)]);
         let name = Layer::COLOR.to_owned();
         mesh.set_layer(Layer { name, domain: Domain::Face, values, index: vec![0; 12] });
         let white = images(trial(cube(DVec3::ZERO)).set("shading", "Flat"));
@@ -218,5 +296,52 @@ mod tests {
         let is_color = |pixel: &[u8]| [[255, 127, 0], [255, 128, 0]].iter().any(|c| pixel == c);
         assert!(pixels().all(|pixel| pixel == [0; 3] || is_color(pixel)));
         assert!(pixels().filter(|pixel| is_color(pixel)).count() > 100);
+    }
+
+    #[test]
+    fn each_material_has_its_own_texture() {
+        let picture = |color: [u8; 3]| Image {
+            name: String::new(),
+            width: 1,
+            height: 1,
+            kind: PixelKind::Rgb,
+            bytes: color.to_vec(),
+        };
+        let mut mesh = textured_square(picture([200, 0, 0]));
+        let mut other = textured_square(picture([0, 0, 90])).materials.swap_remove(0);
+        "other".clone_into(&mut other.name);
+        mesh.materials.push(other);
+        let names = LayerValues::Label(["paint", "other"].map(str::to_owned).to_vec());
+        let layer = |index| Layer {
+            name: Layer::MATERIAL.to_owned(),
+            domain: Domain::Face,
+            values: names.clone(),
+            index,
+        };
+        mesh.set_layer(layer(vec![0, 1]));
+        let taken = || {
+            trial(mesh.clone())
+                .set("albedo", "Textures")
+                .set("shading", "Unlit")
+                .set("background", 7)
+        };
+        let pictures = images(taken());
+        let n_of = |pictures: &[Image], color: [u8; 3]| {
+            let pixels = pictures.iter().flat_map(|picture| picture.bytes.chunks_exact(3));
+            pixels.filter(|pixel| *pixel == color).count()
+        };
+        let [n_red, n_blue] = [[200, 0, 0], [0, 0, 90]].map(|color| n_of(&pictures, color));
+        assert!(n_red > 1000 && n_red.abs_diff(n_blue) < n_red / 20, "{n_red} and {n_blue}");
+        assert_eq!(n_red + n_blue + n_of(&pictures, [7; 3]), 24 * 32 * 32);
+        assert!(taken().log().unwrap().is_empty());
+        // A picture that is linked in lies on all faces.
+        let given = || Images(vec![picture([9, 90, 9])]);
+        let pictures = images(taken().input("texture", given()));
+        assert_eq!(n_of(&pictures, [9, 90, 9]), n_red + n_blue);
+        // White is white whatever the mesh carries.
+        let white = images(taken().set("albedo", "White"));
+        assert_eq!(white[0].kind, PixelKind::Gray);
+        let lines = trial(cube(DVec3::ZERO)).set("albedo", "Textures").log().unwrap();
+        assert!(lines[0].starts_with("warning: the mesh has no texture"), "{lines:?}");
     }
 }

@@ -1,8 +1,13 @@
 //! Small meshes with known properties, for tests and benches.
 
-use glam::DVec3;
+use std::sync::Arc;
 
-use crate::data::{TriMesh, VertexId};
+use glam::{DVec2, DVec3};
+
+use crate::data::{
+    Domain, FaceId, Image, Layer, LayerValues, Material, Texture, TextureImage, TextureRole,
+    TriMesh, VertexId,
+};
 
 /// A mesh from plain arrays.
 pub fn mesh_of(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> TriMesh {
@@ -48,4 +53,44 @@ pub fn torus(radius: f64, tube_radius: f64, n: u32) -> TriMesh {
         })
         .collect();
     mesh_of(&points, &faces)
+}
+
+/// The square from (0, 0, 0) to (1, 1, 0) in two triangles, with a picture all over it.
+pub fn textured_square(image: Image) -> TriMesh {
+    let square = mesh_of(
+        &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+        &[[0, 1, 2], [0, 2, 3]],
+    );
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+    let texcoords: Vec<DVec2> = square.faces.iter().flatten().map(|v| corners[v.idx()]).collect();
+    textured(square, image, |FaceId(face), k| texcoords[3 * face as usize + k])
+}
+
+/// A mesh with one material for all of its faces, whose texture is laid on by the texture
+/// coordinates of each face's corners.
+pub fn textured(
+    mut mesh: TriMesh,
+    image: Image,
+    texcoord: impl Fn(FaceId, usize) -> DVec2,
+) -> TriMesh {
+    let n_faces = mesh.faces.len() as u32;
+    let corners = (0..n_faces).flat_map(|face| [0, 1, 2].map(|k| (FaceId(face), k)));
+    let texcoords = corners.map(|(face, k)| texcoord(face, k)).collect();
+    let layer =
+        |name: &str, domain, values, index| Layer { name: name.to_owned(), domain, values, index };
+    let all = (0..3 * n_faces).collect();
+    mesh.set_layer(layer(Layer::TEXCOORD, Domain::Corner, LayerValues::Vec2(texcoords), all));
+    let names = LayerValues::Label(vec!["paint".to_owned()]);
+    mesh.set_layer(layer(Layer::MATERIAL, Domain::Face, names, vec![0; n_faces as usize]));
+    let texture = Texture {
+        role: TextureRole::BaseColor,
+        keyword: "map_Kd".to_owned(),
+        options: String::new(),
+        name: "t.png".to_owned(),
+        place: 0,
+        image: Some(Arc::new(TextureImage::new(image))),
+    };
+    mesh.materials =
+        vec![Material { name: "paint".to_owned(), textures: vec![texture], ..Material::default() }];
+    mesh
 }

@@ -86,8 +86,8 @@ const DIAGONAL: Quantity = Quantity::new("diagonal", "Diagonal of the box of the
 const QUANTITIES: &[Quantity] = &[
     MAX,
     RMS,
-    MAX_RELATIVE,
     RMS_RELATIVE,
+    MAX_RELATIVE,
     MEAN,
     MEAN_RELATIVE,
     MAX_UPPER_BOUND,
@@ -195,8 +195,8 @@ fn scalars(found: &Hausdorff) -> Vec<Measure> {
     let both = found;
     put(MAX, both.max());
     put(RMS, both.rms());
-    put(MAX_RELATIVE, relative(both.max()));
     put(RMS_RELATIVE, relative(both.rms()));
+    put(MAX_RELATIVE, relative(both.max()));
     put(MEAN, both.mean());
     put(MEAN_RELATIVE, relative(both.mean()));
     if let Some(bound) = both.max_upper_bound() {

@@ -1,4 +1,4 @@
-//! How pictures of the two meshes differ: the root mean square of their luminance.
+//! How pictures of the two meshes differ: the root mean square of their values.
 //!
 //! P. Lindstrom and G. Turk, "Image-driven simplification", ACM Transactions on Graphics 19(3),
 //! 2000, section 6: white surfaces, a light at the camera, 24 cameras at the vertices of a
@@ -8,6 +8,10 @@
 //! Faces are lit by their own normals (`Flat`), so that the value depends on the two surfaces alone
 //! and not on how normals are averaged, and both sides are drawn, so that open surfaces are not
 //! invisible for half of the cameras.
+//!
+//! Surfaces are white unless `albedo` says otherwise. Pictures in color differ by their red, green
+//! and blue display values (as in an sRGB file), and the mean is over these as over pixels, so that
+//! gray pictures have the value that they have in color; the paper compares luminance.
 
 use mve_core::{Control, Entry};
 
@@ -17,11 +21,14 @@ use crate::data::{Image, Images, Measure};
 use crate::picture::view::View;
 use crate::prelude::*;
 
-const RMS: Quantity = Quantity::new("rms", "Root mean square over all pixels and cameras.")
-    .titled("RMS of pictures")
-    .in_unit(LUMINANCE)
-    .lower()
-    .chief();
+const RMS: Quantity = Quantity::new(
+    "rms",
+    "Root mean square over all pixels and cameras, and over red, green and blue in color.",
+)
+.titled("RMS of pictures")
+.in_unit(LUMINANCE)
+.lower()
+.chief();
 const PSNR: Quantity = Quantity::new(
     "psnr",
     "Peak signal to noise ratio, 20 log10(255 / rms); infinite for equal pictures.",
@@ -40,7 +47,8 @@ const LUMINANCE: Unit = Unit::Fixed("of 255");
 
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "ImageRms",
-    summary: "Root mean square difference of luminance in pictures from all around, 0 to 255.",
+    summary: "Root mean square difference of pictures from all around, of luminance or of colors, 0 \
+              to 255.",
     params: &VIEW.specs(),
     build: MakeMetric {
         quantities: &[RMS, PSNR, RMS_OF_CAMERA],
@@ -49,7 +57,7 @@ pub static METRIC: Entry<MakeMetric> = Entry {
 };
 
 /// The metric with its view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageRmsMetric {
     /// How pictures are taken.
     pub view: View,
@@ -67,13 +75,14 @@ impl Metric for ImageRmsMetric {
         let (pair, warnings) = take_pair(&self.view, original, simplified, control)?;
         let both = pair.original.0.iter().zip(&pair.simplified.0);
         let differences: Vec<Image> = both.map(|(a, b)| difference(a, b)).collect();
-        let n_pixels = (self.view.size * self.view.size) as f64;
+        // Of one picture: pixels, or three times as many in color.
+        let n_values = pair.original.0.first().map_or(1, |image| image.bytes.len()) as f64;
         let errors: Vec<u64> = differences.iter().map(sum_of_squares).collect();
-        let rms = (errors.iter().sum::<u64>() as f64 / (n_pixels * errors.len() as f64)).sqrt();
+        let rms = (errors.iter().sum::<u64>() as f64 / (n_values * errors.len() as f64)).sqrt();
         let mut scalars =
             vec![Measure::of(&RMS, rms), Measure::of(&PSNR, 20.0 * (255.0 / rms).log10())];
         scalars.extend(errors.iter().enumerate().map(|(camera, &error)| {
-            Measure::nth(&RMS_OF_CAMERA, camera, (error as f64 / n_pixels).sqrt())
+            Measure::nth(&RMS_OF_CAMERA, camera, (error as f64 / n_values).sqrt())
         }));
         Ok(Comparison {
             scalars,

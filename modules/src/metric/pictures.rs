@@ -4,12 +4,14 @@ use mve_core::Control;
 
 use super::{MeshRole, MetricError};
 use crate::data::TriMesh;
+use crate::picture::missing::missing_colors;
 use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 
 /// The view of all metrics on pictures.
 pub const VIEW: ViewParams = ViewParams::new(ViewDefaults {
     cameras: "Rhombicuboctahedron",
     resolution: 512,
+    albedo: "White",
     shading: "Flat",
     sides: "Both",
     background: 0,
@@ -31,7 +33,8 @@ pub fn take_pair(
     for (name, mesh) in [("original", original), ("simplified", simplified)] {
         match (mesh.faces.len(), n_unseen(mesh)) {
             (0, _) => {
-                warnings.push(format!("the {name} mesh has no faces; its pictures are empty"))
+                warnings.push(format!("the {name} mesh has no faces; its pictures are empty"));
+                continue;
             }
             (_, 0) => {}
             (_, n) => warnings.push(format!(
@@ -39,6 +42,8 @@ pub fn take_pair(
                  picture"
             )),
         }
+        let missing = missing_colors(mesh, view.albedo).into_iter();
+        warnings.extend(missing.map(|missing| format!("the {name} mesh {missing}")));
     }
     Ok((pair, warnings))
 }

@@ -7,13 +7,14 @@ use glam::DVec3;
 use super::*;
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 use crate::metric::Metric;
-use crate::picture::render::{CameraSet, Shading, Sides};
+use crate::picture::render::{Albedo, CameraSet, Shading, Sides};
 
 /// A view that takes little time.
 pub fn small() -> View {
     View {
         cameras: CameraSet::Rhombicuboctahedron,
         size: 48,
+        albedo: Albedo::White,
         shading: Shading::Flat,
         sides: Sides::Both,
         background: 0,

@@ -4,6 +4,7 @@ pub mod cameras;
 pub mod color_map;
 pub mod color_scale;
 pub mod contact_sheet;
+pub mod missing;
 pub mod render;
 pub mod ssim;
 pub mod text;

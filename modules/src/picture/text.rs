@@ -15,7 +15,7 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
 
 use crate::data::{Image, PixelKind};
-use crate::picture::render::NTSC_THOUSANDTHS;
+use crate::picture::render::luma_of;
 
 /// The font's measures in pixels.
 pub struct Font;
@@ -68,19 +68,12 @@ impl DrawTarget for Canvas<'_> {
             let place = y * image.width + x;
             let [r, g, b] = [color.r(), color.g(), color.b()];
             match image.kind {
-                PixelKind::Gray => image.bytes[place] = luminance([r, g, b]),
+                PixelKind::Gray => image.bytes[place] = luma_of([r, g, b]),
                 PixelKind::Rgb => image.bytes[3 * place..3 * place + 3].copy_from_slice(&[r, g, b]),
             }
         }
         Ok(())
     }
-}
-
-/// The luma of a display color by the NTSC weights, rounded.
-pub fn luminance([r, g, b]: [u8; 3]) -> u8 {
-    let [red, green, blue] = NTSC_THOUSANDTHS;
-    let sum = red * u32::from(r) + green * u32::from(g) + blue * u32::from(b);
-    ((sum + 500) / 1000) as u8
 }
 
 #[cfg(test)]
@@ -99,6 +92,5 @@ mod tests {
         draw_text(&mut image, "nowhere", [usize::MAX, usize::MAX], [0; 3]);
         let mut empty = Image::filled("a", [0, 0], PixelKind::Rgb, 0);
         draw_text(&mut empty, "nothing", [0, 0], [9; 3]);
-        assert_eq!(luminance([255, 255, 255]), 255);
     }
 }

@@ -12,7 +12,7 @@ use mve_core::{
 use crate::data::{Images, PixelKind, TriMesh};
 use crate::picture::cameras::{CAMERA_SETS, MakeCameras};
 use crate::picture::render::{
-    CameraSet, Frame, NormalSource, Paint, PictureOptions, Shading, Sides, Surface,
+    Albedo, CameraSet, Frame, NormalSource, PictureOptions, Shading, Sides, Surface,
 };
 
 impl Enumeration for Shading {
@@ -32,13 +32,31 @@ impl Enumeration for Sides {
     const VALUES: &'static [Self] = &[Self::Both, Self::Front];
 }
 
+impl Enumeration for Albedo<'static> {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("White", "White everywhere: pictures show shape alone."),
+        (
+            "Colors",
+            "The layer \"color\", of vertices, corners or faces; white where there is none.",
+        ),
+        (
+            "Textures",
+            "The base color of each face's material: its texture by the layer \"texcoord\", else \
+             its diffuse color (Kd). Faces of neither are as in Colors.",
+        ),
+    ];
+    const VALUES: &'static [Self] = &[Self::White, Self::Colors, Self::Textures];
+}
+
 /// How pictures are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// From where.
     pub cameras: CameraSet,
     /// With how many pixels a side.
     pub size: usize,
+    /// What colors the surface.
+    pub albedo: Albedo<'static>,
     /// How the surface is lit.
     pub shading: Shading,
     /// Which sides of it are drawn.
@@ -54,6 +72,8 @@ pub struct ViewDefaults {
     pub cameras: &'static str,
     /// Pixels a side.
     pub resolution: i64,
+    /// Name of what colors the surface.
+    pub albedo: &'static str,
     /// Name of a shading.
     pub shading: &'static str,
     /// Name of the sides.
@@ -68,6 +88,8 @@ pub struct ViewParams {
     pub cameras: ChoiceParam<MakeCameras>,
     /// Pixels a side.
     pub resolution: Param<i64>,
+    /// What colors the surface.
+    pub albedo: Param<Albedo<'static>>,
     /// How the surface is lit.
     pub shading: Param<Shading>,
     /// Which sides of it are drawn.
@@ -83,7 +105,7 @@ impl ViewParams {
             cameras: ChoiceParam::new(
                 "cameras",
                 "Where pictures are taken from: directions from the center of the box around the \
-                 mesh, one diagonal of the box away.",
+                 mesh, one diagonal of the box away; a single Direction is fitted to the picture.",
                 &CAMERA_SETS,
                 defaults.cameras,
             ),
@@ -95,6 +117,11 @@ impl ViewParams {
             .between((16, 4096))
             .mostly((64, 1024))
             .unit("pixels"),
+            albedo: Param::one_of(
+                "albedo",
+                "What colors the surface before light falls on it.",
+                defaults.albedo,
+            ),
             shading: Param::one_of("shading", "How the surface is lit.", defaults.shading),
             sides: Param::one_of("sides", "Which sides of faces are drawn.", defaults.sides),
             background: Param::integer(
@@ -108,10 +135,11 @@ impl ViewParams {
     }
 
     /// For the list of parameters of a module or entry.
-    pub const fn specs(&self) -> [ParamSpec; 5] {
+    pub const fn specs(&self) -> [ParamSpec; 6] {
         [
             self.cameras.spec(),
             self.resolution.spec(),
+            self.albedo.spec(),
             self.shading.spec(),
             self.sides.spec(),
             self.background.spec(),
@@ -132,6 +160,7 @@ impl ViewParams {
         let view = View {
             cameras: self.read_cameras(settings)?,
             size: settings.get(&self.resolution)? as usize,
+            albedo: settings.get(&self.albedo)?,
             shading: settings.get(&self.shading)?,
             sides: settings.get(&self.sides)?,
             background: settings.get(&self.background)? as u8,
@@ -167,12 +196,12 @@ impl View {
     /// What the pictures are like.
     pub fn pictures(&self, kind: PixelKind) -> PictureOptions {
         let Self { size, sides, background, .. } = *self;
-        PictureOptions { size, sides, background, kind }
+        PictureOptions { size, sides, background, kind, samples: 1 }
     }
 
-    /// Gray pictures of both meshes as white surfaces, from cameras around the original; normals of
-    /// both are computed from their faces. `None` where the original's box has no size or is not
-    /// finite.
+    /// Pictures of both meshes, from cameras around the original; normals of both are computed from
+    /// their faces. In color if either of them has colors, else gray. `None` where the original's
+    /// box has no size or is not finite.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
@@ -183,15 +212,19 @@ impl View {
         control: Control,
     ) -> Result<Option<Pair>, Cancelled> {
         let Some(frame) = Frame::around(self.cameras, original) else { return Ok(None) };
-        let take = |mesh: &TriMesh, control: Control| {
-            let (normals, paint) = (NormalSource::Faces, Paint::White);
-            let prepared = control.part(0.0, 0.1);
-            let surface = Surface::new(mesh, self.shading, normals, paint, prepared)?;
-            frame.pictures(&surface, &self.pictures(PixelKind::Gray), control.part(0.1, 1.0))
+        let surface = |mesh, [from, to]: [f64; 2]| {
+            let (faces, control) = (NormalSource::Faces, control.part(from, to));
+            Surface::new(mesh, self.shading, faces, self.albedo, control)
+        };
+        let surfaces = [surface(original, [0.0, 0.05])?, surface(simplified, [0.05, 0.1])?];
+        let is_colored = surfaces.iter().any(Surface::is_colored);
+        let options = self.pictures(if is_colored { PixelKind::Rgb } else { PixelKind::Gray });
+        let take = |surface, [from, to]: [f64; 2]| {
+            frame.pictures(surface, &options, control.part(from, to))
         };
         Ok(Some(Pair {
-            original: take(original, control.part(0.0, 0.5))?,
-            simplified: take(simplified, control.part(0.5, 1.0))?,
+            original: take(&surfaces[0], [0.1, 0.55])?,
+            simplified: take(&surfaces[1], [0.55, 1.0])?,
         }))
     }
 }
@@ -211,6 +244,7 @@ mod tests {
     const VIEW: ViewParams = ViewParams::new(ViewDefaults {
         cameras: "Dodecahedron",
         resolution: 64,
+        albedo: "White",
         shading: "Flat",
         sides: "Both",
         background: 0,
@@ -222,6 +256,7 @@ mod tests {
         let expected = View {
             cameras: CameraSet::Dodecahedron,
             size: 64,
+            albedo: Albedo::White,
             shading: Shading::Flat,
             sides: Sides::Both,
             background: 0,

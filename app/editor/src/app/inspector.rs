@@ -72,7 +72,13 @@ fn several(
             ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
         }
         let from_link = |path: &str| linked(path).then(|| "links".to_owned());
-        let form = Form { id: module, given: &given, wants_focus: false, link_of: &from_link };
+        let form = Form {
+            id: module,
+            given: &given,
+            wants_focus: false,
+            link_of: &from_link,
+            counts: &[],
+        };
         for event in form.show(ui, info.module.params) {
             wishes.push(Wish::Canvas(match event {
                 FormEvent::Set { path, value } => {
@@ -184,7 +190,13 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             let is_it = |link: &&mve_core::Link| link.to.node == name && link.to.port == path;
             session.document.map().links.iter().find(is_it).map(|link| link.from.to_string())
         };
-        let form = Form { id: name, given: &node.params, wants_focus: false, link_of: &from_link };
+        let form = Form {
+            id: name,
+            given: &node.params,
+            wants_focus: false,
+            link_of: &from_link,
+            counts: &session.counts(name),
+        };
         let events = form.show(ui, module.params);
         wishes.extend(
             events.into_iter().map(|event| Wish::Canvas(Action::Form(name.to_owned(), event))),

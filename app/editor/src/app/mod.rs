@@ -45,6 +45,7 @@ const LOOK_AT_FILES: Duration = Duration::from_secs(2);
 enum Lower {
     Console,
     Values,
+    Sheet,
     Program,
 }
 

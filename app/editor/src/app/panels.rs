@@ -6,6 +6,7 @@ use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
 
 use super::{Command, Editor, Lower, Middle, Wish, console, files, inspector};
 use crate::canvas::{Action, Scene};
+use crate::document::Edit;
 use crate::drag::DraggedParam;
 use crate::views::ViewerAction;
 
@@ -21,7 +22,7 @@ impl Editor {
         // A program needs more room than the log; each keeps the height that it was given.
         let (name, height) = match self.lower {
             Lower::Program => ("program", 400.0),
-            Lower::Console | Lower::Values => ("lower", 230.0),
+            Lower::Console | Lower::Values | Lower::Sheet => ("lower", 230.0),
         };
         // Whatever the window's size, some of the canvas stays in sight.
         let most = (ui.available_height() * 0.65).max(90.0);
@@ -33,6 +34,10 @@ impl Editor {
             match lower {
                 Lower::Console => console.show(ui, session, wishes),
                 Lower::Values => console::values(ui, session, shared, wishes),
+                Lower::Sheet => {
+                    let pinned = session.pinned_values();
+                    session.viewer.show_sheet(ui, &pinned);
+                }
                 Lower::Program => {
                     let (programs, scene) = session.programs(shared);
                     let actions = programs.show(ui, &scene);
@@ -108,6 +113,7 @@ impl Editor {
         ui.push_id(session.document.id(), |ui| {
             // All maps of a window are looked at in one way.
             session.viewer.meshes.set_look(&self.settings.meshes);
+            session.viewer.meshes.set_kept(&session.document.extras().kept);
             let actions = session.viewer.show(ui, &pinned, render.as_ref());
             self.settings.meshes = session.viewer.meshes.look();
             for action in actions {
@@ -116,6 +122,11 @@ impl Editor {
                         let port = session.pinned.get_index(place).cloned();
                         wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
                     }
+                    ViewerAction::Keep(edit) => {
+                        wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
+                    }
+                    // The viewer has done that.
+                    ViewerAction::Pick(_) => {}
                     ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),
                 }
             }

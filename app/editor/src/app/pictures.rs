@@ -2,16 +2,22 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, DragValue, Modal, TextEdit, Ui};
+use eframe::egui::{self, ComboBox, DragValue, Modal, TextEdit, Ui, WidgetInfo, WidgetType};
 
 use super::Editor;
 use super::files::typed_path;
-use crate::views::{Still, StillOptions};
+use crate::document::Edit;
+use crate::kept::{KeptEdit, Shelf};
+use crate::views::{NamedView, Still, StillOptions};
 
 /// What is asked before a picture is saved.
 pub struct PictureForm {
     path: String,
     options: StillOptions,
+    /// The kept view that it shows; `None` is what is seen.
+    view: Option<String>,
+    /// The name under which the view, with the size of its picture, is to be kept.
+    keep_as: String,
 }
 
 impl Default for PictureForm {
@@ -20,7 +26,20 @@ impl Default for PictureForm {
         let names = std::iter::once("view.png".to_owned());
         let mut names = names.chain((2..).map(|n| format!("view-{n}.png")));
         let path = names.find(|name| !Path::new(name).exists()).unwrap_or_default();
-        Self { path, options: StillOptions { size: [1920, 1080], is_transparent: false } }
+        let options = StillOptions { size: [1920, 1080], is_transparent: false, height: None };
+        Self { path, options, view: None, keep_as: String::new() }
+    }
+}
+
+impl PictureForm {
+    /// Turns to a kept view, with the size that its pictures have.
+    fn turn_to(&mut self, name: &str, view: &NamedView) {
+        (self.view, self.keep_as) = (Some(name.to_owned()), name.to_owned());
+        self.options = view.picture.unwrap_or(self.options);
+        // What no system takes in a name of a file.
+        let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|"#.contains(c);
+        let file: String = name.chars().map(|c| if is_safe(c) { c } else { '_' }).collect();
+        self.path = format!("{}.png", file.trim_start_matches('.'));
     }
 }
 
@@ -35,7 +54,8 @@ impl Editor {
         let shown = Modal::new("picture".into()).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
             ui.heading("Save a picture of the meshes");
-            let PictureForm { path, options } = &mut form;
+            self.view_box(ui, &mut form);
+            let PictureForm { path, options, keep_as, .. } = &mut form;
             let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY));
             ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("path of the picture"));
             ui.horizontal(|ui| {
@@ -47,6 +67,15 @@ impl Editor {
                 }
             });
             ui.checkbox(&mut options.is_transparent, "Transparent background");
+            ui.horizontal(|ui| {
+                ui.label("Keep as view");
+                let field = TextEdit::singleline(keep_as).hint_text("no name: not kept");
+                let field = ui.add(field).on_hover_text(
+                    "Camera, colors, section and size stay in the map under this name, so that the \
+                     same figure can be made of other results",
+                );
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("keep as view"));
+            });
             if typed_path(path).exists() {
                 ui.colored_label(ui.visuals().warn_fg_color, "The file is there and is replaced.");
             }
@@ -63,6 +92,35 @@ impl Editor {
         (!shown.inner && !shown.should_close()).then_some(form)
     }
 
+    /// The list of views to show.
+    fn view_box(&self, ui: &mut Ui, form: &mut PictureForm) {
+        let kept = self.session().document.extras().kept.on(Shelf::Views);
+        let views = kept.iter().filter_map(|(name, it)| Some((name, NamedView::from_json(it)?)));
+        let views: Vec<_> = views.collect();
+        if views.is_empty() {
+            return;
+        }
+        const AS_SEEN: &str = "as it is seen";
+        let chosen = form.view.clone().unwrap_or_else(|| AS_SEEN.to_owned());
+        ui.horizontal(|ui| {
+            ui.label("View");
+            let list = ComboBox::from_id_salt("view of the picture").selected_text(&chosen);
+            let list = list.show_ui(ui, |ui| {
+                if ui.selectable_label(form.view.is_none(), AS_SEEN).clicked() {
+                    form.view = None;
+                }
+                for (name, view) in &views {
+                    let is_chosen = form.view.as_ref() == Some(*name);
+                    if ui.selectable_label(is_chosen, name.as_str()).clicked() {
+                        form.turn_to(name, view);
+                    }
+                }
+            });
+            let label = format!("view of the picture: {chosen}");
+            list.response.widget_info(|| WidgetInfo::labeled(WidgetType::ComboBox, true, &label));
+        });
+    }
+
     fn begin_picture(&mut self, ctx: &egui::Context, form: &PictureForm) {
         let Some(render) = self.render.clone() else {
             return self.toast("There is no GPU, and no software in its place, to draw with.");
@@ -73,7 +131,19 @@ impl Editor {
         }
         let session = self.session();
         let (view, pinned) = (&session.viewer.meshes, session.pinned_values());
-        let still = Still::new(view, pinned, ctx, &render, form.options);
+        let kept = session.document.extras().kept.on(Shelf::Views);
+        let named = form.view.as_ref().and_then(|name| NamedView::from_json(kept.get(name)?));
+        // So high that text is as large as it is now, also tomorrow in another window.
+        let height = form.options.height.unwrap_or(view.height().round() as u32);
+        let options = StillOptions { height: Some(height), ..form.options };
+        let still = Still::new(view, pinned, ctx, &render, (options, named.as_ref()));
+        let name = form.keep_as.trim().to_owned();
+        if !name.is_empty() {
+            let mut kept = named.unwrap_or_else(|| view.named_view());
+            kept.picture = Some(options);
+            let content = kept.to_json();
+            self.edit(&[Edit::Keep(KeptEdit::Put { shelf: Shelf::Views, name, content })]);
+        }
         self.stills.push((path, still));
     }
 

@@ -8,9 +8,10 @@ use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
+use crate::forms::Counts;
 use crate::programs::{ProgramPanel, ProgramScene};
 use crate::runner::{Line, Loudness, Part, Runner, Shared, Status, Subject};
-use crate::views::{Pinned, PortState, Viewer};
+use crate::views::{Pinned, PortState, Viewer, counts_of};
 
 /// One open map.
 pub struct Session {
@@ -86,14 +87,23 @@ impl Session {
         shared: &'a Shared,
     ) -> (&'a mut ProgramPanel, ProgramScene<'a>) {
         let file = self.document.path().map(|path| path.display().to_string());
+        let nodes = self.document.map().nodes.keys();
+        let counts = nodes.map(|node| (node.clone(), self.counts(node))).collect();
         let scene = ProgramScene {
             folder: self.folder(),
             map: self.document.map(),
             map_file: file.unwrap_or_default(),
             registry: &shared.registry,
             output_folder: &shared.output_folder,
+            counts,
         };
         (&mut self.programs, scene)
+    }
+
+    /// How many of each kind of elements there are in what a node takes.
+    pub fn counts(&self, node: &str) -> Counts {
+        let inputs = self.runner.inputs(self.document.map(), node);
+        inputs.iter().flat_map(counts_of).collect()
     }
 
     /// The map as the runner takes it.

@@ -14,6 +14,9 @@ const MOST_RECENT: usize = 12;
 /// Seconds that the pointer rests before words appear: less gets in the way of a hand at work.
 const TOOLTIP_SECS: f32 = 0.7;
 
+/// Points on both sides of a panel's edge from which it is dragged.
+const GRAB: f32 = 6.0;
+
 /// What the window remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -89,6 +92,9 @@ impl Settings {
         ctx.style_mut_of(egui::Theme::Dark, |style| {
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
         });
-        ctx.all_styles_mut(|style| style.interaction.tooltip_delay = TOOLTIP_SECS);
+        ctx.all_styles_mut(|style| {
+            style.interaction.tooltip_delay = TOOLTIP_SECS;
+            style.interaction.resize_grab_radius_side = GRAB;
+        });
     }
 }

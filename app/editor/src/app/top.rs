@@ -169,6 +169,8 @@ impl Editor {
         ui.checkbox(&mut canvas.snaps, "Snap to the grid");
         ui.checkbox(&mut canvas.wheel_zooms, "The wheel zooms")
             .on_hover_text("Off: it scrolls, and zooms with the control key.");
+        ui.checkbox(&mut canvas.shows_pictures, "Pictures on all nodes")
+            .on_hover_text("What each node gives, as a small picture (P for the selected nodes)");
         ui.checkbox(&mut canvas.shows_times, "Show where the time goes")
             .on_hover_text("Colors the title of each node by its part of the seconds: blue for little, red for most.");
         ui.separator();
@@ -225,6 +227,11 @@ impl Editor {
         for (lower, label, hint) in [
             (Lower::Program, "Program", "Runs of the map with varied parameters, as a table"),
             (Lower::Values, "Values", "All ports of the selected nodes and their values"),
+            (
+                Lower::Sheet,
+                "Spreadsheet",
+                "Vertices, corners and faces of what is shown, as a table",
+            ),
             (Lower::Console, "Console", "What modules said"),
         ] {
             let is_shown = self.is_lower_open && self.lower == lower;

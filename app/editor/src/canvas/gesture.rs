@@ -6,10 +6,10 @@ use mve_core::{Link, PortRef};
 use super::camera::{pos, rect_of};
 use super::insert::Insertion;
 use super::menu::{self, TextEntry};
-use super::paint::Brush;
+use super::paint::{Brush, FrameMark};
 use super::shape::Port;
 use super::{Action, Canvas, Scene};
-use crate::document::{Edit, Item, fits};
+use crate::document::{CanvasFrame, Edit, Item, fits};
 
 /// The grid that nodes come to rest on, in units of the canvas.
 const GRID: f64 = 10.0;
@@ -160,11 +160,23 @@ impl Canvas {
         let Item::Frame(name) = item else { return Vec::new() };
         let Some(frame) = scene.document.extras().frames.get(name) else { return Vec::new() };
         let rect = rect_of(frame.at, frame.size);
-        let nodes = self.shapes.nodes.iter().filter(|(_, shape)| rect.contains_rect(shape.rect()));
+        let nodes = self.shapes.nodes.iter().filter(|(_, shape)| holds(frame, shape.rect()));
         let notes =
             scene.document.extras().notes.iter().filter(|(_, note)| rect.contains(pos(note.at)));
         let nodes = nodes.map(|(name, _)| Item::Node(name.clone()));
         nodes.chain(notes.map(|(name, _)| Item::Note(name.clone()))).collect()
+    }
+
+    /// Whether a frame that stays holds a node where that is moved to.
+    fn holds_what_is_moved(&self, item: &Item, frame: &CanvasFrame) -> bool {
+        let Gesture::Move { items, by } = &self.gesture else { return false };
+        let is_moved = |item: &Item| items.iter().any(|(moved, _)| moved == item);
+        let held = |(moved, _): &(Item, [f64; 2])| {
+            let Item::Node(name) = moved else { return false };
+            let shape = self.shapes.nodes.get(name);
+            shape.is_some_and(|shape| holds(frame, shape.rect().translate(*by)))
+        };
+        !is_moved(item) && items.iter().any(held)
     }
 
     /// Frames and notes are drawn first: nodes lie over them.
@@ -184,7 +196,12 @@ impl Canvas {
             {
                 rect.max = (rect.max + *by).max(rect.min + Vec2::splat(60.0));
             }
-            brush.frame(frame, rect, selection.contains(&item));
+            let mark = match self.holds_what_is_moved(&item, frame) {
+                true => FrameMark::Holds,
+                false if selection.contains(&item) => FrameMark::Selected,
+                false => FrameMark::None,
+            };
+            brush.frame(frame, rect, mark);
             let title = Rect::from_min_size(rect.min, Vec2::new(rect.width(), 30.0));
             self.touch_box(ui, brush, scene, &item, &frame.title, title, actions);
             let corner = Rect::from_min_max(rect.max - Vec2::splat(CORNER), rect.max);
@@ -416,6 +433,12 @@ impl Canvas {
         items.extend(reroutes.map(|(name, _)| Item::Reroute(name.clone())));
         items
     }
+}
+
+/// Whether a frame holds a node that is drawn here.
+fn holds(frame: &CanvasFrame, node: Rect) -> bool {
+    let numbers = |x: f32, y: f32| [f64::from(x), f64::from(y)];
+    frame.holds(numbers(node.min.x, node.min.y), numbers(node.width(), node.height()))
 }
 
 /// Where a note is; its height follows its text.

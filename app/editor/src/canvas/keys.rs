@@ -27,6 +27,7 @@ pub const SHORTCUTS: &[(&str, &str)] = &[
     ("M", "mute: do not run"),
     ("B", "bypass: pass the input through"),
     ("H", "collapse to the title"),
+    ("P", "show a picture of what it gives"),
     ("G", "put a frame around the selection"),
     ("N", "add a note"),
     ("L", "arrange the selection, or all"),
@@ -134,6 +135,11 @@ impl Canvas {
                 let collapsed = &scene.document.extras().collapsed;
                 let is_collapsed = !nodes.iter().all(|node| collapsed.contains(node));
                 actions.push(Action::Edit(vec![Edit::SetCollapsed { nodes, is_collapsed }]));
+            }
+            Key::P if !nodes.is_empty() => {
+                let pictured = &scene.document.extras().pictured;
+                let is_pictured = !nodes.iter().all(|node| pictured.contains(node));
+                actions.push(Action::Edit(vec![Edit::SetPictured { nodes, is_pictured }]));
             }
             Key::G => self.frame_selection(&nodes, actions),
             Key::N => {

@@ -68,6 +68,11 @@ pub fn of_node(
         let nodes = nodes.clone();
         actions.push(Action::Edit(vec![Edit::SetCollapsed { nodes, is_collapsed }]));
     }
+    if item(ui, "Picture", "P") {
+        let is_pictured = !scene.document.extras().pictured.contains(name);
+        let nodes = nodes.clone();
+        actions.push(Action::Edit(vec![Edit::SetPictured { nodes, is_pictured }]));
+    }
     if nodes.len() > 1 {
         ui.menu_button("Align", |ui| align_menu(ui, &nodes, actions));
     }

@@ -14,6 +14,7 @@ mod linking;
 mod menu;
 mod paint;
 mod param;
+mod picture;
 mod search;
 mod shape;
 mod touch;
@@ -28,6 +29,7 @@ pub use keys::SHORTCUTS;
 use menu::TextEntry;
 pub use paint::status_color;
 use paint::{Brush, NodeLook, NodeState, Palette, distance_to_wire};
+use picture::show_picture;
 use search::Search;
 use shape::{Port, Shape, Shapes};
 
@@ -35,6 +37,7 @@ use crate::catalog::Catalog;
 use crate::document::{Document, Edit, Item};
 use crate::forms::FormEvent;
 use crate::runner::{Part, Runner};
+use crate::views::Thumbnails;
 
 /// How the canvas answers to hand and eye.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -46,11 +49,13 @@ pub struct CanvasSettings {
     pub wheel_zooms: bool,
     /// Whether titles are colored by the seconds of their nodes.
     pub shows_times: bool,
+    /// Whether all nodes show pictures of what they give.
+    pub shows_pictures: bool,
 }
 
 impl Default for CanvasSettings {
     fn default() -> Self {
-        Self { snaps: true, wheel_zooms: true, shows_times: false }
+        Self { snaps: true, wheel_zooms: true, shows_times: false, shows_pictures: false }
     }
 }
 
@@ -97,6 +102,9 @@ pub enum Action {
     Vary(String, String),
 }
 
+/// Points at the edges of the canvas where nothing is pressed.
+const EDGE: f32 = 5.0;
+
 /// What is to be shown in the next frame.
 #[derive(Clone, Copy, Debug, Default)]
 enum FitTarget {
@@ -128,6 +136,8 @@ pub struct Canvas {
     /// A node to move into the middle of the view.
     wants_node: Option<String>,
     view: Option<CanvasView>,
+    /// Pictures of what nodes give.
+    thumbnails: Thumbnails,
 }
 
 impl Canvas {
@@ -181,9 +191,11 @@ impl Canvas {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene) -> Vec<Action> {
         let mut actions = Vec::new();
         let screen = ui.available_rect_before_wrap();
-        let back = ui.allocate_rect(screen, Sense::click_and_drag());
+        ui.allocate_rect(screen, Sense::hover());
+        // The edges are for hands that look for those of the panels beside.
+        let back = ui.interact(screen.shrink(EDGE), ui.id().with("back"), Sense::click_and_drag());
         back.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
-        self.shapes.update(scene.document, scene.registry);
+        self.shapes.update(scene.document, scene.registry, scene.settings.shows_pictures);
         let view = self.place_camera(screen, scene);
         let moved = self.moved_camera(ui, &back, view, scene);
         self.is_fitted &= moved == view.camera;
@@ -195,8 +207,9 @@ impl Canvas {
         let brush = Brush { painter: &painter, view, palette: Palette::of(ui.visuals()) };
         brush.background();
         self.frames_and_notes(ui, &brush, scene, &mut actions);
-        let hovered_wire = self.wires(ui, &brush, &back, scene);
+        let (hovered_wire, over) = self.wires(ui, &brush, &back, scene);
         self.nodes(ui, &brush, scene, &mut actions);
+        over.iter().for_each(|wire| wire.draw(&brush));
         self.background_gestures(ui, &back, &brush, scene, hovered_wire, &mut actions);
         self.finish_gesture(ui, &brush, scene, &mut actions);
         self.popups(ui, scene, &mut actions);
@@ -269,7 +282,15 @@ impl Canvas {
     }
 
     /// Draws the wires; the one below the pointer, if there is one.
-    fn wires(&self, ui: &Ui, brush: &Brush, back: &egui::Response, scene: &Scene) -> Option<Link> {
+    /// Draws the wires; the one below the pointer, and those to be drawn once more over the nodes:
+    /// that one, and those of selected nodes, which can so be followed wherever they go.
+    fn wires(
+        &self,
+        ui: &Ui,
+        brush: &Brush,
+        back: &egui::Response,
+        scene: &Scene,
+    ) -> (Option<Link>, Vec<WireOver>) {
         let pointer = back.hover_pos().filter(|_| matches!(self.gesture, Gesture::Idle));
         let zoom = brush.view.camera.zoom;
         let mut hovered: Option<(f32, &Link)> = None;
@@ -304,20 +325,30 @@ impl Canvas {
             drawn.push((link, points, color));
         }
         let hovered = hovered.map(|(_, link)| link);
+        let mut over = Vec::new();
+        let selection = scene.document.selection();
         for (link, points, color) in drawn {
-            let is_selected = scene.document.selection().contains(&Item::Link(link.clone()));
+            let is_selected = selection.contains(&Item::Link(link.clone()));
+            let ends_in = |node: &String| selection.contains(&Item::Node(node.clone()));
             let (color, width) = match (is_selected, hovered == Some(link)) {
                 (true, _) => (brush.palette.selected, 3.5),
                 (_, true) => (color, 4.0),
                 _ => (color.gamma_multiply(0.85), 2.2),
             };
             points.windows(2).for_each(|ends| brush.wire(ends[0], ends[1], color, width));
+            if is_selected
+                || hovered == Some(link)
+                || ends_in(&link.from.node)
+                || ends_in(&link.to.node)
+            {
+                over.push(WireOver { points, color });
+            }
         }
         if let Some(link) = hovered {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
             back.clone().on_hover_text_at_pointer(link.to_string());
         }
-        hovered.cloned()
+        (hovered.cloned(), over)
     }
 
     /// Where on the screen a point of a node is, with the drag that is under way.
@@ -367,9 +398,18 @@ impl Canvas {
                 is_dimmed: &is_dimmed,
             };
             brush.node(shape, &look);
+            if let Some(space) = shape.picture.filter(|_| brush.shows_pictures()) {
+                let space = space.translate(shape.at.to_vec2());
+                show_picture(&mut self.thumbnails, ui, brush, scene, (name, space));
+            }
             self.touch_node(ui, brush, scene, shape, &state, actions);
         }
         self.shapes = shapes;
+    }
+
+    /// Whether a picture of what a node gives is in the making.
+    pub fn is_busy(&self) -> bool {
+        self.thumbnails.is_busy()
     }
 
     fn popups(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
@@ -398,6 +438,19 @@ impl Canvas {
                 brush.palette.faint,
             );
         }
+    }
+}
+
+/// A wire that is drawn over nodes, thin enough for these to be read.
+struct WireOver {
+    points: Vec<Pos2>,
+    color: Color32,
+}
+
+impl WireOver {
+    fn draw(&self, brush: &Brush) {
+        let color = self.color.gamma_multiply(0.7);
+        self.points.windows(2).for_each(|ends| brush.wire(ends[0], ends[1], color, 1.2));
     }
 }
 

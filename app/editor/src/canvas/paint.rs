@@ -15,7 +15,7 @@ use crate::runner::Status;
 /// Below this zoom, rows are too small to read and are not drawn.
 pub const ROWS_FROM: f32 = 0.45;
 /// Below this zoom, titles are too small to read and are not drawn.
-const TITLES_FROM: f32 = 0.22;
+pub const TITLES_FROM: f32 = 0.22;
 
 /// Colors of the canvas in the current theme.
 pub struct Palette {
@@ -47,7 +47,7 @@ impl Palette {
                 edge: gray(72),
                 selected: Color32::from_rgb(255, 178, 64),
                 text: gray(225),
-                faint: gray(150),
+                faint: gray(165),
             },
             false => Self {
                 back: gray(232),
@@ -56,7 +56,7 @@ impl Palette {
                 edge: gray(170),
                 selected: Color32::from_rgb(214, 110, 0),
                 text: gray(25),
-                faint: gray(105),
+                faint: gray(80),
             },
         }
     }
@@ -130,7 +130,8 @@ pub struct Brush<'a> {
 }
 
 impl Brush<'_> {
-    fn zoom(&self) -> f32 {
+    /// Points of the screen for one unit of the canvas.
+    pub fn zoom(&self) -> f32 {
         self.view.camera.zoom
     }
 
@@ -251,7 +252,7 @@ impl Brush<'_> {
             _ => shape.module.as_str(),
         };
         let at = title.right_center() - Vec2::new(pad, 0.0);
-        let faint = Color32::from_white_alpha(170);
+        let faint = Color32::from_white_alpha(225);
         self.line(at, Align2::RIGHT_CENTER, mark, 9.5, 76.0, faint);
     }
 
@@ -374,14 +375,18 @@ impl Brush<'_> {
         }
     }
 
-    /// Draws a frame behind the nodes.
-    pub fn frame(&self, frame: &CanvasFrame, rect: Rect, is_selected: bool) {
+    /// Draws a frame behind the nodes; how it stands to what is in the hand.
+    pub fn frame(&self, frame: &CanvasFrame, rect: Rect, mark: FrameMark) {
         let screen = self.view.rect_to_screen(rect);
         let [r, g, b] = frame.color.unwrap_or([110, 120, 150]);
         let color = Color32::from_rgb(r, g, b);
-        self.painter.rect_filled(screen, 6, color.gamma_multiply(0.18));
-        let edge = if is_selected { self.palette.selected } else { color };
-        self.painter.rect_stroke(screen, 6, Stroke::new(1.0, edge), StrokeKind::Inside);
+        let (share, edge) = match mark {
+            FrameMark::Selected => (0.18, Stroke::new(1.0, self.palette.selected)),
+            FrameMark::Holds => (0.3, Stroke::new(2.5, self.palette.text)),
+            FrameMark::None => (0.18, Stroke::new(1.0, color)),
+        };
+        self.painter.rect_filled(screen, 6, color.gamma_multiply(share));
+        self.painter.rect_stroke(screen, 6, edge, StrokeKind::Inside);
         let at = screen.left_top() + Vec2::splat(8.0 * self.zoom());
         self.line(at, Align2::LEFT_TOP, &frame.title, 14.0, rect.width() - 16.0, self.palette.text);
     }
@@ -403,6 +408,17 @@ impl Brush<'_> {
         let inside = self.painter.with_clip_rect(screen.intersect(self.painter.clip_rect()));
         inside.galley(screen.min + Vec2::splat(8.0 * self.zoom()), galley, self.palette.text);
     }
+}
+
+/// How a frame stands to what is in the hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameMark {
+    /// Not at all.
+    None,
+    /// It is selected.
+    Selected,
+    /// It holds a node that is moved.
+    Holds,
 }
 
 /// The color of what does not run by itself.

@@ -4,6 +4,7 @@ use eframe::egui::{self, Area, Frame, Id, Key, Order, Rect, Ui};
 
 use super::{Action, CanvasCamera, Scene};
 use crate::forms::Form;
+use crate::views::counts_of;
 
 /// A parameter's form while it is open.
 pub struct OpenParam {
@@ -42,7 +43,14 @@ impl OpenParam {
         let shown = area.constrain(true).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(360.0);
-                let form = Form { id: &id, given: &node.params, wants_focus, link_of: &|_| None };
+                let inputs = scene.runner.inputs(scene.document.map(), &self.node);
+                let form = Form {
+                    id: &id,
+                    given: &node.params,
+                    wants_focus,
+                    link_of: &|_| None,
+                    counts: &inputs.iter().flat_map(counts_of).collect::<Vec<_>>(),
+                };
                 let events = form.show(ui, std::slice::from_ref(spec));
                 actions
                     .extend(events.into_iter().map(|event| Action::Form(self.node.clone(), event)));

@@ -9,6 +9,7 @@ use mve_core::{DataType, Link, Module, Node, NodeMode, ParamSpec, PortRef, Regis
 use crate::catalog;
 use crate::document::{Document, Item};
 use crate::forms::{name_of, value_text};
+use crate::views::Thumbnails;
 
 /// Width of a node, in units of the canvas.
 pub const WIDTH: f32 = 200.0;
@@ -18,6 +19,22 @@ pub const TITLE: f32 = 28.0;
 pub const ROW: f32 = 20.0;
 /// Height of the line that says its state.
 pub const FOOT: f32 = 18.0;
+
+/// Height of the picture of what it gives.
+const PICTURE: f32 = 130.0;
+/// Space around that.
+const GAP: f32 = 6.0;
+
+/// How much of a node is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum NodeForm {
+    /// Its title.
+    Collapsed,
+    /// Its ports and parameters.
+    Whole,
+    /// The same, and a picture of what it gives.
+    Pictured,
+}
 
 /// Color of the title of a node whose module is not there.
 const NO_MODULE: Color32 = Color32::from_rgb(150, 60, 60);
@@ -81,6 +98,8 @@ pub struct Shape {
     pub outputs: Vec<Port>,
     /// Its parameters.
     pub params: Vec<ParamRow>,
+    /// The space for a picture of what it gives, from its corner.
+    pub picture: Option<Rect>,
 }
 
 impl Shape {
@@ -100,14 +119,14 @@ impl Shape {
 pub struct Shapes {
     /// By name, in the order of the map: later ones are drawn over earlier ones.
     pub nodes: IndexMap<String, Shape>,
-    /// Which document it is, and which of its states.
-    state: Option<(u64, u64)>,
+    /// Which document it is, which of its states, and whether all nodes have pictures.
+    state: Option<(u64, u64, bool)>,
 }
 
 impl Shapes {
     /// Makes the shapes anew where the map has changed.
-    pub fn update(&mut self, document: &Document, registry: &Registry) {
-        let state = Some((document.id(), document.revision()));
+    pub fn update(&mut self, document: &Document, registry: &Registry, has_pictures: bool) {
+        let state = Some((document.id(), document.revision(), has_pictures));
         if self.state == state {
             return;
         }
@@ -119,8 +138,13 @@ impl Shapes {
             .iter()
             .map(|(name, node)| {
                 let at = document.position(&Item::Node(name.clone())).unwrap_or_default();
-                let is_collapsed = document.extras().collapsed.contains(name);
-                (name.clone(), shape(name, node, at, is_collapsed, registry, &linked))
+                let extras = document.extras();
+                let form = match extras.collapsed.contains(name) {
+                    true => NodeForm::Collapsed,
+                    false if has_pictures || extras.pictured.contains(name) => NodeForm::Pictured,
+                    false => NodeForm::Whole,
+                };
+                (name.clone(), shape(name, node, at, form, registry, &linked))
             })
             .collect();
         self.state = state;
@@ -180,7 +204,7 @@ fn shape(
     name: &str,
     node: &Node,
     at: [f64; 2],
-    is_collapsed: bool,
+    form: NodeForm,
     registry: &Registry,
     linked: &HashSet<(&str, &str)>,
 ) -> Shape {
@@ -196,10 +220,11 @@ fn shape(
         }),
         mode: node.mode,
         writes_files: info.is_some_and(|info| info.module.writes_files()),
-        is_collapsed,
+        is_collapsed: form == NodeForm::Collapsed,
         inputs: Vec::new(),
         outputs: Vec::new(),
         params: Vec::new(),
+        picture: None,
     };
     let Some(info) = info else {
         shape.size.y = TITLE + ROW + FOOT;
@@ -207,9 +232,19 @@ fn shape(
     };
     let n_rows = add_ports(&mut shape, name, info.module);
     let n_rows = add_params(&mut shape, name, node, info.module, n_rows, linked);
-    shape.size.y = TITLE + n_rows as f32 * ROW + FOOT;
-    if is_collapsed {
-        collapse(&mut shape);
+    let rows = TITLE + n_rows as f32 * ROW;
+    shape.size.y = rows + FOOT;
+    let has_picture =
+        || info.module.outputs.iter().any(|output| Thumbnails::are_of(output.data_type));
+    match form {
+        NodeForm::Collapsed => collapse(&mut shape),
+        NodeForm::Pictured if has_picture() => {
+            let at = Pos2::new(GAP, rows + GAP);
+            let size = Vec2::new(WIDTH - 2.0 * GAP, PICTURE);
+            shape.picture = Some(Rect::from_min_size(at, size));
+            shape.size.y += PICTURE + GAP;
+        }
+        NodeForm::Pictured | NodeForm::Whole => {}
     }
     shape
 }

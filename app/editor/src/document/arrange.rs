@@ -30,12 +30,6 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Whether another lies in it as a whole.
-    pub fn holds(&self, other: &Self) -> bool {
-        let end = |area: &Self, axis: usize| area.at[axis] + area.size[axis];
-        [0, 1].into_iter().all(|i| self.at[i] <= other.at[i] && end(other, i) <= end(self, i))
-    }
-
     /// A frame around it, with room for a title.
     pub fn framed(&self) -> Self {
         let ([x, y], [width, height]) = (self.at, self.size);

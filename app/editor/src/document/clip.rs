@@ -40,6 +40,7 @@ impl Clip {
         extras.notes.retain(|name, _| items.contains(&Item::Note(name.clone())));
         extras.reroutes.retain(|_, reroute| links.contains(&reroute.link));
         extras.collapsed.retain(|name| is_inside(name));
+        extras.pictured.retain(|name| is_inside(name));
         clip.extras = extras.without_rest();
         clip.map.links = links;
         clip

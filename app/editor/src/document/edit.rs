@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::clip::Clip;
 use super::item::Item;
+use crate::kept::KeptEdit;
 
 /// What items are moved to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,6 +62,8 @@ pub enum Edit {
     SetMode { nodes: Vec<String>, mode: NodeMode },
     /// Whether nodes are drawn as their title alone.
     SetCollapsed { nodes: Vec<String>, is_collapsed: bool },
+    /// Whether nodes show a picture of what they give.
+    SetPictured { nodes: Vec<String>, is_pictured: bool },
     /// The title of a frame, or the text of a note.
     SetText { item: Item, text: String },
     /// The color of a frame or a note; `None` is as the theme has it.
@@ -85,6 +88,8 @@ pub enum Edit {
     SetProgram { name: String, spec: Option<ProgramSpec> },
     /// A new name of a program.
     RenameProgram { name: String, to: String },
+    /// What views of values keep.
+    Keep(KeptEdit),
     /// The whole text of the map's file.
     ReplaceText(String),
 }
@@ -126,6 +131,9 @@ pub enum EditError {
         /// What is wrong with it.
         why: &'static str,
     },
+    /// What views keep cannot be changed so.
+    #[error("{0}")]
+    Kept(String),
     /// A place or a size is not a number.
     #[error("a place and a size are two finite numbers")]
     Number,
@@ -183,6 +191,11 @@ impl Edit {
                 let name = nodes.first().map_or("nothing", String::as_str);
                 format!("{verb} {}", count(nodes.len(), name, "nodes"))
             }
+            Self::SetPictured { nodes, is_pictured } => {
+                let verb = if *is_pictured { "Show picture of" } else { "Hide picture of" };
+                let name = nodes.first().map_or("nothing", String::as_str);
+                format!("{verb} {}", count(nodes.len(), name, "nodes"))
+            }
             Self::SetText { item, .. } => format!("Edit {}", item.kind()),
             Self::SetColor { item, .. } => format!("Color {}", item.kind()),
             Self::AddFrame { .. } => "Add frame".to_owned(),
@@ -196,6 +209,7 @@ impl Edit {
             Self::SetProgram { name, spec: Some(_) } => format!("Edit program {name}"),
             Self::SetProgram { name, spec: None } => format!("Remove program {name}"),
             Self::RenameProgram { name, to } => format!("Rename program {name} to {to}"),
+            Self::Keep(edit) => edit.label(),
             Self::ReplaceText(_) => "Edit text".to_owned(),
         }
     }

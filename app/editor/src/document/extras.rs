@@ -1,4 +1,5 @@
-//! What the canvas draws beside nodes and links: frames, notes, reroutes, collapsed nodes.
+//! What the canvas draws beside nodes and links: frames, notes, reroutes, collapsed nodes; and what
+//! views keep.
 //!
 //! It stands in the map's file under `canvas`, which no run reads. What is not understood there is
 //! kept, and a section that was not changed is written back as it was.
@@ -8,6 +9,8 @@ use mve_core::{Link, Map};
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map as JsonMap, Value as Json};
+
+use crate::kept::Kept;
 
 /// The key of the section in the map's file.
 const SECTION: &str = "canvas";
@@ -62,6 +65,17 @@ pub struct Reroute {
     pub extra: JsonMap<String, Json>,
 }
 
+impl CanvasFrame {
+    /// Whether it holds a node of this place and size: the middle of the node is in it. So a hand
+    /// that moves a node a little over the edge does not take it out.
+    pub fn holds(&self, at: [f64; 2], size: [f64; 2]) -> bool {
+        [0, 1].into_iter().all(|i| {
+            let middle = at[i] + 0.5 * size[i];
+            self.at[i] <= middle && middle <= self.at[i] + self.size[i]
+        })
+    }
+}
+
 /// What the canvas draws beside nodes and links, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extras {
@@ -73,6 +87,10 @@ pub struct Extras {
     pub reroutes: IndexMap<String, Reroute>,
     /// Nodes that are drawn as their title alone.
     pub collapsed: IndexSet<String>,
+    /// Nodes that show a picture of what they give.
+    pub pictured: IndexSet<String>,
+    /// What views of values keep.
+    pub kept: Kept,
     /// What was not understood.
     rest: JsonMap<String, Json>,
 }
@@ -86,15 +104,10 @@ impl Extras {
         let frames = take_parts(&mut rest, "frames");
         let notes = take_parts(&mut rest, "notes");
         let reroutes = take_parts(&mut rest, "reroutes");
-        let collapsed = match rest.remove("collapsed").map(|json| (from_json(&json), json)) {
-            Some((Some(collapsed), _)) => collapsed,
-            Some((None, json)) => {
-                rest.insert("collapsed".to_owned(), json);
-                IndexSet::new()
-            }
-            None => IndexSet::new(),
-        };
-        Self { frames, notes, reroutes, collapsed, rest }
+        let collapsed = take_names(&mut rest, "collapsed");
+        let pictured = take_names(&mut rest, "pictured");
+        let kept = Kept::take_from(&mut rest);
+        Self { frames, notes, reroutes, collapsed, pictured, kept, rest }
     }
 
     /// Writes the section into a map, unless the map says the same already.
@@ -106,9 +119,12 @@ impl Extras {
         put_parts(&mut section, "frames", &self.frames);
         put_parts(&mut section, "notes", &self.notes);
         put_parts(&mut section, "reroutes", &self.reroutes);
-        if !self.collapsed.is_empty() {
-            section.insert("collapsed".to_owned(), to_json(&self.collapsed));
+        for (key, names) in [("collapsed", &self.collapsed), ("pictured", &self.pictured)] {
+            if !names.is_empty() {
+                section.insert(key.to_owned(), to_json(names));
+            }
         }
+        self.kept.write_to(&mut section);
         for (key, left) in &self.rest {
             match (section.get_mut(key), left) {
                 (Some(Json::Object(parts)), Json::Object(left)) => {
@@ -129,9 +145,9 @@ impl Extras {
         }
     }
 
-    /// What is understood alone.
+    /// What is understood alone, without what views keep.
     pub(super) fn without_rest(self) -> Self {
-        Self { rest: JsonMap::new(), ..self }
+        Self { kept: Kept::default(), rest: JsonMap::new(), ..self }
     }
 
     /// The points that the wire of a link runs through, in its order.
@@ -139,6 +155,15 @@ impl Extras {
         let of_link = self.reroutes.iter().filter(move |(_, reroute)| reroute.link == *link);
         of_link.map(|(name, reroute)| (name.as_str(), reroute.at))
     }
+}
+
+/// Takes a list of names out of the section; what is none stays.
+fn take_names(rest: &mut JsonMap<String, Json>, key: &str) -> IndexSet<String> {
+    let names = rest.get(key).and_then(from_json);
+    if names.is_some() {
+        rest.shift_remove(key);
+    }
+    names.unwrap_or_default()
 }
 
 /// Takes what is understood out of a part of the section.
@@ -214,7 +239,7 @@ mod tests {
     const ODD: &str = r#"{"mve": 1, "nodes": {"a": {"module": "X"}}, "canvas": {
         "frames": {"f": {"title": "in", "at": [0, 0.5], "size": [2, 1], "depth": 3}, "g": 7},
         "reroutes": {"r": {"link": "a.x -> b.y", "at": [1, 2]}, "s": {"link": "?", "at": [1, 2]}},
-        "collapsed": ["a"], "camera": {"zoom": 2}}}"#;
+        "collapsed": ["a"], "views": {"front": {"new": 1}}, "camera": {"zoom": 2}}}"#;
 
     #[test]
     fn what_is_not_understood_is_kept() {

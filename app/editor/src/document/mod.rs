@@ -17,6 +17,7 @@ mod item;
 mod names;
 mod paste;
 mod paths;
+mod programs;
 mod rename;
 mod transaction;
 

@@ -124,8 +124,9 @@ impl Transaction<'_> {
             }
         }
         let nodes = &self.map.nodes;
-        let collapsed = extras.collapsed.into_iter().filter(|name| nodes.contains_key(name));
-        self.extras.collapsed.extend(collapsed);
+        let is_there = |name: &String| nodes.contains_key(name);
+        self.extras.collapsed.extend(extras.collapsed.into_iter().filter(is_there));
+        self.extras.pictured.extend(extras.pictured.into_iter().filter(is_there));
         Ok(())
     }
 }

@@ -56,7 +56,9 @@ impl Renaming {
         map.nodes = self.keys(std::mem::take(&mut map.nodes));
         map.layout = self.keys(std::mem::take(&mut map.layout));
         map.links = map.links.iter().map(|link| self.link(link)).collect();
-        extras.collapsed = extras.collapsed.iter().map(|name| self.node(name)).collect();
+        for names in [&mut extras.collapsed, &mut extras.pictured] {
+            *names = names.iter().map(|name| self.node(name)).collect();
+        }
         for reroute in extras.reroutes.values_mut() {
             reroute.link = self.link(&reroute.link);
         }

@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use mve_core::{Link, MODULE, Map, Node, ParamSpec, Registry, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
@@ -85,14 +85,12 @@ impl Transaction<'_> {
                 self.node(name)?.mode = *mode;
                 Ok(())
             }),
-            Edit::SetCollapsed { nodes, is_collapsed } => nodes.iter().try_for_each(|name| {
-                self.node(name)?;
-                match is_collapsed {
-                    true => self.extras.collapsed.insert(name.clone()),
-                    false => self.extras.collapsed.shift_remove(name),
-                };
-                Ok(())
-            }),
+            Edit::SetCollapsed { nodes, is_collapsed } => {
+                self.mark(nodes, *is_collapsed, |extras| &mut extras.collapsed)
+            }
+            Edit::SetPictured { nodes, is_pictured } => {
+                self.mark(nodes, *is_pictured, |extras| &mut extras.pictured)
+            }
             Edit::SetText { .. } | Edit::SetColor { .. } => self.edit_extra(edit),
             Edit::AddFrame { .. } | Edit::AddNote { .. } | Edit::AddReroute { .. } => {
                 self.add_extra(edit)
@@ -112,12 +110,31 @@ impl Transaction<'_> {
                 Ok(())
             }
             Edit::SetProgram { .. } | Edit::RenameProgram { .. } => self.edit_program(edit),
+            Edit::Keep(edit) => self.extras.kept.edit(edit).map_err(EditError::Kept),
             Edit::ReplaceText(text) => {
                 self.map = Map::parse(text)?;
                 self.extras = Extras::of(&self.map);
                 Ok(())
             }
         }
+    }
+
+    /// Puts nodes into a set of the canvas, or takes them out.
+    fn mark(
+        &mut self,
+        nodes: &[String],
+        is_in: bool,
+        set: fn(&mut Extras) -> &mut IndexSet<String>,
+    ) -> Result<(), EditError> {
+        nodes.iter().try_for_each(|name| {
+            self.node(name)?;
+            let set = set(&mut self.extras);
+            match is_in {
+                true => set.insert(name.clone()),
+                false => set.shift_remove(name),
+            };
+            Ok(())
+        })
     }
 
     fn node(&mut self, name: &str) -> Result<&mut Node, EditError> {
@@ -163,6 +180,7 @@ impl Transaction<'_> {
         self.map.nodes.retain(|name, _| !is_gone(name));
         self.map.layout.retain(|name, _| !is_gone(name));
         self.extras.collapsed.retain(|name| !is_gone(name));
+        self.extras.pictured.retain(|name| !is_gone(name));
         self.extras.frames.retain(|name, _| !items.contains(&Item::Frame(name.clone())));
         self.extras.notes.retain(|name, _| !items.contains(&Item::Note(name.clone())));
         self.extras.reroutes.retain(|name, _| !items.contains(&Item::Reroute(name.clone())));
@@ -382,8 +400,8 @@ impl Transaction<'_> {
         let items: Vec<Item> = names.iter().cloned().map(Item::Node).collect();
         let areas = self.areas(&items)?;
         let held = |frame: &CanvasFrame| -> Vec<Item> {
-            let around = Area { at: frame.at, size: frame.size };
-            let inside = items.iter().zip(&areas).filter(|(_, area)| around.holds(area));
+            let is_held = |area: &Area| frame.holds(area.at, area.size);
+            let inside = items.iter().zip(&areas).filter(|(_, area)| is_held(area));
             inside.map(|(item, _)| item.clone()).collect()
         };
         let frames = self.extras.frames.iter();
@@ -403,45 +421,6 @@ impl Transaction<'_> {
             }
         }
         Ok(())
-    }
-
-    fn edit_program(&mut self, edit: &Edit) -> Result<(), EditError> {
-        match edit {
-            Edit::SetProgram { name, spec: Some(spec) } => {
-                if !self.map.programs.contains_key(name) {
-                    self.check_program(name)?;
-                }
-                self.map.programs.insert(name.clone(), spec.clone());
-            }
-            Edit::SetProgram { name, spec: None } => {
-                let removed = self.map.programs.shift_remove(name);
-                removed.ok_or_else(|| EditError::missing("program", name))?;
-            }
-            Edit::RenameProgram { name, to } => {
-                if !self.map.programs.contains_key(name) {
-                    return Err(EditError::missing("program", name));
-                }
-                if name != to {
-                    self.check_program(to)?;
-                    let programs = std::mem::take(&mut self.map.programs).into_iter();
-                    let renamed = |old: String| if old == *name { to.clone() } else { old };
-                    self.map.programs = programs.map(|(old, spec)| (renamed(old), spec)).collect();
-                }
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Whether a program may have this name.
-    fn check_program(&self, name: &str) -> Result<(), EditError> {
-        if name.trim().is_empty() || name.contains(['/', '\\']) || name.contains(char::is_control) {
-            return Err(EditError::name(name, "a program's name cannot be empty or hold slashes"));
-        }
-        match taken(&self.map, "programs").contains(name) {
-            true => Err(EditError::name(name, "another program has it")),
-            false => Ok(()),
-        }
     }
 }
 

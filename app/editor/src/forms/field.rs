@@ -39,6 +39,8 @@ pub struct ParamField<'a> {
     pub given: Option<&'a Json>,
     /// Where it stands.
     pub place: FieldPlace,
+    /// A value for one that was off, if one suggests itself.
+    pub suggested: Option<Json>,
     /// What a person does in it.
     pub events: &'a mut Vec<FormEvent>,
 }
@@ -48,6 +50,12 @@ impl ParamField<'_> {
         self.events.push(FormEvent::Set { path: self.path.to_owned(), value });
     }
 
+    /// The value of one that was off.
+    fn when_on(&self) -> Json {
+        let suggested = self.suggested.clone().or_else(|| self.spec.value_when_on());
+        suggested.unwrap_or_default()
+    }
+
     /// Switches the parameter off and on.
     pub(super) fn switch(&mut self, ui: &mut Ui) {
         let mut is_on = !is_off(self.spec, self.given);
@@ -55,11 +63,7 @@ impl ParamField<'_> {
         let name = format!("whether {} is on", self.name);
         ui.ctx().accesskit_node_builder(switch.id, |node| node.set_label(name.as_str()));
         if switch.on_hover_text(&name).changed() {
-            self.set(Some(if is_on {
-                self.spec.value_when_on().unwrap_or_default()
-            } else {
-                Json::Null
-            }));
+            self.set(Some(if is_on { self.when_on() } else { Json::Null }));
         }
     }
 
@@ -67,7 +71,7 @@ impl ParamField<'_> {
     pub fn show(&mut self, ui: &mut Ui, id: Id) {
         let default = self.spec.default_json().unwrap_or_default();
         let value = self.given.unwrap_or(&default);
-        let some = || self.spec.value_when_on().unwrap_or_default();
+        let some = || self.when_on();
         match self.spec.kind {
             Kind::Flag(_) => self.flag(ui, value),
             Kind::Integer(spec) => {

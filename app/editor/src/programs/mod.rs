@@ -11,6 +11,7 @@ mod setup;
 mod show;
 mod widgets;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -43,9 +44,17 @@ pub struct ProgramScene<'a> {
     pub registry: &'a Registry,
     /// The folder of all results: `mve-out`, as for the command.
     pub output_folder: &'a Path,
+    /// How many of a unit there are in the inputs of each node: `("faces", 69451)`.
+    pub counts: HashMap<String, Vec<(&'static str, usize)>>,
 }
 
 impl ProgramScene<'_> {
+    /// How many of a unit there are in the inputs of the node that has a parameter.
+    fn counts_at(&self, path: &str) -> &[(&'static str, usize)] {
+        let node = path.split('.').next().unwrap_or_default();
+        self.counts.get(node).map_or(&[], Vec::as_slice)
+    }
+
     /// The folder of a program's results: the one that `mve program` takes by itself.
     fn store_folder(&self, program: &str) -> PathBuf {
         let stem = Path::new(&self.map_file).file_stem();

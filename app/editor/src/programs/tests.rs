@@ -6,6 +6,7 @@ use std::sync::Arc;
 use mve_core::{Map, ProgramSpec};
 use serde_json::json;
 
+use super::run::check::check;
 use super::*;
 
 fn map(programs: Json) -> Arc<Map> {
@@ -26,7 +27,9 @@ fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
     let here = Path::new(".");
     let map_file = "box.json".to_owned();
     let folder = here.to_owned();
-    let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder: here };
+    let counts = HashMap::from([("cut".to_owned(), vec![("faces", 69_451)])]);
+    let output_folder = here;
+    let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder, counts };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
     match panel.vary(node, param, &scene).remove(0) {
         ProgramAction::SetProgram { name, spec: Some(spec) } => (name, spec),
@@ -39,6 +42,15 @@ fn a_dragged_parameter_becomes_an_axis_of_two_values() {
     let (name, spec) = vary(&map(json!({})), "make", "segments");
     assert_eq!(name, "sweep");
     assert_eq!(json!(spec), json!({"axes": [{"make.segments": [8, 16]}]}));
+}
+
+#[test]
+fn an_axis_of_counts_halves_what_comes_in() {
+    let (_, spec) = vary(&map(json!({})), "cut", "target_faces");
+    assert_eq!(json!(spec), json!({"axes": [{"cut.target_faces": [34_726, 17_363, 8_681]}]}));
+    let programs = json!({"old": {"axes": [{"cut.target_faces": [34_726, 17_363, 8_681]}]}});
+    let (_, spec) = vary(&map(programs), "cut", "target_faces");
+    assert_eq!(spec.axes[0]["cut.target_faces"][3], json!(4_340));
 }
 
 #[test]
@@ -65,10 +77,36 @@ fn results_go_where_the_command_puts_them() {
     let folder = |map_file: &str, program| {
         let (folder, output_folder) = (PathBuf::new(), Path::new("mve-out"));
         let map_file = map_file.to_owned();
-        let scene =
-            ProgramScene { map: &map, folder, map_file, registry: &registry, output_folder };
+        let (registry, counts) = (&registry, HashMap::new());
+        let scene = ProgramScene { map: &map, folder, map_file, registry, output_folder, counts };
         scene.store_folder(program)
     };
     assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
     assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
+}
+
+#[test]
+fn results_of_another_map_of_this_name_are_told() {
+    let base = tempfile::tempdir().unwrap();
+    let text = r#"{"mve": 1, "nodes": {"a": {"module": "Echo"}}, "programs": {"p": {}}}"#;
+    let registry = mve_core::testing::registry();
+    let map = Arc::new(mve_core::Map::parse(text).unwrap());
+    let subject = |folder: &str, map_file: &str| {
+        let folder = base.path().join(folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("m.json"), text).unwrap();
+        let (map, name, map_file) = (Arc::clone(&map), "p".to_owned(), map_file.to_owned());
+        let (registry, store) = (registry.clone(), base.path().join("store"));
+        ProgramSubject { map, name, folder, map_file, registry, store }
+    };
+    let first = check(subject("one", "m.json"));
+    assert_eq!(first.trouble, None);
+    let store = mve_core::Store::open(&base.path().join("store")).unwrap();
+    let cancel = mve_core::CancelToken::new();
+    let options = mve_core::testing::program_options(&cancel);
+    mve_core::run_program(&first.program.unwrap(), &store, &options).unwrap();
+    assert_eq!(check(subject("one", "m.json")).trouble, None);
+    let trouble = check(subject("two", "m.json")).trouble.unwrap();
+    assert!(trouble.contains("one/m.json") && trouble.contains("another map"), "{trouble}");
+    assert_eq!(check(subject("two", "")).trouble, None);
 }

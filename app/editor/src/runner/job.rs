@@ -59,6 +59,7 @@ pub fn run_job(
         cancel,
         observer: &observer,
         keep: Keep::Scalars,
+        memory: None,
         output_scope: OutputScope::Folder,
     };
     run(&plan, &options);

@@ -283,6 +283,12 @@ impl Runner {
         ended.outputs.get(place).cloned()
     }
 
+    /// The values of the last results that a node takes, in the order of the links.
+    pub fn inputs(&self, map: &Map, node: &str) -> Vec<Value> {
+        let links = map.links.iter().filter(|link| link.to.node == node);
+        links.filter_map(|link| self.value(&link.from.node, &link.from.port)).collect()
+    }
+
     /// Takes in what the threads have told since the last call. Whether a run came to its end.
     pub fn take_in(&mut self) -> bool {
         let mut is_finished = false;

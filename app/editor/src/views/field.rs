@@ -5,12 +5,13 @@ use std::sync::Arc;
 use eframe::egui;
 use egui_plot::Plot;
 use mve_core::Value;
-use mve_modules::data::{Domain, Field, TriMesh};
+use mve_modules::data::{Field, TriMesh};
 use mve_modules::picture::color_map::quantile;
 
 use super::heading::heading;
 use super::memo::{Memo, Same};
 use super::number::{count_text, number_text};
+use super::picked::many_of;
 use super::spread::Spread;
 use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
@@ -130,11 +131,7 @@ impl FieldView {
         self.statistics.want(ui.ctx(), key, move || Statistics::of(&job.values));
         let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };
         ui.strong(format!("{}{unit}", field.name));
-        let elements = match field.domain {
-            Domain::Vertex => "vertices",
-            Domain::Corner => "corners",
-            Domain::Face => "faces",
-        };
+        let elements = many_of(field.domain);
         ui.weak(format!("over {} {elements}", count_text(field.values.len())));
         let Some(statistics) = self.statistics.latest() else {
             ui.weak("counting…");

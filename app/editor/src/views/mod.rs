@@ -14,10 +14,13 @@ mod heading;
 mod images_zoom;
 mod memo;
 mod number;
+mod picked;
 mod picture;
+mod sheet;
 mod spread;
 mod still;
 mod table;
+mod thumbnail;
 mod wheel;
 
 #[cfg(test)]
@@ -34,15 +37,20 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Rect, pos2};
 use eframe::egui_wgpu::RenderState;
 use mve_core::{Data, Value};
+use mve_modules::data::{Domain, TriMesh};
+use sheet::SheetAction;
 
+use crate::kept::KeptEdit;
 pub use camera::{Camera, Projection, StandardView, UpAxis};
 pub use mesh::{
-    Arrangement, BackFaces, ColorBy, MeshLook, MeshSettings, MeshView, ScaleSettings, Spacing,
-    StillOptions, VIEW_KEYS,
+    Arrangement, BackFaces, ColorBy, Distance, MeshLook, MeshSettings, MeshView, NamedView,
+    ScaleSettings, Section, Spacing, StillOptions, VIEW_KEYS,
 };
-pub use number::{brief_text, count_text, number_text};
+pub use number::{ColumnFormat, brief_text, count_text, number_text};
+pub use picked::PickedElement;
 pub use still::Still;
 pub use table::{Column, SortOrder, Table, TableView};
+pub use thumbnail::{Thumbnail, ThumbnailKey, Thumbnails};
 
 /// How long a value may be old before that is said.
 const OUTDATED: Duration = Duration::from_millis(700);
@@ -75,6 +83,10 @@ pub struct Pinned {
 pub enum ViewerAction {
     /// To see the value at this place of the list no longer.
     Unpin(usize),
+    /// To look at another element of a mesh, or at none. The viewer does that itself.
+    Pick(Option<PickedElement>),
+    /// To keep something with the map, or no longer.
+    Keep(KeptEdit),
     /// A picture of the meshes in a file.
     TakePicture,
 }
@@ -99,6 +111,8 @@ pub struct ViewInput<'a> {
     pub height: f32,
     /// What draws on the GPU, if there is one.
     pub render: Option<&'a RenderState>,
+    /// The element of a mesh that is looked at.
+    pub picked: Option<&'a PickedElement>,
 }
 
 impl ViewInput<'_> {
@@ -156,6 +170,10 @@ macro_rules! views {
                 #[doc = concat!("The view of ", stringify!($values), ".")]
                 pub $values: $file::$view,
             )*
+            /// The table of elements.
+            sheet: sheet::SheetView,
+            /// The element of a mesh that is looked at.
+            pub picked: Option<PickedElement>,
             /// Since when some value is of an earlier run.
             outdated_since: Option<Instant>,
         }
@@ -192,7 +210,22 @@ impl Viewer {
 
     /// Whether something is in the making that will change the picture.
     pub fn is_busy(&self) -> bool {
-        self.views().iter().any(|view| view.is_busy())
+        self.views().iter().any(|view| view.is_busy()) || self.sheet.is_busy()
+    }
+
+    /// Shows the elements of a value as a table, linked with its picture.
+    pub fn show_sheet(&mut self, ui: &mut egui::Ui, pinned: &[Pinned]) {
+        for action in self.sheet.show(ui, pinned, self.picked.as_ref()) {
+            match action {
+                SheetAction::Pick(picked) => self.picked = Some(picked),
+                SheetAction::BringIntoSight => {
+                    let Some(picked) = &self.picked else { continue };
+                    if let Some(mesh) = mesh_of(pinned, &picked.title) {
+                        self.meshes.go_to(ui.ctx(), picked, &mesh);
+                    }
+                }
+            }
+        }
     }
 
     /// Shows the values in the space that there is. Without `render` meshes cannot be drawn.
@@ -210,9 +243,10 @@ impl Viewer {
         let mut actions = self.show_absences(ui, pinned);
         self.show_outdated(ui, pinned);
         let (values, others) = self.sorted(pinned);
+        let picked = self.picked.clone();
         let shown = |values: &[usize], height: f32| {
             let values = values.iter().map(|&place| (place, &pinned[place])).collect();
-            ViewInput { values, all: pinned, height, render }
+            ViewInput { values, all: pinned, height, render, picked: picked.as_ref() }
         };
         for (view, values) in self.views_mut().into_iter().zip(&values) {
             if values.is_empty() {
@@ -246,6 +280,13 @@ impl Viewer {
                 }
             });
         }
+        actions.retain(|action| match action {
+            ViewerAction::Pick(picked) => {
+                self.picked.clone_from(picked);
+                false
+            }
+            _ => true,
+        });
         actions
     }
 
@@ -322,6 +363,20 @@ impl Viewer {
             ui.weak(format!("From an earlier run: {}", titles.join(", ")));
         }
     }
+}
+
+/// How many of each kind of its elements a value has, by their nouns.
+pub fn counts_of(value: &Value) -> Vec<(&'static str, usize)> {
+    let counts = |mesh: Arc<TriMesh>| {
+        let domains = [Domain::Face, Domain::Vertex];
+        domains.map(|domain| (picked::many_of(domain), mesh.n_elements(domain))).to_vec()
+    };
+    value.get::<TriMesh>().map(counts).unwrap_or_default()
+}
+
+/// The mesh that is shown under a title.
+fn mesh_of(pinned: &[Pinned], title: &str) -> Option<Arc<TriMesh>> {
+    pinned.iter().find(|pinned| pinned.title == title)?.value.as_ref()?.get::<TriMesh>()
 }
 
 /// Shows what values that no view takes say of themselves.

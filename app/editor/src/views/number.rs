@@ -32,6 +32,65 @@ pub fn number_text(value: f64) -> String {
     trimmed(&format!("{value:.decimals$}")).to_owned()
 }
 
+/// How the numbers of one column are written, so that they can be compared at a glance: with as
+/// many decimals each, or all by powers of ten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnFormat {
+    /// So many decimals; whole numbers have none.
+    Decimals(usize),
+    /// `4.4748e-4`.
+    Powers,
+}
+
+/// Digits of a number that are shown beside others.
+const WIDEST: i32 = 12;
+
+impl ColumnFormat {
+    /// The format for some numbers: six digits of the largest and four of the smallest, if they
+    /// fit into one width.
+    pub fn of(numbers: impl Iterator<Item = f64> + Clone) -> Self {
+        let sizes = numbers.clone().filter(|n| n.is_finite() && *n != 0.0).map(f64::abs);
+        let (low, high) = sizes
+            .fold((f64::INFINITY, 0.0f64), |(low, high), size| (low.min(size), high.max(size)));
+        if high == 0.0 {
+            return Self::Decimals(0);
+        }
+        let digits = |size: f64| size.log10().floor() as i32 + 1;
+        let needed = numbers.clone().all(|n| n.fract() == 0.0 || !n.is_finite());
+        let decimals = match needed {
+            true => 0,
+            false => (6 - digits(high)).max(4 - digits(low)).max(0),
+        };
+        if digits(high).max(1) + decimals > WIDEST {
+            return Self::Powers;
+        }
+        // No more than some number has use for.
+        let used = |n: f64| {
+            let text = format!("{n:.0$}", decimals as usize);
+            trimmed(&text).split_once('.').map_or(0, |(_, decimals)| decimals.len())
+        };
+        Self::Decimals(numbers.filter(|n| n.is_finite()).map(used).max().unwrap_or(0))
+    }
+
+    /// A number of the column. One that the format would make 0 or too long, for it was not asked
+    /// when the format was found, is written by itself.
+    pub fn text(self, number: f64) -> String {
+        let size = number.abs();
+        if size == 0.0 || !size.is_finite() {
+            return number_text(number);
+        }
+        match self {
+            Self::Powers => format!("{number:.4e}"),
+            Self::Decimals(_) if number.fract() == 0.0 && size < 1e15 => format!("{number:.0}"),
+            Self::Decimals(decimals) => {
+                let is_fit =
+                    size < 10f64.powi(WIDEST) && size >= 0.5 * 0.1f64.powi(decimals as i32);
+                if is_fit { format!("{number:.decimals$}") } else { number_text(number) }
+            }
+        }
+    }
+}
+
 fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
@@ -96,6 +155,24 @@ mod tests {
         assert_eq!(count_text(1_234_567), "1,234,567");
         assert_eq!(counted(1, "face", "faces"), "1 face");
         assert_eq!(counted(1000, "face", "faces"), "1,000 faces");
+    }
+
+    #[test]
+    fn numbers_of_a_column_are_written_alike() {
+        let texts = |numbers: &[f64]| {
+            let format = ColumnFormat::of(numbers.iter().copied());
+            numbers.iter().map(|number| format.text(*number)).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(texts(&[4.4748e-4, 0.0015155]), "0.00044748 0.00151550");
+        assert_eq!(texts(&[0.5, 0.25, 1.0, f64::NAN]), "0.50 0.25 1 not a number");
+        assert_eq!(texts(&[69_451.0, 3.0, 0.0]), "69451 3 0");
+        assert_eq!(texts(&[1234.5, 0.001_25]), "1234.50000 0.00125");
+        assert_eq!(texts(&[4.0e-9, 2.5, 1e9]), "4.0000e-9 2.5000e0 1.0000e9");
+        assert_eq!(texts(&[]), "");
+        // What the format was not found for.
+        assert_eq!(ColumnFormat::Decimals(2).text(1e-5), "1e-5");
+        assert_eq!(ColumnFormat::Decimals(2).text(f64::INFINITY), "∞");
+        assert_eq!(ColumnFormat::Decimals(2).text(1.5e13 + 0.5), "1.5e13");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions, ScreenDescriptor
 use eframe::wgpu;
 use image::RgbaImage;
 
-use super::mesh::{MeshView, StillOptions};
+use super::mesh::{MeshView, NamedView, StillOptions};
 use super::{Pinned, ValueView, ViewInput};
 
 /// Frames that have to be the same before a picture is taken: the first ones lay out text.
@@ -28,26 +28,28 @@ pub struct Still {
 }
 
 impl Still {
-    /// Begins a picture of what a view shows of these values, in the look of a window.
+    /// Begins a picture of what a view shows of these values, or a kept view would show, in the
+    /// look of a window.
     pub fn new(
         view: &MeshView,
         pinned: Vec<Pinned>,
         window: &egui::Context,
         render: &RenderState,
-        options: StillOptions,
+        (options, named): (StillOptions, Option<&NamedView>),
     ) -> Self {
         let context = egui::Context::default();
         context.set_theme(window.theme());
         context.set_visuals(window.global_style().visuals.clone());
         // Text is as large beside the meshes as in the window.
-        let scale = options.size[1] as f32 / view.height().max(100.0);
+        let height = options.height.map_or(view.height(), |points| points as f32);
+        let scale = options.size[1] as f32 / height.max(100.0);
         context.set_pixels_per_point(scale);
         let format = wgpu::TextureFormat::Rgba8Unorm;
         let renderer = Renderer::new(&render.device, format, RendererOptions::PREDICTABLE);
         // Textures of this context have numbers of their own.
         let renderer = Arc::new(RwLock::new(renderer));
         let state = RenderState { target_format: format, renderer, ..render.clone() };
-        let view = view.for_still(options);
+        let view = view.for_still(options, named);
         Self { options, view, pinned, context, state, scale, n_calm: 0 }
     }
 
@@ -78,7 +80,8 @@ impl Still {
                 one.value.as_ref().is_some_and(|value| view.takes(value, pinned))
             };
             let values = pinned.iter().enumerate().filter(is_mesh).collect();
-            let shown = ViewInput { values, all: pinned, height, render: Some(state) };
+            let render = Some(&*state);
+            let shown = ViewInput { values, all: pinned, height, render, picked: None };
             view.show(ui, &shown);
         });
         let mut renderer = state.renderer.write();

@@ -1,5 +1,7 @@
 //! Tests of whole views, drawn by software: what is where in the picture.
 
+mod looking;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -262,6 +264,8 @@ fn strange_meshes_and_sizes_are_shown_or_explained() {
         let mut harness = harness_with(list.clone(), render, size);
         harness.state_mut().viewer.meshes.settings.lines.has_wire = true;
         harness.state_mut().viewer.meshes.settings.has_box = true;
+        let section = &mut harness.state_mut().viewer.meshes.settings.section;
+        (section.is_on, section.normal) = (true, DVec3::Z);
         for arrangement in [Arrangement::SideBySide, Arrangement::Wipe] {
             harness.state_mut().viewer.meshes.settings.arrangement = arrangement;
             settle(&mut harness);

@@ -4,8 +4,11 @@
 mod document;
 #[allow(dead_code)] // The example that draws the pictures of README uses the rest.
 mod hand;
+mod looking;
 mod monkey;
+mod nodes;
 mod programs;
+mod sheet;
 mod snapshots;
 mod truth;
 mod window;

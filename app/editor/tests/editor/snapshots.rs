@@ -17,7 +17,7 @@ use eframe::wgpu;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use egui_kittest::{Harness, SnapshotOptions};
 use mve_core::Value;
-use mve_editor::views::{Pinned, PortState, StandardView, Viewer};
+use mve_editor::views::{Arrangement, Distance, Pinned, PortState, StandardView, Viewer};
 use mve_modules::data::{Domain, Field, TriMesh};
 use mve_modules::mesh::fixtures::torus;
 
@@ -120,6 +120,23 @@ fn a_wire_lies_over_the_surface() {
     });
     let Some(mut harness) = harness else { return };
     harness.snapshot_options("wire", &tolerance(600));
+}
+
+#[test]
+fn a_section_shows_the_outlines_of_two_meshes() {
+    let rings = [24, 8].map(|n| pin(&format!("ring-{n}.mesh"), Value::new(torus(3.0, 1.2, n))));
+    let harness = viewer(rings.to_vec(), Theme::Dark, |viewer| {
+        let meshes = &mut viewer.meshes;
+        meshes.settings.arrangement = Arrangement::Wipe;
+        (meshes.settings.section.is_on, meshes.settings.section.normal) = (true, glam::DVec3::Z);
+        let ends = [[3.0, 0.0, 0.0], [-3.0, 0.0, 0.0]].map(glam::DVec3::from);
+        let distance = Distance { name: "distance 1".to_owned(), ends };
+        meshes.settings.distances = vec![distance];
+        meshes.camera.look_from(StandardView::Top);
+        meshes.camera.pitch_rad = 1.0;
+    });
+    let Some(mut harness) = harness else { return };
+    harness.snapshot_options("section", &tolerance(600));
 }
 
 /// A window on the example, checked; its savers would write to the folder.

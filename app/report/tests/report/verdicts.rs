@@ -22,9 +22,10 @@ fn a_question_is_answered_from_pairs_of_equal_parameters() {
     let counts = "it is lower in 3 of 4, equal in 1; p = 0.25 by the signed-rank test";
     assert!(words.contains(counts), "{words}");
     assert!(words.contains("In 1 of 4 pairs faces is not the same, by up to 0.99 %."));
-    // By model first: 1/2 and 1/sqrt 2, whose geometric mean is the same.
+    // By model first: 1/2 and 1/sqrt 2, whose geometric mean is the same, 1 / 1.68; two of them
+    // leave an interval that percents cannot say, so the whole sentence is in times.
     assert!(
-        words.contains("averaged first, since they are not independent: 41 % lower"),
+        words.contains("averaged first, since they are not independent: 1.68 times lower"),
         "{words}"
     );
 }
@@ -188,4 +189,73 @@ fn a_column_of_two_metrics_is_two_measures() {
     assert!(markdown.contains("## Distance (lower is better)\n\n| model | Far |"), "{markdown}");
     assert!(markdown.contains("## Likeness (higher is better)\n\n| model | Near |"), "{markdown}");
     assert!(!markdown.contains("**1e-4**") && !markdown.contains("**2.86**"), "{markdown}");
+}
+
+/// Compiles tables inside of an article; `None`, after a line that says so, where there is no
+/// pdflatex or it lacks a package.
+fn compiled(tables: &str) -> Option<String> {
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let has_packages = ["booktabs.sty", "multirow.sty"].iter().all(|package| {
+        let found = Command::new("kpsewhich").arg(package).stdout(Stdio::null()).status();
+        found.is_ok_and(|status| status.success())
+    });
+    if !has_packages {
+        eprintln!("skipped: there is no pdflatex with booktabs and multirow");
+        return None;
+    }
+    let text = format!(
+        "\\documentclass{{article}}\n\\usepackage{{booktabs,multirow}}\n\\begin{{document}}\n{tables}\n\
+         \\end{{document}}\n"
+    );
+    std::fs::write(folder.path().join("t.tex"), text).unwrap();
+    let mut command = Command::new("pdflatex");
+    command.args(["-interaction=nonstopmode", "-halt-on-error", "t.tex"]);
+    let output = command.current_dir(folder.path()).stdin(Stdio::null()).output();
+    let Ok(output) = output else {
+        eprintln!("skipped: there is no pdflatex");
+        return None;
+    };
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && folder.path().join("t.pdf").is_file(), "{said}");
+    Some(said)
+}
+
+#[test]
+fn latex_compiles() {
+    let odd = "a_b & 50 % of {x} $y$ #1 ~z ^2 \\w <\u{3c3}> \u{2264} \u{201c}q\u{201d} \u{2026} \u{b0}\u{fc}";
+    let axes = json!([{ "model.module": ["Box", odd] }, { "model.size": [1, 2] },
+        { "cut.cost": ["Quadric", { "Mse": { "size": 1 } }] }]);
+    let questions = json!([{ "text": format!("Is {odd} lower?"), "measure": "compare.err",
+        "compare": { "cut.cost": ["Quadric", "Mse"] } }]);
+    let measures = json!([{ "column": "compare.err", "title": odd }]);
+    let report = json!({ "measures": measures, "questions": questions });
+    let mut maker = Maker::new(json!({ "axes": axes, "repeats": 2, "report": report }));
+    for model in ["Box", odd] {
+        for size in [1, 2] {
+            for (cost, error) in
+                [(json!("Quadric"), 1.5e-7), (json!({ "Mse": { "size": 1 } }), 0.3)]
+            {
+                for repeat in 0..2 {
+                    let params =
+                        json!({ "model.module": model, "model.size": size, "cut.cost": cost });
+                    let error = error * f64::from(size + repeat);
+                    let outputs = json!({ "err": error, "faces": 100 });
+                    maker.step(params, repeat as u32, Some(outputs));
+                }
+            }
+        }
+    }
+    let folder = maker.finish();
+    let latex = text(folder.path(), Format::Latex);
+    assert!(
+        latex.contains("\\multirow{2}{*}{Box}") && latex.contains("\\addlinespace\n"),
+        "{latex}"
+    );
+    if let Some(said) = compiled(&latex) {
+        assert!(said.contains("Output written on t.pdf (1 page"), "{said}");
+        // A table that is no table would fail, so the compiler does look.
+        let broken = latex.replacen("\\\\\n\\midrule", "& & & & & & \\\\\n\\midrule", 1);
+        assert!(std::panic::catch_unwind(|| compiled(&broken)).is_err());
+    }
 }

@@ -108,7 +108,7 @@ const PI: &str = "pi";
 
 impl Expression {
     /// Reads a formula; the error is a sentence that names the column, from 1.
-    pub fn compile(text: &str, variables: &[(&'static str, &'static str)]) -> Result<Self, String> {
+    pub fn compile(text: &str, variables: &[(&str, &str)]) -> Result<Self, String> {
         if text.len() > LONGEST {
             return Err(format!("is longer than {LONGEST} characters"));
         }
@@ -123,6 +123,11 @@ impl Expression {
     /// Its value where the declared variables have these values; a missing one is not a number.
     pub fn eval(&self, variables: &[f64]) -> f64 {
         self.root.eval(variables)
+    }
+
+    /// Whether a name means something in every formula, so that no variable can have it.
+    pub fn has_meaning(name: &str) -> bool {
+        name == PI || FUNCTIONS.iter().any(|(known, _)| *known == name)
     }
 
     /// As the map says it.
@@ -154,7 +159,7 @@ struct Reader<'a> {
     /// Bytes read.
     place: usize,
     depth: usize,
-    variables: &'a [(&'static str, &'static str)],
+    variables: &'a [(&'a str, &'a str)],
 }
 
 impl Reader<'_> {
@@ -348,8 +353,8 @@ impl ParamKind for ExpressionSpec {
     }
 
     fn fault(&self, _: &[InputSpec]) -> Option<String> {
-        let is_taken = |name: &str| name == PI || FUNCTIONS.iter().any(|(known, _)| *known == name);
-        if let Some((name, _)) = self.variables.iter().find(|(name, _)| is_taken(name)) {
+        let mut names = self.variables.iter().map(|(name, _)| *name);
+        if let Some(name) = names.find(|name| Expression::has_meaning(name)) {
             return Some(format!("the name \"{name}\" of a variable is taken"));
         }
         Expression::compile(self.default, self.variables).err()

@@ -43,7 +43,7 @@ impl ParamKind for InputFileSpec {
     }
 
     fn unset(&self) -> &'static str {
-        "choose a file: there is no default"
+        "choose a file"
     }
 
     fn summary(&self, value: &Json) -> Option<String> {

@@ -1,27 +1,27 @@
 //! Cuts a polygon of any size by a constrained Delaunay triangulation of its vertices.
 //!
-//! The predicates of the crate spade are exact, so that nothing hangs on a tolerance. Points are
-//! inserted in rounds that double, each in random company and along a curve (N. Amenta, S. Choi and
-//! G. Rote, "Incremental constructions con BRIO", SoCG 2003), in O(n log n) whatever they are; the
-//! order of the crate's own loader takes the square of it on circles. An edge of the polygon then
-//! takes as long as it crosses edges between the points: few for outlines, but up to n for each of
-//! many long, slanting teeth.
+//! The predicates of the crate spade are exact, so that nothing hangs on a tolerance. Edges are
+//! inserted, each with its ends, in rounds that double, each in random company and along the
+//! polygon (N. Amenta, S. Choi and G. Rote, "Incremental constructions con BRIO", SoCG 2003). So an
+//! edge crosses few edges between the points that are there before it, however long it is (J. R.
+//! Shewchuk and B. C. Brown, "Fast segment insertion and incremental construction of constrained
+//! Delaunay triangulations", Computational Geometry 48, 2015): with all points first, each of many
+//! long slanting teeth would cross up to n.
 //!
 //! What the crate does not know is that several corners may lie on one point: where a polygon is
 //! joined to its holes by bridges that it walks both ways, or touches itself. There a triangle
 //! belongs to the corner whose wedge it lies in, the one between the edge to the next corner and
 //! that to the previous.
 
-use std::cmp::Reverse;
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use mve_core::{Cancelled, Control};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::geometry::distance::sample::IndexedRandom;
-use crate::mesh::morton::morton_order;
+use crate::mesh::morton::sort_by_code;
 
 /// Points, and edges, between two looks whether the work was cancelled.
 const POINTS: usize = 1 << 10;
@@ -63,7 +63,7 @@ pub(super) fn cover(
     control: Control,
 ) -> Result<bool, Cancelled> {
     let n_before = triangles.len();
-    let ring = without_spikes(flat, triangles);
+    let ring = without_spikes(flat, triangles, control)?;
     let is_covered = ring.len() < 3 || cover_ring(flat, &ring, triangles, control)?.is_some();
     if !is_covered {
         triangles.truncate(n_before);
@@ -73,7 +73,11 @@ pub(super) fn cover(
 
 /// The ring without corners that lie on a neighbor and without tips of spikes, which are walked
 /// there and back. Each of them gives a flat triangle.
-fn without_spikes(flat: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
+fn without_spikes(
+    flat: &[DVec2],
+    triangles: &mut Vec<[u32; 3]>,
+    control: Control,
+) -> Result<Vec<u32>, Cancelled> {
     let point = |corner: u32| flat[corner as usize];
     let is_spike = |[a, b, c]: [u32; 3]| {
         let [a, b, c] = [a, b, c].map(point);
@@ -90,6 +94,7 @@ fn without_spikes(flat: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
         }
     };
     for corner in 0..flat.len() as u32 {
+        control.item(corner as usize, usize::MAX)?;
         ring.push(corner);
         shorten(&mut ring);
     }
@@ -108,7 +113,7 @@ fn without_spikes(flat: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
             break;
         }
     }
-    ring.split_off(first)
+    Ok(ring.split_off(first))
 }
 
 fn cover_ring(
@@ -120,46 +125,92 @@ fn cover_ring(
     let scale = scale_of(flat);
     let mut known: HashMap<[u64; 2], u32> = HashMap::new();
     let mut sites: Vec<Site> = Vec::new();
-    let site_of: Vec<u32> = ring
-        .iter()
-        .map(|&corner| {
-            let [x, y] = flat[corner as usize].to_array().map(|x| plain(x * scale));
-            *known.entry([x, y].map(f64::to_bits)).or_insert_with(|| {
-                sites.push(Site { point: Point2::new(x, y), corner });
-                sites.len() as u32 - 1
-            })
-        })
-        .collect();
+    let mut site_of: Vec<u32> = Vec::with_capacity(ring.len());
+    for (place, &corner) in ring.iter().enumerate() {
+        control.item(place, usize::MAX)?;
+        let [x, y] = flat[corner as usize].to_array().map(|x| plain(x * scale));
+        site_of.push(*known.entry([x, y].map(f64::to_bits)).or_insert_with(|| {
+            sites.push(Site { point: Point2::new(x, y), corner });
+            sites.len() as u32 - 1
+        }));
+    }
     let mut mesh = ConstrainedDelaunayTriangulation::<Site>::new();
-    let mut handles = vec![FixedVertexHandle::from_index(0); sites.len()];
-    for (place, number) in insertion_order(&sites, control)?.into_iter().enumerate() {
-        if place.is_multiple_of(POINTS) {
+    let mut handles: Vec<Option<FixedVertexHandle>> = vec![None; sites.len()];
+    let mut last: Option<[FixedVertexHandle; 2]> = None;
+    for (number, place) in insertion_order(ring.len(), control)?.into_iter().enumerate() {
+        if number.is_multiple_of(EDGES) {
             control.at(0.0)?;
         }
-        let Ok(handle) = mesh.insert(sites[number as usize]) else { return Ok(None) };
-        handles[number as usize] = handle;
+        let next = (place as usize + 1) % ring.len();
+        let ends = [place as usize, next].map(|place| site_of[place] as usize);
+        let known = [handles[ends[0]], handles[ends[1]]];
+        let Some(added) = insert_ends(&mut mesh, ends.map(|end| sites[end]), known, last) else {
+            return Ok(None);
+        };
+        if mesh.try_add_constraint(added[0], added[1]).is_empty() {
+            return Ok(None);
+        }
+        ends.into_iter().zip(added).for_each(|(end, handle)| handles[end] = Some(handle));
+        last = Some(added);
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(ring.len());
-    for (place, &corner) in ring.iter().enumerate() {
-        if place.is_multiple_of(EDGES) {
+    for (place, &corner) in (0u32..).zip(ring) {
+        if place.is_multiple_of(POINTS as u32) {
             control.at(0.0)?;
         }
-        let next = (place + 1) % ring.len();
-        let ends = [place, next].map(|place| handles[site_of[place] as usize]);
-        if add_edge(&mut mesh, corner, ends, &mut nodes).is_none() {
+        let next = (place as usize + 1) % ring.len();
+        let ends = [place as usize, next].map(|place| handles[site_of[place] as usize]);
+        let [Some(from), Some(to)] = ends else { return Ok(None) };
+        if add_edge(&mut mesh, corner, [from, to], &mut nodes).is_none() {
             return Ok(None);
         }
     }
-    Ok(assign(&mesh, &nodes, triangles))
+    assign(&mesh, &nodes, triangles, control)
 }
 
-/// The order in which to insert points: half of them last, half of the others before, and so on.
-fn insertion_order(sites: &[Site], control: Control) -> Result<Vec<u32>, Cancelled> {
+/// The order in which to insert edges: half of them last, half of the others before, and so on.
+fn insertion_order(n: usize, control: Control) -> Result<Vec<u32>, Cancelled> {
     let random = IndexedRandom::new(0);
-    let points: Vec<DVec3> = sites.iter().map(|s| DVec3::new(s.point.x, s.point.y, 0.0)).collect();
-    let mut order = morton_order(&points, control.part(0.0, 0.0))?;
-    order.sort_by_key(|&number| Reverse(random.bits(u64::from(number)).trailing_zeros()));
-    Ok(order)
+    let mut order = Vec::with_capacity(n);
+    for place in 0..n as u32 {
+        control.item(place as usize, usize::MAX)?;
+        let round = u64::from(u64::BITS - random.bits(u64::from(place)).trailing_zeros());
+        order.push((round, place));
+    }
+    sort_by_code(&mut order, control)?;
+    Ok(order.into_iter().map(|(_, place)| place).collect())
+}
+
+/// The vertices of both ends of an edge, inserted where they are not known. Points are found by a
+/// walk, which is short from the edge before, and from one end of an edge to the other.
+fn insert_ends(
+    mesh: &mut ConstrainedDelaunayTriangulation<Site>,
+    ends: [Site; 2],
+    known: [Option<FixedVertexHandle>; 2],
+    last: Option<[FixedVertexHandle; 2]>,
+) -> Option<[FixedVertexHandle; 2]> {
+    let mut found = known;
+    if let ([None, None], Some(last)) = (found, last) {
+        let apart = |hint: FixedVertexHandle, end: usize| {
+            mesh.vertex(hint).position().distance_2(ends[end].point)
+        };
+        let pairs = last.into_iter().flat_map(|hint| [(hint, 0), (hint, 1)]);
+        let nearest = pairs.min_by(|a, b| apart(a.0, a.1).total_cmp(&apart(b.0, b.1)));
+        let (hint, end) = nearest?;
+        found[end] = Some(mesh.insert_with_hint(ends[end], hint).ok()?);
+    }
+    for end in 0..2 {
+        if found[end].is_none() {
+            found[end] = Some(
+                match found[1 - end] {
+                    Some(hint) => mesh.insert_with_hint(ends[end], hint),
+                    None => mesh.insert(ends[end]),
+                }
+                .ok()?,
+            );
+        }
+    }
+    found[0].zip(found[1]).map(|(from, to)| [from, to])
 }
 
 /// Adds the edge from a corner to the next, with a node for each part where it meets other points;
@@ -188,31 +239,51 @@ fn assign(
     mesh: &ConstrainedDelaunayTriangulation<Site>,
     nodes: &[Node],
     triangles: &mut Vec<[u32; 3]>,
-) -> Option<()> {
+    control: Control,
+) -> Result<Option<()>, Cancelled> {
     let mut corners = vec![[NONE; 3]; mesh.num_all_faces()];
     for (place, node) in nodes.iter().enumerate() {
+        control.item(place, usize::MAX)?;
         let before = &nodes[(place + nodes.len() - 1) % nodes.len()];
-        let last = mesh.directed_edge(before.edge).rev().fix();
-        let mut edge = mesh.directed_edge(node.edge);
-        loop {
-            let face = edge.face().as_inner()?;
-            let own = edge.from().fix();
-            let k = face.vertices().iter().position(|vertex| vertex.fix() == own)?;
-            let slot = &mut corners[face.fix().index()][k];
-            (*slot == NONE).then_some(())?;
-            *slot = node.corner;
-            edge = edge.prev().rev();
-            if edge.fix() == last {
-                break;
-            }
+        if fill_wedge(mesh, [before, node], &mut corners).is_none() {
+            return Ok(None);
         }
     }
     let n_before = triangles.len();
-    for triangle in corners.into_iter().filter(|triangle| *triangle != [NONE; 3]) {
-        (!triangle.contains(&NONE)).then_some(())?;
+    for (place, triangle) in corners.into_iter().enumerate() {
+        control.item(place, usize::MAX)?;
+        if triangle == [NONE; 3] {
+            continue;
+        }
+        if triangle.contains(&NONE) {
+            return Ok(None);
+        }
         triangles.push(triangle);
     }
-    (triangles.len() - n_before + 2 == nodes.len()).then_some(())
+    Ok((triangles.len() - n_before + 2 == nodes.len()).then_some(()))
+}
+
+/// Gives the corner of a node the triangles between its edge and that of the node before; `None`
+/// where another corner has one of them.
+fn fill_wedge(
+    mesh: &ConstrainedDelaunayTriangulation<Site>,
+    [before, node]: [&Node; 2],
+    corners: &mut [[u32; 3]],
+) -> Option<()> {
+    let last = mesh.directed_edge(before.edge).rev().fix();
+    let mut edge = mesh.directed_edge(node.edge);
+    loop {
+        let face = edge.face().as_inner()?;
+        let own = edge.from().fix();
+        let k = face.vertices().iter().position(|vertex| vertex.fix() == own)?;
+        let slot = &mut corners[face.fix().index()][k];
+        (*slot == NONE).then_some(())?;
+        *slot = node.corner;
+        edge = edge.prev().rev();
+        if edge.fix() == last {
+            return Some(());
+        }
+    }
 }
 
 /// The power of two that brings the coordinates to where the crate takes them; mostly 1.

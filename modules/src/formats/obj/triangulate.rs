@@ -36,6 +36,9 @@ const SMALL: usize = 64;
 const MAX_TESTS: u64 = 20_000;
 const MAX_ALL_TESTS: u64 = 200_000_000;
 
+/// Such tests between two looks whether the work was cancelled.
+const TESTS: u64 = 1 << 20;
+
 /// How well a polygon was cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
@@ -59,8 +62,8 @@ pub(super) struct Triangulator {
 
 impl Triangulator {
     /// Cuts the polygon with these corner points and appends its triangles, as indices into
-    /// `points`, to `triangles`, in O(n log n) but for long slanting teeth. Fewer than three points
-    /// give no triangle.
+    /// `points`, to `triangles`, in about O(n log n) where they do not cross. Fewer than three
+    /// points give no triangle.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
@@ -99,7 +102,7 @@ impl Triangulator {
         if !is_small && constrained::cover(&self.flat, triangles, control)? {
             return Ok(Cut::Exact);
         }
-        let cut = self.clip_ears(triangles);
+        let cut = self.clip_ears(triangles, control)?;
         if cut == Cut::Fan && is_small {
             let mut others = Vec::new();
             if constrained::cover(&self.flat, &mut others, control)? {
@@ -135,14 +138,23 @@ impl Triangulator {
         true
     }
 
-    fn clip_ears(&mut self, triangles: &mut Vec<[u32; 3]>) -> Cut {
+    fn clip_ears(
+        &mut self,
+        triangles: &mut Vec<[u32; 3]>,
+        control: Control,
+    ) -> Result<Cut, Cancelled> {
         let n = self.flat.len() as u32;
         self.start_ring(n);
         let most_tests = MAX_ALL_TESTS.min(u64::from(n) * MAX_TESTS);
         let (mut at, mut n_left, mut n_missed) = (0_u32, n, 0_u32);
+        let mut n_reported = 0;
         while n_left > 3 {
+            if self.n_tests - n_reported > TESTS {
+                n_reported = self.n_tests;
+                control.at(0.0)?;
+            }
             if n_missed > n_left || self.n_tests > most_tests {
-                return self.fan_rest(at, triangles);
+                return Ok(self.fan_rest(at, triangles));
             }
             let (before, after) = (self.previous[at as usize], self.next[at as usize]);
             if self.is_ear(before, at, after) {
@@ -161,7 +173,7 @@ impl Triangulator {
             }
         }
         triangles.push([self.previous[at as usize], at, self.next[at as usize]]);
-        if self.turn_at(at) < -self.tolerance { Cut::Fan } else { Cut::Exact }
+        Ok(if self.turn_at(at) < -self.tolerance { Cut::Fan } else { Cut::Exact })
     }
 
     fn start_ring(&mut self, n: u32) {

@@ -1,6 +1,8 @@
 //! Polygons whose triangles are known, and properties of all of them.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use proptest::prelude::*;
 
@@ -195,6 +197,63 @@ fn large_concave_polygons_take_no_square_of_time() {
         .chain([[f64::from(n / 2 - 1), -1.0], [0.0, -1.0]])
         .collect();
     assert_covered(&tilted(&comb));
+}
+
+/// A tooth a unit over a strip of height 1, each a triangle with its tip moved aside by `slant`
+/// times its height, which is this part of the number of teeth; and the area of all that.
+fn slanting_comb(n_teeth: u32, slant: f64, height: impl Fn(u32) -> f64) -> (Vec<DVec3>, f64) {
+    let (mut area, mut shape) = (f64::from(n_teeth), Vec::new());
+    for k in 0..n_teeth {
+        let (x, y) = (f64::from(k), f64::from(n_teeth) * height(k));
+        shape.extend([[x, 0.0], [x + 0.5 + slant * y, y]]);
+        area += 0.5 * y;
+    }
+    let end = f64::from(n_teeth);
+    shape.extend([[end, 0.0], [end, -1.0], [0.0, -1.0]]);
+    (shape.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect(), area)
+}
+
+/// Each tooth crosses thousands of edges of a triangulation of the corners alone: with all points
+/// inserted first, this takes minutes.
+#[test]
+fn long_slanting_teeth_take_no_square_of_time() {
+    let random = crate::geometry::distance::sample::IndexedRandom::new(3);
+    for (slant, is_even) in [(0.3, true), (2.0, true), (0.7, false)] {
+        let height = |k: u32| if is_even { 1.0 } else { random.unit(u64::from(k)) };
+        let (mut points, area) = slanting_comb(20_000, slant, height);
+        for _ in 0..2 {
+            let (found, _) = area_of(&points, &assert_covered(&points));
+            assert!((found - area).abs() < 1e-9 * area, "{found} {area}");
+            points.reverse();
+        }
+    }
+}
+
+/// Cuts until the look of this number whether to go on; returns how many there were.
+fn cut_until(points: &[DVec3], last: usize) -> (Result<Cut, Cancelled>, usize) {
+    let n_looks = AtomicUsize::new(0);
+    let look = |_| match n_looks.fetch_add(1, Ordering::Relaxed) {
+        n if n < last => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    let control = Control::new(&look);
+    let cut = Triangulator::default().cut(points, &mut Vec::new(), control);
+    (cut, n_looks.into_inner())
+}
+
+#[test]
+fn a_cancel_is_heard_at_any_stage() {
+    let (comb, _) = slanting_comb(20_000, 0.3, |_| 1.0);
+    // A star of chords, each from one side to the other.
+    let chord = |k: u32| TAU * f64::from(k * 10_000 % 20_001) / 20_001.0;
+    let crossing: Vec<DVec3> =
+        (0..20_001).map(|k| DVec3::new(chord(k).cos(), chord(k).sin(), 0.0)).collect();
+    for points in [comb, crossing] {
+        let (_, all) = cut_until(&points, usize::MAX);
+        for last in [0, 3, all / 3, all - 1] {
+            assert_eq!(cut_until(&points, last), (Err(Cancelled), last + 1), "of {all}");
+        }
+    }
 }
 
 #[test]

@@ -32,21 +32,58 @@ impl Node {
         child: [EMPTY; 4],
     };
 
-    /// Squared distances from the query to the four boxes.
+    /// Squared distances from the point to the four boxes.
     #[inline(always)]
-    pub fn distances_sq(&self, query: &QueryBox) -> Vec4 {
-        let [x, y, z, origin] = self.columns;
-        let center = x * query.center[0] + y * query.center[1] + z * query.center[2] + origin;
+    pub fn distances_sq(&self, query: &QueryPoint) -> Vec4 {
+        let center = self.turned(&query.center);
+        self.gaps_sq(center, center, query.margin)
+    }
+
+    /// The same from a box.
+    #[inline(always)]
+    pub fn distances_sq_to_box(&self, query: &QueryBox) -> Vec4 {
+        let center = self.turned(&query.center);
+        let [x, y, z, _] = self.columns;
         let half = x.abs() * query.half[0] + y.abs() * query.half[1] + z.abs() * query.half[2];
-        let (low, high) = (center - half, center + half);
+        self.gaps_sq(center - half, center + half, Vec4::ZERO)
+    }
+
+    /// A point in the frame of the boxes.
+    #[inline(always)]
+    fn turned(&self, point: &[Vec4; 3]) -> Vec4 {
+        let [x, y, z, origin] = self.columns;
+        x * point[0] + y * point[1] + z * point[2] + origin
+    }
+
+    #[inline(always)]
+    fn gaps_sq(&self, low: Vec4, high: Vec4, margin: Vec4) -> Vec4 {
         let mut sum = Vec4::ZERO;
         for axis in 0..3 {
             let below = self.low[axis] - Vec4::splat(high[axis]);
             let above = Vec4::splat(low[axis]) - self.high[axis];
-            let gap = below.max(above).max(Vec4::ZERO);
+            let gap = (below.max(above) - margin).max(Vec4::ZERO);
             sum += gap * gap;
         }
         sum
+    }
+
+    /// The sum of the volumes of the boxes.
+    pub fn volume(&self) -> f64 {
+        let side =
+            |axis: usize, lane: usize| f64::from(self.high[axis][lane] - self.low[axis][lane]);
+        let is_there = |&lane: &usize| self.child[lane] != EMPTY;
+        (0..4)
+            .filter(is_there)
+            .map(|lane| (0..3).map(|axis| side(axis, lane)).product::<f64>())
+            .sum()
+    }
+
+    /// The volume of the box around the boxes.
+    pub fn volume_around(&self) -> f64 {
+        let side = |axis: usize| {
+            f64::from(self.high[axis].max_element()) - f64::from(self.low[axis].min_element())
+        };
+        (0..3).map(side).product()
     }
 
     /// The children that are there.
@@ -64,6 +101,36 @@ impl Node {
     }
 }
 
+/// What rounding moves a query or the boxes of a node by, at most, along any axis of any frame: the
+/// frame's numbers are about 1 where nodes are, and the query's as large as it is far.
+fn margin(center: DVec3) -> f64 {
+    2e-6 * (1.0 + center.abs().max_element())
+}
+
+/// What is brought nearer to a box around all is no farther from any box within.
+#[inline]
+fn brought_near(point: DVec3) -> DVec3 {
+    point.clamp(DVec3::splat(-MOST_LOCAL), DVec3::splat(MOST_LOCAL))
+}
+
+fn in_all_lanes(point: DVec3) -> [Vec4; 3] {
+    point.as_vec3a().to_array().map(Vec4::splat)
+}
+
+/// A point in the tree's frame, each coordinate in all four lanes.
+pub(super) struct QueryPoint {
+    center: [Vec4; 3],
+    margin: Vec4,
+}
+
+impl QueryPoint {
+    #[inline]
+    pub fn new(center: DVec3) -> Self {
+        let center = brought_near(center);
+        Self { center: in_all_lanes(center), margin: Vec4::splat(margin(center) as f32) }
+    }
+}
+
 /// A box in the tree's frame: middle and half of each side, each in all four lanes.
 pub(super) struct QueryBox {
     center: [Vec4; 3],
@@ -71,16 +138,12 @@ pub(super) struct QueryBox {
 }
 
 impl QueryBox {
-    /// The box that is wider than rounding moves it or the boxes of a node: the frame's numbers
-    /// are about 1 where nodes are, and the query's as large as it is far.
-    #[inline]
+    /// The box that is wider than rounding moves it or the boxes of a node.
     pub fn new(center: DVec3, half: DVec3) -> Self {
-        // What is brought nearer to a box around all is no farther from any box within.
-        let center = center.clamp(DVec3::splat(-MOST_LOCAL), DVec3::splat(MOST_LOCAL));
+        let center = brought_near(center);
         let half = half.min(DVec3::splat(MOST_LOCAL));
-        let margin = 1e-6 * (1.0 + center.abs().max_element() + half.max_element());
-        let splat = |v: DVec3| v.as_vec3a().to_array().map(Vec4::splat);
-        Self { center: splat(center), half: splat(half + margin) }
+        let margin = margin(center) + 1e-6 * half.max_element();
+        Self { center: in_all_lanes(center), half: in_all_lanes(half + margin) }
     }
 }
 
@@ -100,8 +163,8 @@ impl BoxFrame {
     }
 
     #[inline]
-    pub fn query(&self, point: DVec3) -> QueryBox {
-        QueryBox::new(self.local(point), DVec3::ZERO)
+    pub fn query(&self, point: DVec3) -> QueryPoint {
+        QueryPoint::new(self.local(point))
     }
 
     /// The frame's squared distance that is no shorter than `distance_sq`, allowing for the

@@ -12,56 +12,61 @@
 //!   nearer where `|c - q|² - |c - q'|² ≥ 2 r |q - q'| + e`.
 //!
 //! No term is as large as the distance: that is as good far away from the mesh as near it, while
-//! boxes are all the same from afar. The first line also bounds the distance in a part of the
-//! group without a look at the face. Where both are nearest at one vertex, and the face lies behind
-//! it as seen from all of the group, it is never nearer either: faces around a hub are one face to
-//! what is before the hub.
+//! boxes are all the same from afar. Where the face recedes from `q` as seen from all of the group,
+//! `e` is less: with the corners of the face at `q + w`, it is at most the largest of
+//! `2 (|x| |w| + (c - q) · w)`, and 0 where all of these are negative. Faces around a hub are one
+//! face to what is before the hub.
+//!
+//! A group that is small enough takes its whole list, point by point: the second line for all faces
+//! gives a bound, and the faces that the first line does not put beyond it are looked at.
 //!
 //! Faces whose distances differ by less than `TIE` count as equally near.
 
-use std::ops::{Range, RangeInclusive};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::ops::Range;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use wide::f64x4;
 
 use super::boxes::LEAF;
-use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
+use super::bvh::{Bvh, Hit};
 
 /// Distances that differ by less than this part of them do so by their rounding.
 const TIE: f64 = 4.0 * f64::EPSILON;
-/// Nodes that one point may take before it counts as hard.
-const MOST_VISITS: usize = 512;
-/// Hard points beyond so many, and a share of all, end the asking one by one.
-const FEW_HARD: usize = 16;
-const HARD_SHARE: usize = 32;
-/// Nodes that points may take on average before it ends, too.
-const VISITS_PER_POINT: usize = 128;
-/// A list of so many faces is looked through for each point.
-const FEW: usize = 4;
-/// The points of groups of about so many are asked one by one if that takes fewer nodes than this
-/// share of the list: a node may take as long as some faces of the list.
-const SMALL_GROUP: RangeInclusive<usize> = 33..=64;
-const SHARE_OF_LIST: usize = 8;
+/// A group of so many points, or a list of so many faces, is small: its points take the whole list.
+const FEW_POINTS: usize = 64;
+const FEW_FACES: usize = 16;
+/// The middle of a part of a group is no farther from that of the group than this many times the
+/// group's radius: the middles are those of boxes, and their boxes lie in each other.
+const PARTS_WITHIN: f64 = 1.1;
 /// Faces between two looks whether the work was cancelled: a millisecond or less.
 const STRIDE: usize = 1 << 15;
 
-/// A face as seen from a point.
+/// A face as seen from the middle of a group.
 #[derive(Clone, Copy, Debug)]
 struct View {
     slot: u32,
-    /// To the point from the nearest point of the face.
+    /// To the middle from the nearest point of the face.
     offset: DVec3,
     /// No point of the face is farther from that one.
     size: f64,
+    /// What [`View::shortfall`] is at most for points of the group.
+    most_shortfall: f64,
 }
 
 impl View {
     #[inline]
-    fn of(bvh: &Bvh, slot: u32, point: DVec3) -> Self {
+    fn of(bvh: &Bvh, slot: u32, ball: &Ball) -> Self {
         let triangle = &bvh.triangles[slot as usize];
-        Self { slot, offset: triangle.offset(point), size: triangle.longest_side() }
+        let offset = triangle.offset(ball.center);
+        let reach = PARTS_WITHIN * ball.radius;
+        let mut most_shortfall = 0.0f64;
+        for corner in triangle.corners_from(ball.center) {
+            let corner = corner + offset;
+            let term = reach * corner.length() + offset.dot(corner);
+            most_shortfall = most_shortfall.max(2.0 * term);
+        }
+        Self { slot, offset, size: triangle.longest_side(), most_shortfall }
     }
 
     /// What the squared distance from a point so far away may be less than that from the nearest
@@ -69,174 +74,63 @@ impl View {
     #[inline]
     fn shortfall(&self, away: f64) -> f64 {
         let near = self.size.min(away);
-        near * (2.0 * away - near)
+        (near * (2.0 * away - near)).min(self.most_shortfall)
     }
 }
 
 /// All faces of a tree as seen from a point.
 #[derive(Debug)]
-struct Panorama {
-    center: DVec3,
+pub(super) struct Panorama {
+    ball: Ball,
     views: Vec<View>,
 }
 
 impl Panorama {
-    fn new(bvh: &Bvh, center: DVec3, control: &Control) -> Result<Self, Cancelled> {
-        let mut views = Vec::new();
+    pub fn new(bvh: &Bvh, center: DVec3, control: &Control) -> Result<Self, Cancelled> {
+        let ball = Ball { center, radius: f64::INFINITY, longest_axis: 0 };
+        let mut views = Vec::with_capacity(bvh.triangles.len());
+        // A face may have several boxes.
+        let mut is_there = vec![false; bvh.triangles.len()];
         for (at, node) in bvh.nodes.iter().enumerate() {
             control.item(at, usize::MAX)?;
-            let slots = node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF);
-            views.extend(slots.map(|slot| View::of(bvh, slot, center)));
-        }
-        Ok(Self { center, views })
-    }
-}
-
-/// Many queries of one tree, in bounded time wherever the points are.
-#[derive(Debug)]
-pub struct ManyQueries<'a> {
-    bvh: &'a Bvh,
-    center: DVec3,
-    panorama: OnceLock<Panorama>,
-    n_looks: AtomicUsize,
-}
-
-impl<'a> ManyQueries<'a> {
-    /// Queries of points around this middle, which changes no more of the answers than which of
-    /// equally near faces is found.
-    pub fn new(bvh: &'a Bvh, center: DVec3) -> Self {
-        Self { bvh, center, panorama: OnceLock::new(), n_looks: AtomicUsize::new(0) }
-    }
-
-    /// Nodes and faces that were looked at so far, a measure of the work that does not depend on
-    /// the machine.
-    pub fn n_looks(&self) -> usize {
-        self.n_looks.load(Ordering::Relaxed)
-    }
-
-    /// The face nearest to every point, in order, into `out`; the same as [`Bvh::closest`] of each
-    /// but for the last bits of the distance. Best in an order in which neighbors follow each
-    /// other.
-    ///
-    /// # Errors
-    /// [`Cancelled`] when `control` says so.
-    pub fn closest(
-        &self,
-        points: &[DVec3],
-        out: &mut Vec<Option<Hit>>,
-        control: &Control,
-    ) -> Result<(), Cancelled> {
-        out.clear();
-        out.resize(points.len(), None);
-        let mut walker = self.bvh.walker();
-        let mut hard = Hard::default();
-        for (at, (&point, out)) in points.iter().zip(out.iter_mut()).enumerate() {
-            *out = hard.ask(&mut walker, at, point);
-            walker.poll(control)?;
-        }
-        self.ask_together(&mut walker, &hard.points, points, control, |at, hit| out[at] = hit)
-    }
-
-    /// The squared distance of every point, in order, into `out`; the same as of
-    /// [`ManyQueries::closest`], and faster where points that follow each other lie closer together
-    /// than the faces are wide. Points that are not finite and trees without faces give infinity.
-    ///
-    /// # Errors
-    /// [`Cancelled`] when `control` says so.
-    pub fn distances_sq(
-        &self,
-        points: &[DVec3],
-        out: &mut Vec<f64>,
-        control: &Control,
-    ) -> Result<(), Cancelled> {
-        let distance_sq = |hit: Option<Hit>| hit.map_or(f64::INFINITY, |hit| hit.distance_sq);
-        out.clear();
-        let mut walker = self.bvh.walker();
-        let mut hard = Hard::default();
-        for group in points.chunks(GROUP) {
-            if !hard.are_all && walker.shared_distances_sq(group, out) {
-                continue;
-            }
-            for &point in group {
-                let hit = hard.ask(&mut walker, out.len(), point);
-                out.push(distance_sq(hit));
-                walker.poll(control)?;
+            for slot in node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF) {
+                if !std::mem::replace(&mut is_there[slot as usize], true) {
+                    views.push(View::of(bvh, slot, &ball));
+                }
             }
         }
-        let put = |at: usize, hit| out[at] = distance_sq(hit);
-        self.ask_together(&mut walker, &hard.points, points, control, put)
-    }
-
-    /// Finds the faces nearest to those of the points that are named.
-    fn ask_together(
-        &self,
-        walker: &mut Walker<'a>,
-        hard: &[u32],
-        points: &[DVec3],
-        control: &Control,
-        mut put: impl FnMut(usize, Option<Hit>),
-    ) -> Result<(), Cancelled> {
-        let mut n_looks = walker.n_visits();
-        if !hard.is_empty() {
-            if self.panorama.get().is_none() {
-                // Another thread may be as far; both found the same.
-                let _ = self.panorama.set(Panorama::new(self.bvh, self.center, control)?);
-            }
-            let Some(all) = self.panorama.get() else { return Ok(()) };
-            let points: Vec<DVec3> = hard.iter().map(|&at| points[at as usize]).collect();
-            let mut bulk = Bulk::new(walker, all);
-            let hits = bulk.closest(&points, control)?;
-            hard.iter().zip(hits).for_each(|(&at, hit)| put(at as usize, hit));
-            n_looks = bulk.n_looks + walker.n_visits();
-        }
-        self.n_looks.fetch_add(n_looks, Ordering::Relaxed);
-        Ok(())
-    }
-}
-
-/// The points that are not asked one by one.
-#[derive(Default)]
-struct Hard {
-    points: Vec<u32>,
-    /// Whether all that follow are hard.
-    are_all: bool,
-}
-
-impl Hard {
-    /// Asks for a point by the tree, if that takes not too long; otherwise takes note of it.
-    fn ask(&mut self, walker: &mut Walker, at: usize, point: DVec3) -> Option<Hit> {
-        if !is_usable(point) {
-            return None;
-        }
-        let hit = if self.are_all { None } else { walker.closest_by(point, MOST_VISITS) };
-        if hit.is_none() {
-            self.points.push(at as u32);
-            self.are_all |= self.points.len() > FEW_HARD + at / HARD_SHARE;
-        }
-        self.are_all |= walker.n_visits() > VISITS_PER_POINT * (FEW_HARD + at);
-        hit
+        Ok(Self { ball, views })
     }
 }
 
 /// Queries that share their work.
-struct Bulk<'w, 'a> {
-    walker: &'w mut Walker<'a>,
+pub(super) struct Bulk<'a> {
     bvh: &'a Bvh,
-    all: &'w Panorama,
-    /// The lists of the groups that are being halved, one after the other.
+    all: &'a Panorama,
+    /// The lists of the groups that are being divided, one after the other.
     lists: Vec<View>,
     /// The list in work as seen from its new middle.
     views: Vec<View>,
+    /// The list that points take as a whole, four faces together.
+    fours: Vec<Four>,
+    /// Squared distances from a point to what is nearest to the middle, of these.
+    distances_sq: Vec<f64x4>,
     /// Faces that were looked at, and how many of them since the last look whether the work was
     /// cancelled.
-    n_looks: usize,
+    pub n_looks: usize,
     n_unreported: usize,
 }
 
-/// A list of faces, as seen from a point.
-#[derive(Clone)]
+/// The offsets of four views, and their shortfalls.
+#[derive(Clone, Copy)]
+struct Four {
+    offset: [f64x4; 3],
+    shortfall: f64x4,
+}
+
+/// A list of faces, as seen from the middle of a group.
 struct List {
-    center: DVec3,
+    ball: Ball,
     /// In [`Bulk::lists`]; `None` for all faces of the panorama.
     range: Option<Range<usize>>,
 }
@@ -248,6 +142,7 @@ struct Query {
 }
 
 /// Points around a middle.
+#[derive(Clone, Copy, Debug)]
 struct Ball {
     center: DVec3,
     radius: f64,
@@ -255,15 +150,14 @@ struct Ball {
     longest_axis: usize,
 }
 
-impl<'w, 'a> Bulk<'w, 'a> {
-    /// For a walker that has asked for some points and taken long.
-    fn new(walker: &'w mut Walker<'a>, all: &'w Panorama) -> Self {
-        let bvh = walker.bvh();
-        Self { walker, bvh, all, lists: Vec::new(), views: Vec::new(), n_looks: 0, n_unreported: 0 }
+impl<'a> Bulk<'a> {
+    pub fn new(bvh: &'a Bvh, all: &'a Panorama) -> Self {
+        let (lists, views, fours, distances_sq) = Default::default();
+        Self { bvh, all, lists, views, fours, distances_sq, n_looks: 0, n_unreported: 0 }
     }
 
     /// The face nearest to every point, in order; all are usable.
-    fn closest(
+    pub fn closest(
         &mut self,
         points: &[DVec3],
         control: &Control,
@@ -274,7 +168,7 @@ impl<'w, 'a> Bulk<'w, 'a> {
         }
         let mut queries: Vec<_> =
             (0..).zip(points).map(|(at, &point)| Query { point, at }).collect();
-        let list = List { center: self.all.center, range: None };
+        let list = List { ball: self.all.ball, range: None };
         self.solve(&mut queries, &mut out, &list, control)?;
         Ok(out)
     }
@@ -287,55 +181,89 @@ impl<'w, 'a> Bulk<'w, 'a> {
         list: &List,
         control: &Control,
     ) -> Result<(), Cancelled> {
-        if self.n_unreported >= STRIDE {
-            self.n_unreported = 0;
-            control.at(0.0)?;
-        }
+        self.poll(control)?;
         let end = self.lists.len();
         let ball = Ball::around(queries);
         self.shorten(&ball, list);
         let kept = end..self.lists.len();
-        let n_single = self.ask_singly(queries, out, kept.clone(), control)?;
-        let queries = &mut queries[n_single..];
-        if kept.len() <= FEW || queries.len() <= 1 {
-            for query in queries {
-                out[query.at as usize] = self.nearest_of(kept.clone(), query.point);
-            }
+        if kept.len() <= FEW_FACES || queries.len() <= FEW_POINTS {
+            self.look_through(queries, out, &ball, kept, control)?;
         } else {
-            let half = queries.len() / 2;
-            let along = |query: &Query| query.point[ball.longest_axis];
-            queries.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)));
-            let (below, above) = queries.split_at_mut(half);
-            let kept = List { center: ball.center, range: Some(kept) };
-            self.solve(below, out, &kept, control)?;
-            self.solve(above, out, &kept, control)?;
+            let kept = List { ball, range: Some(kept) };
+            // Two cuts at once, as a shorter list costs more than it saves after one.
+            for half in halves(queries, &ball) {
+                let ball = Ball::around(half);
+                for quarter in halves(half, &ball) {
+                    self.solve(quarter, out, &kept, control)?;
+                }
+            }
         }
         self.lists.truncate(end);
         Ok(())
     }
 
-    /// Asks the queries of a small group with a long list by the tree, as long as that is faster;
-    /// says how many have their answer.
-    fn ask_singly(
+    /// Looks whether the work was cancelled, if some was done since the last look.
+    #[inline]
+    fn poll(&mut self, control: &Control) -> Result<(), Cancelled> {
+        if self.n_unreported < STRIDE {
+            return Ok(());
+        }
+        self.n_unreported = 0;
+        control.at(0.0)
+    }
+
+    /// Answers the queries of a ball, each by the whole list.
+    fn look_through(
         &mut self,
         queries: &[Query],
         out: &mut [Option<Hit>],
+        ball: &Ball,
         list: Range<usize>,
         control: &Control,
-    ) -> Result<usize, Cancelled> {
-        let most_visits = list.len() / SHARE_OF_LIST;
-        if !SMALL_GROUP.contains(&queries.len()) || most_visits < FEW {
-            return Ok(0);
+    ) -> Result<(), Cancelled> {
+        self.fours.clear();
+        self.fours.extend(self.lists[list.clone()].chunks(4).map(|views| Four::of(views, ball)));
+        for query in queries {
+            out[query.at as usize] = self.nearest_of(list.start, query.point, ball);
+            self.n_looks += list.len() / 2;
+            self.n_unreported += list.len() / 2;
+            self.poll(control)?;
         }
-        self.walker.start_from_slot(self.lists[list.start].slot);
-        for (n_done, query) in queries.iter().enumerate() {
-            match self.walker.closest_by(query.point, most_visits) {
-                Some(hit) => out[query.at as usize] = Some(hit),
-                None => return Ok(n_done),
+        Ok(())
+    }
+
+    /// The nearest to a point of the ball among the faces in `fours`, the first of which is at
+    /// `start` of the lists.
+    fn nearest_of(&mut self, start: usize, point: DVec3, ball: &Ball) -> Option<Hit> {
+        let Self { bvh, lists, fours, distances_sq, n_looks, n_unreported, .. } = self;
+        let moved = (point - ball.center).to_array().map(f64x4::splat);
+        let mut least = f64x4::splat(f64::INFINITY);
+        distances_sq.clear();
+        distances_sq.extend(fours.iter().map(|four| {
+            let [x, y, z] = [0, 1, 2].map(|axis| four.offset[axis] + moved[axis]);
+            let distance_sq = x * x + y * y + z * z;
+            least = least.fast_min(distance_sq);
+            distance_sq
+        }));
+        let least = least.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        let mut best: Option<Hit> = None;
+        let mut bound = least * (1.0 + TIE);
+        for (k, (four, &distance_sq)) in fours.iter().zip(distances_sq.iter()).enumerate() {
+            let least_sq = distance_sq - four.shortfall;
+            let mut near = least_sq.simd_le(f64x4::splat(bound)).to_bitmask();
+            while near != 0 {
+                let slot = lists[start + 4 * k + near.trailing_zeros() as usize].slot;
+                near &= near - 1;
+                let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
+                *n_looks += 1;
+                *n_unreported += 1;
+                if best.is_none_or(|best| distance_sq < best.distance_sq) {
+                    best = Some(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
+                    bound = bound.min(distance_sq);
+                }
             }
-            self.walker.poll(control)?;
         }
-        Ok(queries.len())
+        best
     }
 
     /// Puts those of the list that may be nearest to a point of the ball behind all lists, the one
@@ -346,7 +274,7 @@ impl<'w, 'a> Bulk<'w, 'a> {
             Some(range) => &lists[range],
             None => &all.views,
         };
-        let moved = ball.center - list.center;
+        let moved = ball.center - list.ball.center;
         let away = moved.length();
         let (mut best, mut best_least) = (0, f64::INFINITY);
         for (at, view) in all.iter().enumerate() {
@@ -355,14 +283,14 @@ impl<'w, 'a> Bulk<'w, 'a> {
                 (best, best_least) = (at, least);
             }
         }
-        let mut nearest = Nearest::new(View::of(bvh, all[best].slot, ball.center), ball);
+        let mut nearest = Nearest::new(View::of(bvh, all[best].slot, ball), ball);
         views.clear();
         views.push(nearest.view);
         for (at, view) in all.iter().enumerate() {
             if at == best || ball.is_never_nearer(view, moved, away, &nearest) {
                 continue;
             }
-            let view = View::of(bvh, view.slot, ball.center);
+            let view = View::of(bvh, view.slot, ball);
             views.push(view);
             if view.offset.length_squared() < nearest.distance_sq {
                 nearest = Nearest::new(view, ball);
@@ -374,18 +302,34 @@ impl<'w, 'a> Bulk<'w, 'a> {
         lists.extend(views.iter().filter(|view| {
             view.slot != nearest.view.slot
                 && !ball.is_never_nearer(view, DVec3::ZERO, 0.0, &nearest)
-                && !is_behind(bvh, ball, view, &nearest.view)
         }));
     }
+}
 
-    /// The nearest of a list to a point.
-    fn nearest_of(&self, list: Range<usize>, point: DVec3) -> Option<Hit> {
-        let hit = |&View { slot, .. }: &View| {
-            let distance_sq = self.bvh.triangles[slot as usize].distance_sq(point);
-            Hit { distance_sq, face: self.bvh.faces[slot as usize], slot }
+/// The queries on both sides of the middle one along the longest axis; all of them and none where
+/// there are not two.
+fn halves<'q>(queries: &'q mut [Query], ball: &Ball) -> impl Iterator<Item = &'q mut [Query]> {
+    let half = queries.len() / 2;
+    let along = |query: &Query| query.point[ball.longest_axis];
+    if half > 0 {
+        queries.select_nth_unstable_by(half, |a, b| {
+            along(a).total_cmp(&along(b)).then(a.at.cmp(&b.at))
+        });
+    }
+    let (below, above) = queries.split_at_mut(half);
+    [below, above].into_iter().filter(|half| !half.is_empty())
+}
+
+impl Four {
+    /// Of up to four views; what is missing is infinitely far.
+    fn of(views: &[View], ball: &Ball) -> Self {
+        let lanes = |of: &dyn Fn(&View) -> f64, missing: f64| {
+            f64x4::from([0, 1, 2, 3].map(|lane| views.get(lane).map_or(missing, of)))
         };
-        let hits = self.lists[list].iter().map(hit);
-        hits.reduce(|a, b| if b.distance_sq < a.distance_sq { b } else { a })
+        Self {
+            offset: [0, 1, 2].map(|axis| lanes(&|view| view.offset[axis], f64::INFINITY)),
+            shortfall: lanes(&|view| view.shortfall(ball.radius), 0.0),
+        }
     }
 }
 
@@ -441,24 +385,3 @@ impl Nearest {
         Self { view, distance_sq, rounded_sq: distance_sq * (1.0 - TIE), room }
     }
 }
-
-/// Whether both faces are nearest at one vertex, and the other lies behind it: then no point of the
-/// ball has another point of it nearer than that vertex.
-fn is_behind(bvh: &Bvh, ball: &Ball, other: &View, nearest: &View) -> bool {
-    let rounding = TIE * (nearest.offset.length() + other.size);
-    if other.offset.distance_squared(nearest.offset) > rounding * rounding {
-        return false;
-    }
-    let corners = bvh.triangles[other.slot as usize].corners_from(ball.center);
-    let at = corners.map(|corner| (corner + other.offset).length_squared());
-    let vertex = if at[0] <= at[1].min(at[2]) { 0 } else { 1 + usize::from(at[2] < at[1]) };
-    at[vertex] <= rounding * rounding
-        && corners.iter().all(|&corner| {
-            let side = corner - corners[vertex];
-            other.offset.dot(side) <= -ball.radius * side.length()
-        })
-}
-
-#[cfg(test)]
-#[path = "bulk_tests.rs"]
-mod tests;

@@ -9,7 +9,7 @@
 //! tree was walked. Of several faces at the same distance any may be named.
 //!
 //! Many queries that lie near each other go through a [`Walker`], which starts each query with the
-//! face that the one before found; where boxes do not help, [`bulk`](super::bulk) does.
+//! face that the one before found; where boxes do not help, [`many`](super::many) does.
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
@@ -53,6 +53,8 @@ pub struct Bvh {
     pub(super) copies: Vec<(u32, FaceId)>,
     pub(super) frame: BoxFrame,
     pub(super) n_left_out: usize,
+    /// Whether faces have several boxes, as they lie across each other.
+    pub(super) is_of_pieces: bool,
 }
 
 impl Bvh {
@@ -130,11 +132,6 @@ pub struct Walker<'a> {
 }
 
 impl<'a> Walker<'a> {
-    /// The tree that is asked.
-    pub(super) fn bvh(&self) -> &'a Bvh {
-        self.bvh
-    }
-
     /// Nodes that were looked at so far.
     pub fn n_visits(&self) -> usize {
         self.n_visits
@@ -154,12 +151,7 @@ impl<'a> Walker<'a> {
 
     /// Starts the next query with the face of `hit`, a hit of this walker's tree.
     pub fn start_from(&mut self, hit: &Hit) {
-        self.start_from_slot(hit.slot);
-    }
-
-    /// The same by where the tree keeps the face.
-    pub(super) fn start_from_slot(&mut self, slot: u32) {
-        self.last = Some(slot);
+        self.last = Some(hit.slot);
     }
 
     /// The squared distance from `point` to the face of `hit`, which may be of another point.
@@ -210,7 +202,8 @@ impl<'a> Walker<'a> {
                 } else if child != EMPTY {
                     let slot = child & !LEAF;
                     let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
-                    if distance_sq <= limit_sq {
+                    // A face may have several boxes.
+                    if distance_sq <= limit_sq && out.iter().all(|hit| hit.slot != slot) {
                         out.push(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
                     }
                     if out.len() == most {
@@ -311,7 +304,7 @@ impl<'a> Walker<'a> {
         while let Some(pending) = self.stack.pop() {
             let node = &bvh.nodes[pending.child as usize];
             n_visits += 1;
-            let mut near = node.distances_sq(&query).cmple(Vec4::splat(bound)).bitmask();
+            let mut near = node.distances_sq_to_box(&query).cmple(Vec4::splat(bound)).bitmask();
             let mut lanes = 0;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;

@@ -1,12 +1,16 @@
 //! Building the tree of [`Bvh`]: top down, by the surface area heuristic over binned centers
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again. Of faces with the same corners the tree has one.
+//! Where long faces lie across each other in all directions, so that no boxes tell them apart, the
+//! tree has several boxes around [pieces](super::pieces) of each (Ernst & Greiner, "Early split
+//! clipping for bounding volume hierarchies", RT 2007).
 
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
 
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node};
 use super::bvh::{Bvh, is_usable};
+use super::pieces::{Bounds, Item, Piece, one_a_face};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
@@ -18,61 +22,16 @@ const N_BINS: usize = 16;
 const SAH_DEPTH: u32 = 40;
 /// Nodes over at most so many faces turn their boxes: larger ones are few.
 const MOST_TURNED: usize = 4096;
+/// Trees in which a point of the box around all is in more boxes than this, on average, are built
+/// anew of pieces of faces: those over a surface have it in 20 or less, long faces in all
+/// directions in hundreds.
+const MOST_OVERLAP: f64 = 64.0;
+/// Pieces that each face is cut into along its longest side then.
+const N_PIECES: u32 = 16;
 /// Parts of at least this many triangles look whether the work was cancelled.
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
 const STRIDE: usize = 1 << 15;
-
-/// A face and its box in the tree's frame.
-#[derive(Clone, Copy)]
-struct Item {
-    low: Vec3A,
-    high: Vec3A,
-    face: u32,
-}
-
-impl Item {
-    /// Twice the center of the box.
-    fn center(&self) -> Vec3A {
-        self.low + self.high
-    }
-}
-
-impl Item {
-    /// Around a face of the mesh.
-    fn around(face: u32, corners: [DVec3; 3]) -> Self {
-        let mut bounds = Bounds::EMPTY;
-        for corner in corners {
-            // Wider by the rounding of the conversion.
-            let corner = corner.as_vec3a();
-            let margin = corner.abs() * f32::EPSILON + Vec3A::splat(f32::MIN_POSITIVE);
-            bounds.add(corner - margin, corner + margin);
-        }
-        Self { low: bounds.low, high: bounds.high, face }
-    }
-}
-
-/// A box that grows.
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: Vec3A,
-    high: Vec3A,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
-
-    fn add(&mut self, low: Vec3A, high: Vec3A) {
-        self.low = self.low.min(low);
-        self.high = self.high.max(high);
-    }
-
-    /// Half the surface area; 0 when empty.
-    fn half_area(&self) -> f32 {
-        let d = (self.high - self.low).max(Vec3A::ZERO);
-        d.x * d.y + d.y * d.z + d.z * d.x
-    }
-}
 
 /// A run of items that becomes one child.
 #[derive(Clone, Copy)]
@@ -97,30 +56,55 @@ impl Bvh {
     /// [`Cancelled`] when `control` says so.
     pub fn build(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
         control.at(0.0)?;
+        let whole = Self::of_pieces(mesh, 1, control.part(0.0, 1.0))?;
+        if whole.overlap(&control)? <= MOST_OVERLAP {
+            return Ok(whole);
+        }
+        drop(whole);
+        Self::of_pieces(mesh, N_PIECES, control.part(1.0, 1.0))
+    }
+
+    /// In how many boxes a point of the box around all is, on average.
+    fn overlap(&self, control: &Control) -> Result<f64, Cancelled> {
+        let mut sum = 0.0;
+        for (at, node) in self.nodes.iter().enumerate() {
+            control.item(at, usize::MAX)?;
+            sum += node.volume();
+        }
+        let whole = self.nodes.first().map_or(0.0, Node::volume_around);
+        Ok(if whole > 0.0 { sum / whole } else { 0.0 })
+    }
+
+    /// Arranges pieces of the faces, so many of each.
+    fn of_pieces(mesh: &TriMesh, n_pieces: u32, control: Control) -> Result<Self, Cancelled> {
         let corners_of = |face: usize| -> Option<[DVec3; 3]> {
             let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
             let corners = [a?, b?, c?];
             corners.iter().all(|&p| is_usable(p)).then_some(corners)
         };
         let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
-        let mut items = Vec::with_capacity(mesh.faces.len());
+        let mut items = Vec::with_capacity(mesh.faces.len() * n_pieces as usize);
         for face in 0..mesh.faces.len() {
-            if face % STRIDE == 0 {
-                control.at(0.0)?;
-            }
-            if let Some(corners) = corners_of(face) {
-                items.push(Item::around(face as u32, corners.map(|p| frame.local(p))));
-            }
+            control.item(face, usize::MAX)?;
+            let Some(corners) = corners_of(face) else { continue };
+            let corners = corners.map(|p| frame.local(p));
+            items.extend((0..n_pieces).map(|piece| {
+                let points = Piece::new(corners, piece, n_pieces);
+                Item::around(face as u32, piece, points.points())
+            }));
         }
         let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
         let main = control.part(0.0, 0.9);
         let (nodes, n_items) = (Vec::new(), items.len());
         let copies = Vec::new();
         let mut builder =
-            Builder { mesh, frame, nodes, copies, n_items, n_placed: 0, control: main };
+            Builder { mesh, n_pieces, frame, nodes, copies, n_items, n_placed: 0, control: main };
         let whole = Part { start: 0, end: items.len(), bounds };
         builder.node(&mut items, whole, 0)?;
-        let Builder { nodes, copies, .. } = builder;
+        let Builder { mut nodes, copies, .. } = builder;
+        if n_pieces > 1 {
+            items = one_a_face(&mut nodes, &items, mesh.faces.len(), control.part(0.9, 0.9))?;
+        }
         let copies = by_slot(copies, &items, control.part(0.9, 0.9))?;
         let mut triangles = Vec::with_capacity(items.len());
         let mut faces = Vec::with_capacity(items.len());
@@ -131,7 +115,8 @@ impl Bvh {
             faces.extend(chunk.iter().map(|item| FaceId(item.face)));
         }
         let n_left_out = mesh.faces.len() - items.len();
-        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out })
+        let is_of_pieces = n_pieces > 1;
+        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out, is_of_pieces })
     }
 }
 
@@ -173,6 +158,7 @@ fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
 
 struct Builder<'a> {
     mesh: &'a TriMesh,
+    n_pieces: u32,
     frame: BoxFrame,
     nodes: Vec<Node>,
     /// Faces of the tree, each with another of the same corners.
@@ -230,7 +216,8 @@ impl Builder<'_> {
         let mut turned = [Bounds::EMPTY; 4];
         for (bounds, part) in turned.iter_mut().zip(parts) {
             for item in &items[part.start..part.end] {
-                for p in self.corners(item) {
+                let piece = Piece::new(self.corners(item), item.piece, self.n_pieces);
+                for p in piece.points() {
                     let p = (x * p.x + y * p.y + z * p.z + origin).as_vec3a();
                     bounds.add(p, p);
                 }
@@ -325,7 +312,10 @@ impl Builder<'_> {
             let corners = self.corner_bits(item.face);
             if let (Some(first), true) = (distinct.last(), last == Some((code, corners))) {
                 let Item { face: first, .. } = first;
-                self.copies.push((FaceId(*first), FaceId(item.face)));
+                // A face without any extent has all its pieces at one place.
+                if *first != item.face {
+                    self.copies.push((FaceId(*first), FaceId(item.face)));
+                }
                 copies.push(item);
             } else {
                 last = Some((code, corners));
@@ -371,6 +361,7 @@ fn by_slot(
     let mut by_slot: Vec<_> =
         copies.into_iter().map(|(face, copy)| (slots[face.idx()], copy)).collect();
     by_slot.sort_unstable_by_key(|&(slot, copy)| (slot, copy.0));
+    by_slot.dedup();
     Ok(by_slot)
 }
 

@@ -1,7 +1,7 @@
 //! Tests of the tree: it finds what a look at every face finds, and has equal faces once.
 
 use super::*;
-use crate::geometry::distance::bulk::ManyQueries;
+use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::fixtures::mesh_of;
 use proptest::prelude::*;
 
@@ -48,6 +48,38 @@ fn of_a_thousand_copies_of_a_face_the_tree_has_one() {
     assert!(bvh.same_as(&alone).eq([FaceId(1000)]));
 }
 
+/// Needles in all directions through a cube: no boxes around whole ones tell them apart.
+#[test]
+fn needles_across_each_other_are_found_by_their_pieces() {
+    let random = IndexedRandom::new(5);
+    let vector = |k: u64| DVec3::from([0, 1, 2].map(|axis| random.unit(9 * k + axis) - 0.5));
+    let n = 4000u32;
+    let corners = (0..u64::from(n))
+        .flat_map(|k| [vector(3 * k), vector(3 * k + 1), vector(3 * k) + vector(3 * k + 2) * 1e-3]);
+    let mut points: Vec<[f64; 3]> = corners.map(|p| p.to_array()).collect();
+    // Two without any extent, and one twice.
+    points.extend([points[0]; 3]);
+    let last = 3 * n;
+    let mut faces: Vec<[u32; 3]> = (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    faces.extend([[last, last + 1, last + 2], [last, last, last], [1, 2, 0]]);
+    let mesh = mesh_of(&points, &faces);
+    let bvh = Bvh::build(&mesh, Control::none()).unwrap();
+    assert!(bvh.is_of_pieces);
+    assert_eq!((bvh.n_faces(), bvh.n_left_out()), (faces.len(), 0));
+    let mut walker = bvh.walker();
+    for k in 0..300 {
+        let point = vector(1_000_000 + k);
+        let (found, expected) = (walker.closest(point).unwrap(), brute_force(&mesh, point));
+        assert!((found.distance_sq.sqrt() - expected.sqrt()).abs() < 1e-14);
+    }
+    // Of whole faces more than 400.
+    assert!(walker.n_visits() < 60 * 300, "{}", walker.n_visits());
+    let first = walker.closest(mesh.positions[1]).unwrap();
+    let mut same: Vec<u32> = bvh.same_as(&first).map(|face| face.0).collect();
+    same.sort_unstable();
+    assert_eq!(same, [0, n + 2]);
+}
+
 fn any_point() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from)
 }
@@ -73,14 +105,13 @@ proptest! {
         let queries: Vec<DVec3> = queries.iter().map(|&q| place(q * spread)).collect();
         let expected: Vec<f64> = queries.iter().map(|&q| brute_force(&mesh, q)).collect();
         let mut walker = bvh.walker();
-        let mut batch = Vec::new();
         let many = ManyQueries::new(&bvh, queries[0]);
-        many.distances_sq(&queries, &mut batch, &Control::none()).unwrap();
+        let batch = many.closest(&queries, &Control::none()).unwrap();
         let rounding = 1e-14 * scale * (1.0 + spread);
-        for ((&query, &expected), &batch) in queries.iter().zip(&expected).zip(&batch) {
+        for ((&query, &expected), batch) in queries.iter().zip(&expected).zip(batch) {
             let single = bvh.closest(query).unwrap().distance_sq;
             let seeded = walker.closest(query).unwrap().distance_sq;
-            for found in [single, seeded, batch] {
+            for found in [single, seeded, batch.unwrap().distance_sq] {
                 prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
             }
         }

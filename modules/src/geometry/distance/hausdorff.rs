@@ -9,20 +9,24 @@
 //! The result is the same for any number of threads: chunks are fixed and sums are taken in their
 //! order.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::bulk::ManyQueries;
 use super::bvh::{Bvh, Hit};
 use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
+use super::many::ManyQueries;
 use super::sample::{SurfaceSampler, sample_edges};
 use crate::data::{Domain, Field, TriMesh};
 use crate::mesh::morton::{morton_order, sort_by_code};
 
 /// Samples of one chunk: about a millisecond of work.
 const CHUNK: usize = 8192;
+/// Samples whose hard ones are asked together, which bounds the memory for them.
+const BATCH: usize = 128 * CHUNK;
 /// The maximum is known well enough within this part of the diagonal.
 const LEAST_TOLERANCE: f64 = 1e-9;
 /// Seeds of the streams that are not the surface samples' own.
@@ -282,21 +286,26 @@ fn vertex_hits(
     control: Control,
 ) -> Result<Vec<Option<Hit>>, Cancelled> {
     let order = morton_order(&mesh.positions, control.part(0.0, 0.0))?;
-    let steps = control.steps(order.len().div_ceil(CHUNK));
-    let found: Vec<Vec<Option<Hit>>> = order
+    let point = |v: u32| mesh.positions[v as usize];
+    let steps = control.part(0.0, 0.5).steps(order.len().div_ceil(CHUNK));
+    let found: Vec<(Vec<Option<Hit>>, Vec<u32>)> = order
         .par_chunks(CHUNK)
         .map(|chunk| {
-            let points: Vec<DVec3> = chunk.iter().map(|&v| mesh.positions[v as usize]).collect();
-            let mut hits = Vec::with_capacity(points.len());
-            to.closest(&points, &mut hits, &control)?;
+            let points: Vec<DVec3> = chunk.iter().map(|&v| point(v)).collect();
+            let found = to.easy_hits(&points, &control)?;
             steps.step()?;
-            Ok(hits)
+            Ok(found)
         })
         .collect::<Result<_, Cancelled>>()?;
     let mut hits = vec![None; order.len()];
-    for (&v, hit) in order.iter().zip(found.into_iter().flatten()) {
-        hits[v as usize] = hit;
+    let mut hard: Vec<u32> = Vec::new();
+    for (chunk, (found, hard_there)) in order.chunks(CHUNK).zip(found) {
+        chunk.iter().zip(found).for_each(|(&v, hit)| hits[v as usize] = hit);
+        hard.extend(hard_there.into_iter().map(|at| chunk[at as usize]));
     }
+    let points: Vec<DVec3> = hard.iter().map(|&v| point(v)).collect();
+    let found = to.hard_hits(&points, &control.part(0.5, 1.0))?;
+    hard.into_iter().zip(found).for_each(|(v, hit)| hits[v as usize] = hit);
     Ok(hits)
 }
 
@@ -309,45 +318,106 @@ struct Sums {
     most: FarthestPoint,
 }
 
+impl Sums {
+    const NONE: Self = Self { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
+
+    fn over(points: &[DVec3], distances_sq: &[f64]) -> Self {
+        let mut sums = Self::NONE;
+        for (&point, &distance_sq) in points.iter().zip(distances_sq) {
+            sums.distance += distance_sq.sqrt();
+            sums.distance_sq += distance_sq;
+            sums.n += 1;
+            sums.most.offer(distance_sq, point);
+        }
+        sums
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.distance += other.distance;
+        self.distance_sq += other.distance_sq;
+        self.n += other.n;
+        self.most.offer(other.most.distance_sq, other.most.point);
+    }
+}
+
 fn sample_sums(
     sampler: &SurfaceSampler,
     to: &ManyQueries,
     control: Control,
 ) -> Result<Sums, Cancelled> {
-    let n_chunks = sampler.n_samples().div_ceil(CHUNK);
-    let steps = control.steps(n_chunks);
-    let chunks: Vec<Sums> = (0..n_chunks)
-        .into_par_iter()
-        .map(|chunk| {
-            let start = chunk * CHUNK;
-            let end = (start + CHUNK).min(sampler.n_samples());
-            let points: Vec<DVec3> = sampler.samples(start..end).map(|s| s.point).collect();
-            let sums = chunk_sums(&points, to, &control)?;
-            steps.step()?;
-            Ok(sums)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let zero = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
-    Ok(chunks.into_iter().fold(zero, |mut sums, chunk| {
-        sums.distance += chunk.distance;
-        sums.distance_sq += chunk.distance_sq;
-        sums.n += chunk.n;
-        sums.most.offer(chunk.most.distance_sq, chunk.most.point);
-        sums
-    }))
+    let points_of = |range: Range<usize>| sampler.samples(range).map(|s| s.point).collect();
+    sums_over(sampler.n_samples(), points_of, to, control)
 }
 
-fn chunk_sums(points: &[DVec3], to: &ManyQueries, control: &Control) -> Result<Sums, Cancelled> {
-    let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most: FarthestPoint::NONE };
-    let mut found = Vec::with_capacity(points.len());
-    to.distances_sq(points, &mut found, control)?;
-    for (&point, &distance_sq) in points.iter().zip(&found) {
-        sums.distance += distance_sq.sqrt();
-        sums.distance_sq += distance_sq;
-        sums.n += 1;
-        sums.most.offer(distance_sq, point);
+/// A chunk of points: its sums, or what is not yet known where some of its points are hard.
+enum ChunkSums {
+    Done(Sums),
+    Open { points: Vec<DVec3>, distances_sq: Vec<f64>, hard: Vec<u32> },
+}
+
+/// Sums over `n` points, which are made range by range. The hard ones of many chunks are asked
+/// together.
+fn sums_over(
+    n: usize,
+    points_of: impl Fn(Range<usize>) -> Vec<DVec3> + Sync,
+    to: &ManyQueries,
+    control: Control,
+) -> Result<Sums, Cancelled> {
+    let chunk_sums = |start: usize, end: usize, control: &Control| {
+        let points = points_of(start..end.min(start + CHUNK));
+        let mut distances_sq = Vec::with_capacity(points.len());
+        let hard = to.easy_distances_sq(&points, &mut distances_sq, control)?;
+        Ok(if hard.is_empty() {
+            ChunkSums::Done(Sums::over(&points, &distances_sq))
+        } else {
+            ChunkSums::Open { points, distances_sq, hard }
+        })
+    };
+    let mut sums = Sums::NONE;
+    let done = |at: usize| at as f64 / n.max(1) as f64;
+    for start in (0..n).step_by(BATCH) {
+        let end = n.min(start + BATCH);
+        let batch = control.part(done(start), done(end));
+        let steps = batch.part(0.0, 0.5).steps((end - start).div_ceil(CHUNK));
+        let starts: Vec<usize> = (start..end).step_by(CHUNK).collect();
+        let mut chunks: Vec<ChunkSums> = starts
+            .into_par_iter()
+            .map(|start| {
+                let sums = chunk_sums(start, end, &batch)?;
+                steps.step()?;
+                Ok(sums)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        ask_hard(&mut chunks, to, batch.part(0.5, 1.0))?;
+        for chunk in &chunks {
+            match chunk {
+                ChunkSums::Done(chunk) => sums.add(chunk),
+                ChunkSums::Open { points, distances_sq, .. } => {
+                    sums.add(&Sums::over(points, distances_sq));
+                }
+            }
+        }
     }
     Ok(sums)
+}
+
+/// Fills in the distances of the hard points.
+fn ask_hard(chunks: &mut [ChunkSums], to: &ManyQueries, control: Control) -> Result<(), Cancelled> {
+    let mut hard_points = Vec::new();
+    for chunk in chunks.iter() {
+        if let ChunkSums::Open { points, hard, .. } = chunk {
+            hard_points.extend(hard.iter().map(|&at| points[at as usize]));
+        }
+    }
+    let mut hits = to.hard_hits(&hard_points, &control)?.into_iter();
+    for chunk in chunks {
+        if let ChunkSums::Open { distances_sq, hard, .. } = chunk {
+            for (&at, hit) in hard.iter().zip(&mut hits) {
+                distances_sq[at as usize] = hit.map_or(f64::INFINITY, |hit| hit.distance_sq);
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Sums over the vertices that faces use, where there is no area to sum over.
@@ -358,7 +428,7 @@ fn vertex_sums(
     control: Control,
 ) -> Result<Sums, Cancelled> {
     let mut is_counted = vec![false; hits.len()];
-    let mut sums = Sums { distance: 0.0, distance_sq: 0.0, n: 0, most };
+    let mut sums = Sums { most, ..Sums::NONE };
     for chunk in from.bvh.faces().chunks(CHUNK) {
         control.at(0.0)?;
         for v in chunk.iter().flat_map(|f| from.mesh.faces[f.idx()]) {
@@ -402,16 +472,8 @@ fn offer_edges(
     }
     let seed = options.seed ^ EDGE_STREAM;
     let points = sample_edges(&ends, options.n_edge_samples, seed, control)?;
-    let chunks: Vec<Sums> = points
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            control.at(0.0)?;
-            chunk_sums(chunk, to, &control)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    for chunk in chunks {
-        most.offer(chunk.most.distance_sq, chunk.most.point);
-    }
+    let sums = sums_over(points.len(), |range| points[range].to_vec(), to, control)?;
+    most.offer(sums.most.distance_sq, sums.most.point);
     Ok(())
 }
 

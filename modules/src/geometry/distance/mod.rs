@@ -2,11 +2,13 @@
 //! attributes that moved.
 
 mod boxes;
-pub mod bulk;
+mod bulk;
 pub mod bvh;
 mod bvh_build;
 pub mod drift;
 pub mod hausdorff;
 mod hausdorff_max;
+pub mod many;
+mod pieces;
 pub mod point_triangle;
 pub mod sample;

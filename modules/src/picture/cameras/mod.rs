@@ -2,7 +2,7 @@
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeCameras> =
-        CAMERAS in dodecahedron, fibonacci, rhombicuboctahedron;
+        CAMERAS in direction, dodecahedron, fibonacci, rhombicuboctahedron;
 }
 
 use mve_core::{Choices, Entry, ModuleError, Settings};

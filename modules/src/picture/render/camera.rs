@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// The tangent of half of the opening angle of 60°.
+pub(super) const TAN_HALF_ANGLE: f64 = 0.577_350_269_189_625_8;
+
 /// A camera with its axes; a point `p` has the camera coordinates
 /// `(right, up, forward) · (p − eye)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +40,7 @@ impl Camera {
 }
 
 /// Directions from the center of a model to its cameras, spread over the sphere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraSet {
     /// The 20 vertices of a dodecahedron, from which P. Lindstrom and G. Turk, "Image-driven
     /// simplification", ACM Transactions on Graphics 19(3), 2000, simplify.
@@ -47,6 +50,8 @@ pub enum CameraSet {
     Rhombicuboctahedron,
     /// So many points of a Fibonacci lattice: about evenly spread, for any number.
     Fibonacci(usize),
+    /// One camera in the direction of this unit vector, as near as all of the mesh allows.
+    Toward(DVec3),
 }
 
 impl CameraSet {
@@ -56,6 +61,7 @@ impl CameraSet {
             Self::Dodecahedron => 20,
             Self::Rhombicuboctahedron => 24,
             Self::Fibonacci(n) => n,
+            Self::Toward(_) => 1,
         }
     }
 
@@ -70,6 +76,7 @@ impl CameraSet {
             Self::Dodecahedron => dodecahedron(),
             Self::Rhombicuboctahedron => rhombicuboctahedron(),
             Self::Fibonacci(n) => fibonacci(n),
+            Self::Toward(direction) => vec![direction],
         }
     }
 
@@ -84,10 +91,47 @@ impl CameraSet {
         }
     }
 
-    /// Cameras around a box, given as `(lowest, highest)` corner: around its center, one diagonal
-    /// away. Everything in the box is then in every picture of 60°.
-    pub fn around(self, (low, high): (DVec3, DVec3)) -> Vec<Camera> {
-        self.cameras(low.midpoint(high), (high - low).length())
+    /// Cameras around a mesh, of which the box is given as `(lowest, highest)` corner and its
+    /// points: around the center of the box, one diagonal away. Everything in the box is then in
+    /// every picture of 60°. [`CameraSet::Toward`] is fitted to the points.
+    pub fn around(self, (low, high): (DVec3, DVec3), points: &[DVec3]) -> Vec<Camera> {
+        let diagonal = (high - low).length();
+        let mut cameras = self.cameras(low.midpoint(high), diagonal);
+        if let Self::Toward(_) = self {
+            cameras.iter_mut().for_each(|camera| camera.fit(points, diagonal));
+        }
+        cameras
+    }
+}
+
+impl Camera {
+    /// Moves the camera, without turning it, to where the points fill its picture of 60° up to a
+    /// margin of a twentieth, in the middle of it. `diagonal` is that of their box.
+    fn fit(&mut self, points: &[DVec3], diagonal: f64) {
+        /// The nearest point is at least this part of the diagonal away.
+        const NEAREST: f64 = 0.01;
+        let tangent = 0.95 * TAN_HALF_ANGLE;
+        // A point with coordinates (x, z) is in the picture of an eye at (a, c), where
+        // |x − a| ≤ t (z − c): a + t c ≤ x + t z and a − t c ≥ x − t z. For all points at once,
+        // a + t c ≤ least and a − t c ≥ most, which leaves some a if 2 t c ≤ least − most.
+        let mut least = [f64::INFINITY; 2];
+        let mut most = [f64::NEG_INFINITY; 2];
+        let mut nearest = f64::INFINITY;
+        for point in points {
+            let seen = self.view(*point);
+            nearest = nearest.min(seen.z);
+            for (axis, side) in [seen.x, seen.y].into_iter().enumerate() {
+                least[axis] = least[axis].min(side + tangent * seen.z);
+                most[axis] = most[axis].max(side - tangent * seen.z);
+            }
+        }
+        let depth = |axis: usize| (least[axis] - most[axis]) / (2.0 * tangent);
+        let forward = depth(0).min(depth(1)).min(nearest - NEAREST * diagonal);
+        let middle = |axis: usize| 0.5 * (least[axis] + most[axis]);
+        let moved = self.right * middle(0) + self.up * middle(1) + self.forward * forward;
+        if moved.is_finite() {
+            self.eye += moved;
+        }
     }
 }
 
@@ -174,6 +218,36 @@ mod tests {
         // Evenly spread points of n on the sphere are about √(4π / n) apart.
         let even = (4.0 * std::f64::consts::PI / 200.0).sqrt();
         assert!(gaps(&points).iter().all(|gap| (0.7..1.3).contains(&(gap / even))));
+    }
+
+    #[test]
+    fn one_direction_fills_the_picture() {
+        let cube: Vec<DVec3> = signs().collect();
+        let bounds = (DVec3::splat(-1.0), DVec3::ONE);
+        let camera = CameraSet::Toward(DVec3::Z).around(bounds, &cube)[0];
+        // The front of the cube, 2 wide, is 0.95 of the picture: 1 / (0.95 tan 30°) before it.
+        let expected = 1.0 + 1.0 / (0.95 * 3f64.sqrt().recip());
+        assert!(camera.eye.distance(DVec3::new(0.0, 0.0, expected)) < 1e-12, "{camera:?}");
+        // From anywhere some point is on the margin on both sides of one direction, and none
+        // beyond it, whatever else is in the box.
+        let away: Vec<DVec3> = cube.iter().map(|p| *p * DVec3::new(3.0, 1.0, 0.2)).collect();
+        let bounds = (DVec3::new(-3.0, -1.0, -0.2), DVec3::new(3.0, 1.0, 0.2));
+        for direction in rhombicuboctahedron() {
+            let camera = CameraSet::Toward(direction).around(bounds, &away)[0];
+            let slope = |p: &DVec3| camera.view(*p) / (camera.view(*p).z * TAN_HALF_ANGLE);
+            let spans = [0, 1].map(|axis| {
+                let sides = || away.iter().map(|p| slope(p)[axis]);
+                (sides().fold(1.0, f64::min), sides().fold(-1.0, f64::max))
+            });
+            let is_full = |(low, high): (f64, f64)| (low + 0.95).abs() + (high - 0.95).abs() < 1e-9;
+            assert!(spans.iter().any(|span| is_full(*span)), "{direction} {spans:?}");
+            assert!(spans.iter().all(|(low, high)| *low > -0.9501 && *high < 0.9501));
+        }
+        // Points in a line of sight, and none at all.
+        let line = [DVec3::Z, DVec3::ZERO];
+        let camera = CameraSet::Toward(DVec3::Z).around((DVec3::ZERO, DVec3::Z), &line)[0];
+        assert!(camera.eye.distance(DVec3::new(0.0, 0.0, 1.01)) < 1e-12, "{camera:?}");
+        assert_eq!(CameraSet::Toward(DVec3::Z).around((DVec3::ZERO, DVec3::Z), &[]).len(), 1);
     }
 
     #[test]

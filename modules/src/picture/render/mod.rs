@@ -6,7 +6,9 @@
 //! quotients and square roots, which IEEE 754 defines to the last bit: the same mesh gives the same
 //! bytes on any machine and any number of threads.
 
+mod albedo;
 mod camera;
+mod facet;
 mod luminance;
 mod pictures;
 mod project;
@@ -16,10 +18,12 @@ mod shade;
 mod tests;
 mod visible;
 
+pub use albedo::{Albedo, ColorSources, FaceColor, is_colored, textures};
 pub use camera::{Camera, CameraSet};
-pub use luminance::{NTSC, NTSC_THOUSANDTHS, cosine, luminance, normal, to_byte};
+pub use facet::Facet;
+pub use luminance::{cosine, gray, luma, luma_of, luminance, normal, to_byte};
 pub use pictures::{Frame, PictureOptions, picture, pictures};
 pub use project::{Corner, Lens, MAX_SIZE};
 pub use raster::{FaceSide, LANES, Rect, Row, Sides, Triangle};
-pub use shade::{NormalSource, Paint, Shading, Surface};
+pub use shade::{NormalSource, Shading, Surface, light};
 pub use visible::{NO_FACE, Visible, corners, face_triangles, is_placed, may_be_seen, side_seen};

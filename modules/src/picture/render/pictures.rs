@@ -27,6 +27,9 @@ pub struct PictureOptions {
     pub background: u8,
     /// Gray, or red, green and blue.
     pub kind: PixelKind,
+    /// Samples along each side of a pixel, of which it is the average; `size` times this is at most
+    /// [`super::MAX_SIZE`].
+    pub samples: usize,
 }
 
 impl PictureOptions {
@@ -48,7 +51,7 @@ fn name(number: &usize) -> String {
 pub struct Frame {
     /// The cameras, in the order of their set.
     pub cameras: Vec<Camera>,
-    /// From each camera to the center: the diagonal of the mesh's box, in model units.
+    /// The diagonal of the mesh's box, in model units: as far as most cameras are from its center.
     pub distance: f64,
 }
 
@@ -56,7 +59,7 @@ impl Frame {
     /// Cameras around the box of a mesh; `None` where it has no size or is not finite.
     pub fn around(set: CameraSet, mesh: &TriMesh) -> Option<Self> {
         let bounds = mesh.bounds()?;
-        let cameras = set.around(bounds);
+        let cameras = set.around(bounds, &mesh.positions);
         let distance = (bounds.1 - bounds.0).length();
         (!cameras.is_empty()).then_some(Self { cameras, distance })
     }
@@ -94,8 +97,9 @@ pub fn pictures(
     let images: Result<Vec<Image>, Cancelled> = chosen
         .into_par_iter()
         .map(|(number, camera)| {
-            let lens = Lens::new(*camera, options.size, frame.distance);
+            let lens = Lens::new(*camera, options.size * options.samples, frame.distance);
             let image = picture(surface, &lens, &name(&number), options, check)?;
+            let image = if options.samples > 1 { image.averaged(options.samples) } else { image };
             n_done.fetch_add(1, Ordering::Relaxed);
             check()?;
             Ok(image)

@@ -2,13 +2,10 @@
 
 use glam::DVec3;
 
-use super::Camera;
+use super::camera::{Camera, TAN_HALF_ANGLE};
 
 /// Steps of the grid that corners are snapped to, in a pixel.
 pub const STEPS: i32 = 256;
-
-/// The tangent of half of the opening angle of 60°.
-const TAN_HALF_ANGLE: f64 = 0.577_350_269_189_625_8;
 
 /// Corners nearer than this part of the distance at which a picture's plane of reference lies are
 /// clipped: depth must stay positive.

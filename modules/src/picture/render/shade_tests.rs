@@ -1,9 +1,10 @@
 //! Shading against painting triangle by triangle, and colors known by hand.
 
+use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::data::VertexId;
+use crate::data::{Domain, LayerValues, VertexId};
 use crate::mesh::fixtures::{cube, mesh_of, torus};
 use crate::picture::render::{
     Camera, CameraSet, Frame, PictureOptions, Rect, corners, face_triangles, luminance, picture,
@@ -14,18 +15,18 @@ fn lens(size: usize) -> Lens {
 }
 
 fn options(size: usize, sides: Sides, kind: PixelKind) -> PictureOptions {
-    PictureOptions { size, sides, background: 7, kind }
+    PictureOptions { size, sides, background: 7, kind, samples: 1 }
 }
 
 fn shot(
     mesh: &TriMesh,
     shading: Shading,
     source: NormalSource,
-    paint: Paint,
+    albedo: Albedo,
     lens: &Lens,
     options: PictureOptions,
 ) -> Image {
-    let surface = Surface::new(mesh, shading, source, paint, Control::none()).unwrap();
+    let surface = Surface::new(mesh, shading, source, albedo, Control::none()).unwrap();
     picture(&surface, lens, "a", &options, || Ok(())).unwrap()
 }
 
@@ -79,7 +80,8 @@ fn square() -> TriMesh {
 #[test]
 fn colors_are_interpolated_between_corners() {
     let color = options(8, Sides::Front, PixelKind::Rgb);
-    let found = shot(&square(), Shading::Flat, NormalSource::Faces, Paint::Layer, &lens(8), color);
+    let found =
+        shot(&square(), Shading::Flat, NormalSource::Faces, Albedo::Colors, &lens(8), color);
     // The lower left pixel of the square: its center is an eighth of the side from both sides, so
     // 7/8 − 1/8 + … along the diagonal from red to blue: 7/8 red, 1/8 blue.
     assert_eq!(found.pixel(2, 5), [223, 0, 32]);
@@ -87,33 +89,20 @@ fn colors_are_interpolated_between_corners() {
     assert_eq!(found.pixel(3, 5), [159, 64, 32]);
     assert_eq!(found.pixel(1, 5), [7, 7, 7]);
     let gray = options(8, Sides::Front, PixelKind::Gray);
-    let found = shot(&square(), Shading::Flat, NormalSource::Faces, Paint::Layer, &lens(8), gray);
+    let found = shot(&square(), Shading::Flat, NormalSource::Faces, Albedo::Colors, &lens(8), gray);
     let expected = 255.0 * (0.875 * 0.299 + 0.125 * 0.114);
     assert_eq!(found.pixel(2, 5), [(expected + 0.5) as u8]);
 }
 
 #[test]
-fn a_texture_has_its_origin_at_the_lower_left_and_repeats() {
+fn a_picture_lies_on_the_surface_as_it_stands() {
     // Two by two: upper row 10 and 20, lower row 30 and 40.
     let kind = PixelKind::Gray;
     let texture =
         Image { name: String::new(), width: 2, height: 2, kind, bytes: vec![10, 20, 30, 40] };
-    let close = |a: DVec3, b: f64| (a * 255.0 - DVec3::splat(b)).abs().max_element() < 1e-9;
-    for (at, value) in [
-        ([0.25, 0.25], 30.0),
-        ([0.75, 0.75], 20.0),
-        ([0.5, 0.75], 15.0),
-        ([0.5, 0.5], 25.0),
-        ([0.0, 0.75], 15.0),
-        ([-0.75, 3.25], 30.0),
-        ([0.25, 0.0], 20.0),
-    ] {
-        assert!(close(texel(&texture, DVec2::from(at)), value), "{at:?}");
-    }
-    assert_eq!(texel(&texture, DVec2::NAN), DVec3::ONE);
-    let paint = Paint::Texture(&texture);
+    let albedo = Albedo::Picture(&texture);
     let gray = options(4, Sides::Front, PixelKind::Gray);
-    let found = shot(&square(), Shading::Flat, NormalSource::Faces, paint, &lens(4), gray);
+    let found = shot(&square(), Shading::Flat, NormalSource::Faces, albedo, &lens(4), gray);
     let expected = [7, 7, 7, 7, 7, 10, 20, 7, 7, 30, 40, 7, 7, 7, 7, 7];
     assert_eq!(found.bytes, expected);
 }
@@ -135,7 +124,7 @@ fn light_is_interpolated_in_space() {
     });
     let (lens, size) = (lens(256), 256);
     let gray = options(size, Sides::Front, PixelKind::Gray);
-    let found = shot(&mesh, Shading::Gouraud, NormalSource::Layer, Paint::White, &lens, gray);
+    let found = shot(&mesh, Shading::Gouraud, NormalSource::Layer, Albedo::White, &lens, gray);
     let seen = Visible::new(&mesh, &lens, Sides::Front);
     for y in 0..size {
         for x in 0..size {
@@ -170,7 +159,7 @@ fn a_sphere_is_as_bright_as_its_normal_is_steep() {
     let camera = Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO).unwrap();
     let lens = Lens::new(camera, 128, 4.0);
     let gray = options(128, Sides::Both, PixelKind::Gray);
-    let found = shot(&mesh, Shading::Gouraud, NormalSource::Faces, Paint::White, &lens, gray);
+    let found = shot(&mesh, Shading::Gouraud, NormalSource::Faces, Albedo::White, &lens, gray);
     for y in 0..128 {
         for x in 0..128 {
             let ray = lens.ray([x, y]).normalize();
@@ -195,7 +184,7 @@ fn flat_pictures_are_what_painting_gives() {
         for sides in [Sides::Front, Sides::Both] {
             let gray = options(64, sides, PixelKind::Gray);
             let (flat, faces) = (Shading::Flat, NormalSource::Faces);
-            let found = shot(&mesh, flat, faces, Paint::White, &lens(64), gray);
+            let found = shot(&mesh, flat, faces, Albedo::White, &lens(64), gray);
             assert_eq!(found.bytes, by_painting(&mesh, &lens(64), sides), "{sides:?}");
         }
     }
@@ -233,12 +222,12 @@ proptest! {
         for sides in [Sides::Front, Sides::Both] {
             let gray = options(24, sides, PixelKind::Gray);
             let (flat, faces) = (Shading::Flat, NormalSource::Faces);
-            let found = shot(&mesh, flat, faces, Paint::White, &lens, gray);
+            let found = shot(&mesh, flat, faces, Albedo::White, &lens, gray);
             prop_assert_eq!(&found.bytes, &by_painting(&mesh, &lens, sides));
             let seen = Visible::new(&mesh, &lens, sides);
-            for paint in [Paint::White, Paint::Layer] {
+            for albedo in [Albedo::White, Albedo::Colors] {
                 let color = options(24, sides, PixelKind::Rgb);
-                let found = shot(&mesh, Shading::Gouraud, faces, paint, &lens, color);
+                let found = shot(&mesh, Shading::Gouraud, faces, albedo, &lens, color);
                 for (face, pixel) in seen.faces.iter().zip(found.bytes.chunks(3)) {
                     prop_assert!(*face != NO_FACE || pixel == [7, 7, 7]);
                 }
@@ -247,7 +236,7 @@ proptest! {
         if let Some(frame) = Frame::around(CameraSet::Fibonacci(5), &mesh) {
             let (shading, faces) = (Shading::Gouraud, NormalSource::Faces);
             let surface =
-                Surface::new(&mesh, shading, faces, Paint::Layer, Control::none()).unwrap();
+                Surface::new(&mesh, shading, faces, Albedo::Colors, Control::none()).unwrap();
             let gray = options(16, Sides::Both, PixelKind::Gray);
             let images = frame.pictures(&surface, &gray, Control::none()).unwrap();
             prop_assert_eq!(images.0.len(), 5);

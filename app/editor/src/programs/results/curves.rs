@@ -199,6 +199,7 @@ mod tests {
         let column = |(place, (name, source)): (usize, &(&str, ColumnSource))| SheetColumn {
             name: (*name).to_owned(),
             source: source.clone(),
+            title: String::new(),
             is_chief: true,
             is_number: rows.iter().all(|row| row.cells[place].number.is_some()),
             better: None,

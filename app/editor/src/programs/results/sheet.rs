@@ -8,6 +8,8 @@ use indexmap::IndexSet;
 use mve_core::{Better, Program, Role, Scalar, Step, StepRecord, StepStatus, brief, brief_value};
 use serde_json::Value as Json;
 
+use crate::views::ColumnFormat;
+
 /// How many outputs of one node a person reads first.
 const MOST_OF_A_NODE: usize = 4;
 
@@ -33,13 +35,16 @@ pub enum ColumnSource {
 pub struct SheetColumn {
     /// Its name, as in `results.csv`.
     pub name: String,
+    /// Its name for a person, with the unit, as the program's report or the module has it; empty
+    /// where its own will do.
+    pub title: String,
     /// What it shows.
     pub source: ColumnSource,
     /// Whether it is worth the room among the first columns.
     pub is_chief: bool,
     /// Whether its cells are numbers.
     pub is_number: bool,
-    /// Which values are better, of a column that the program's report names.
+    /// Which values are better, as the program's report or the module says.
     pub better: Option<Better>,
     /// The best of its numbers.
     pub best: Option<f64>,
@@ -110,7 +115,7 @@ impl Sheet {
         let found: Vec<&StepRecord> =
             steps.iter().filter_map(|(_, record)| record.map(Arc::as_ref)).collect();
         let mut columns = columns(program, &found);
-        let rows: Vec<SheetRow> = steps
+        let mut rows: Vec<SheetRow> = steps
             .iter()
             .map(|(place, record)| {
                 let step = &program.steps[*place];
@@ -128,6 +133,7 @@ impl Sheet {
             })
             .collect();
         weigh(program, &mut columns, &rows);
+        write_alike(&columns, &mut rows);
         Self { program: Some(Arc::clone(program)), columns, rows }
     }
 
@@ -189,9 +195,9 @@ fn state(status: Option<&StepStatus>, is_running: bool) -> StepState {
 fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     let mut all = Vec::new();
     let mut add = |name: String, source: ColumnSource| {
-        let better = program.better(&name);
+        let (title, better) = declared(program, &name);
         let (is_chief, is_number, best) = (false, false, None);
-        all.push(SheetColumn { name, source, is_chief, is_number, better, best });
+        all.push(SheetColumn { name, title, source, is_chief, is_number, better, best });
     };
     if program.steps.iter().any(|step| step.repeat > 0) {
         add("repeat".to_owned(), ColumnSource::Repeat);
@@ -207,8 +213,9 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
         times.insert((node, None));
         times.extend(record.phases.keys().map(|phase| (node, Some(phase))));
     }
-    // What the program names stands first, then the outputs of nodes that compare, which need more
-    // than one link; outputs of one node stand together, in the order in which nodes run.
+    // What the program names stands first, then what modules declare as chief, then the outputs of
+    // nodes that compare, which need more than one link; outputs of one node stand together, in the
+    // order in which nodes run.
     let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
     let rank = |node: &String| nodes.iter().position(|known| *known == node);
     let urgency = |name: &str| {
@@ -220,7 +227,9 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     let links = &program.map().links;
     let compares = |node: &String| links.iter().filter(|link| link.to.node == *node).count() > 1;
     let key = |(node, output): (&String, &String)| {
-        (urgency(&format!("{node}.{output}")), !compares(node), rank(node))
+        let name = format!("{node}.{output}");
+        let is_chief = program.columns.role(&name) == Role::Chief;
+        (urgency(&name), !is_chief, !compares(node), rank(node))
     };
     outputs.sort_by(|a, b| key(*a).cmp(&key(*b)));
     times.sort_by(|a, b| rank(a.0).cmp(&rank(b.0)));
@@ -298,6 +307,22 @@ fn scalar_cell(scalar: &Scalar) -> SheetCell {
     }
 }
 
+/// Writes the numbers of each output in one way, so that they can be compared at a glance.
+fn write_alike(columns: &[SheetColumn], rows: &mut [SheetRow]) {
+    for (place, column) in columns.iter().enumerate() {
+        if !matches!(column.source, ColumnSource::Output(..)) {
+            continue;
+        }
+        let numbers: Vec<f64> = rows.iter().filter_map(|row| row.cells[place].number).collect();
+        let format = ColumnFormat::of(numbers.into_iter());
+        for cell in rows.iter_mut().map(|row| &mut row.cells[place]) {
+            if let Some(number) = cell.number {
+                cell.text = format.text(number);
+            }
+        }
+    }
+}
+
 /// Whether the results are of one size, so that the best of them says something.
 fn are_alike(program: &Program, columns: &[SheetColumn], rows: &[SheetRow]) -> bool {
     let is_size = |column: &SheetColumn| program.columns.role(&column.name) == Role::Size;
@@ -308,17 +333,47 @@ fn are_alike(program: &Program, columns: &[SheetColumn], rows: &[SheetRow]) -> b
     })
 }
 
-/// Finds which columns hold numbers, which are worth the room, and the best of each.
+/// Title with unit, and which values are better: what the program's report says, else what the
+/// module declares. A column that holds different things in different steps has neither.
+fn declared(program: &Program, name: &str) -> (String, Option<Better>) {
+    let measure = program.report.measures.iter().find(|measure| measure.column == name);
+    let known = program.columns.find(name);
+    let known = if let [only] = known.as_slice() { Some(only) } else { None };
+    let of_module = known.filter(|known| !known.title.is_empty()).map(|known| {
+        let unit = if known.unit.is_empty() { String::new() } else { format!(" [{}]", known.unit) };
+        format!("{}{unit}", known.title)
+    });
+    // Who names a measure says its unit as well, or wants none.
+    let title = measure.map(|measure| measure.title.clone()).filter(|title| !title.is_empty());
+    let better = program.better(name).or(known.map(|known| known.better));
+    (title.or(of_module).unwrap_or_default(), better)
+}
+
+/// Whether the program's report names a column.
+fn is_named(program: &Program, name: &str) -> bool {
+    let measures = program.report.measures.iter().map(|measure| &measure.column);
+    measures.chain(&program.report.against).any(|named| named == name)
+}
+
+/// Finds which columns hold numbers, which are worth the room, and the best of each: as the report
+/// does, what the program names and what modules declare as chief or as a size; where they declare
+/// nothing, a few columns of each node.
 fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let cells = |place: usize| rows.iter().map(move |row| &row.cells[place]);
     let are_alike = are_alike(program, columns, rows);
+    let role = |column: &SheetColumn| match column.source {
+        ColumnSource::Output(..) => program.columns.role(&column.name),
+        _ => Role::Detail,
+    };
+    let is_declared = columns.iter().any(|column| role(column) != Role::Detail);
     for (place, column) in columns.iter_mut().enumerate() {
         let full = || cells(place).filter(|cell| !cell.text.is_empty());
         let is_number = full().next().is_some() && full().all(|cell| cell.number.is_some());
         let differs = full().any(|cell| Some(cell) != full().next());
         let is_new = || (0..place).all(|other| cells(other).ne(cells(place)));
-        let is_against = program.report.against.contains(&column.name);
+        let is_named = is_named(program, &column.name);
+        let role = role(column);
         column.is_number = is_number;
         let compared = rows.iter().filter(|row| are_alike && row.is_comparable);
         let numbers = compared.filter_map(|row| row.cells[place].number);
@@ -328,13 +383,14 @@ fn weigh(program: &Program, columns: &mut [SheetColumn], rows: &[SheetRow]) {
             Some(Better::Neither) | None => None,
         };
         column.is_chief = match &column.source {
-            ColumnSource::Output(node, _) if column.better.is_none() && !is_against => {
+            ColumnSource::Output(..) if is_named || is_declared => is_named || role != Role::Detail,
+            ColumnSource::Output(node, _) => {
                 let n = n_of_node.entry(node.clone()).or_default();
                 let is_chief = *n < MOST_OF_A_NODE && (differs || rows.len() < 2) && is_new();
                 *n += usize::from(is_chief);
                 is_chief
             }
-            ColumnSource::NodeSeconds(..) => column.better.is_some() || is_against,
+            ColumnSource::NodeSeconds(..) => is_named,
             _ => true,
         };
     }

@@ -167,7 +167,7 @@ impl TableState {
         let columns = columns.map(|(place, column)| {
             let cells = sheet.rows.iter().map(|row| row.cells[place].text.as_str());
             let longest = cells.max_by_key(|text| text.chars().count()).unwrap_or_default();
-            let (node, name) = head(&column.name);
+            let (node, name) = head(column);
             let widest = width(longest).max(width(node) + 10.0).max(width(name) + 10.0);
             (place, widest.min(WIDEST_COLUMN) + 2.0 * PADDING)
         });
@@ -294,9 +294,10 @@ impl TableState {
     }
 }
 
-/// The two lines of a column's name.
-fn head(name: &str) -> (&str, &str) {
-    name.split_once('.').unwrap_or(("", name))
+/// The two lines of a column's name: the node, and what of it.
+fn head(column: &SheetColumn) -> (&str, &str) {
+    let (node, name) = column.name.split_once('.').unwrap_or(("", &column.name));
+    (node, if column.title.is_empty() { name } else { &column.title })
 }
 
 fn about(column: &SheetColumn) -> String {
@@ -319,7 +320,7 @@ fn paint_head(
     sorted: Option<bool>,
     response: &Response,
 ) {
-    let (node, name) = head(&column.name);
+    let (node, name) = head(column);
     let arrow = match sorted {
         Some(true) => " \u{2b06}",
         Some(false) => " \u{2b07}",

@@ -13,12 +13,16 @@ use crate::programs::{ProgramAction, ProgramPanel, ProgramScene, fresh_name};
 
 /// Problems and running steps that are listed; more would push the rest away.
 const MOST_LINES: usize = 6;
+/// Height of the line that says how far it is.
+const BAR_HEIGHT: f32 = 18.0;
 
 /// What the head remembers from frame to frame.
 #[derive(Default)]
 pub struct BarState {
     /// The new name while a program is renamed.
     new_name: Option<String>,
+    /// How many lines running steps took in the last run.
+    n_lines: Option<usize>,
 }
 
 impl ProgramPanel {
@@ -199,9 +203,11 @@ impl ProgramPanel {
     }
 
     /// How far the program is, and which steps run.
-    fn show_progress(&self, ui: &mut Ui, name: &str) {
+    fn show_progress(&mut self, ui: &mut Ui, name: &str) {
         let Some(job) = &self.job else {
+            // As high as while it ran, so that a click below meets what it was meant for.
             ui.horizontal_wrapped(|ui| {
+                ui.set_min_height(BAR_HEIGHT);
                 ui.label(self.state_in_words(name));
                 let Some(note) = &self.note else { return };
                 let visuals = ui.visuals();
@@ -211,6 +217,9 @@ impl ProgramPanel {
                 };
                 ui.colored_label(color, &note.text);
             });
+            for _ in 0..self.bar.n_lines.filter(|_| self.note.is_some()).unwrap_or(0) {
+                ui.label(RichText::new(" ").small());
+            }
             return;
         };
         let pace = self.pace();
@@ -231,10 +240,12 @@ impl ProgramPanel {
         });
         let text = words.join(" \u{b7} ");
         let share = n_ended as f32 / total.max(1) as f32;
-        let bar = ui.add(ProgressBar::new(share).desired_height(18.0).text(text.as_str()));
+        let bar = ui.add(ProgressBar::new(share).desired_height(BAR_HEIGHT).text(text.as_str()));
         named(bar, &format!("Progress: {text}"));
         // As many lines as there can be, so that what stands below does not jump.
-        for nth in 0..pace.jobs.min(total).min(MOST_LINES) {
+        let n_lines = pace.jobs.min(total).min(MOST_LINES);
+        self.bar.n_lines = Some(n_lines);
+        for nth in 0..n_lines {
             let line = self.running.get_index(nth).and_then(|(place, running)| {
                 let share = running.share.map(|share| format!(" {:.0} %", share * 100.0));
                 let (share, time) = (share.unwrap_or_default(), in_words(running.since.elapsed()));

@@ -53,6 +53,19 @@ pub struct ProgramCheck {
     pub trouble: Option<String>,
 }
 
+/// What is wrong where the store holds the results of another map of this name.
+pub fn of_other_map(program: &Program, store: &Store) -> Option<String> {
+    // A map that was not saved yet has no name that another one could have.
+    let has_file = !program.map_file.is_empty();
+    let other = has_file.then(|| store.other_map(&program.map_path)).flatten()?;
+    Some(format!(
+        "{}: holds the results of another map of this name, {}; save this map under another name, \
+         or move that folder",
+        store.folder().display(),
+        other.display()
+    ))
+}
+
 /// Checks a program, and looks into its store without changing it.
 pub fn check(subject: ProgramSubject) -> ProgramCheck {
     let ProgramSubject { map, name, folder, map_file, registry, store } = &subject;
@@ -62,6 +75,9 @@ pub fn check(subject: ProgramSubject) -> ProgramCheck {
         Ok(mut sound) => {
             problems.extend(sound.warnings.iter().cloned());
             sound.map_file.clone_from(map_file);
+            if !map_file.is_empty() {
+                sound.map_path = std::path::absolute(folder.join(map_file)).unwrap_or_default();
+            }
             program = Some(Arc::new(sound));
         }
         Err(found) => problems.extend(found),
@@ -73,6 +89,7 @@ pub fn check(subject: ProgramSubject) -> ProgramCheck {
     match (&program, Store::look(store)) {
         (_, Err(error)) => trouble = Some(error.to_string()),
         (Some(program), Ok(Some(store))) => {
+            trouble = of_other_map(program, &store);
             let places = 0..program.steps.len();
             records = places.filter_map(|place| program.record(&store, place)).collect();
         }

@@ -13,6 +13,7 @@ use mve_core::{
 };
 use mve_report::{Format, Report};
 
+use super::check::of_other_map;
 use crate::programs::{ProgramMessage, Wake};
 
 /// The report's name in a store, as `mve program` has it.
@@ -161,10 +162,17 @@ fn run_into(
     wake: &Wake,
 ) -> Result<ProgramOutcome, String> {
     let store = Store::open(folder).map_err(|error| error.to_string())?;
+    if let Some(trouble) = of_other_map(program, &store) {
+        return Err(trouble);
+    }
     let memory = match Machine::this().memory {
         0 => SOME_MEMORY,
         bytes => usize::try_from(bytes).unwrap_or(usize::MAX),
     };
+    // As `mve program` does it: a value that takes long is there in the next run.
+    let is_shared = how.sharing == Sharing::Shared;
+    let disk_cache = is_shared.then(|| store.disk_cache(None)).transpose();
+    let disk_cache = disk_cache.map_err(|error| error.to_string())?;
     let options = ProgramOptions {
         jobs: how.jobs,
         threads: threads(),
@@ -172,7 +180,7 @@ fn run_into(
         sharing: how.sharing,
         timings: mve_core::TIMINGS,
         memory: memory / 2,
-        disk_cache: None,
+        disk_cache,
         time_limit: None,
         retry: how.retry,
         patience: Patience::None,

@@ -4,11 +4,15 @@ use eframe::egui::{self, DragValue, Id, RichText, Ui};
 use mve_core::{ParamSpec, ProgramSpec, chosen};
 use serde_json::Value as Json;
 
+use crate::forms::{halves, known_count};
 use crate::programs::ProgramScene;
 use crate::programs::setup::declare::{Declared, current, declared, paths, second};
 use crate::programs::setup::edit::{Axis, ProgramEdit, axis_of, is_even, n_rows};
 use crate::programs::setup::generate::{self, Progression, Range};
 use crate::programs::widgets::{count, named, small_button};
+
+/// Values of a new axis of what is counted in an input.
+const N_HALVES: usize = 3;
 
 /// A list to be made.
 pub enum Draft {
@@ -39,6 +43,11 @@ pub fn vary(path: &str, scene: &ProgramScene, spec: &ProgramSpec) -> ProgramEdit
         Some(axis) => add_value(scene, axis, &spec.axes[axis]),
         None => {
             let first = current(scene.map, scene.registry, path);
+            let counts = scene.counts_at(path);
+            let halves = declared.spec().map_or(Vec::new(), |spec| halves(spec, counts, N_HALVES));
+            if first.is_null() && !halves.is_empty() {
+                return ProgramEdit::AddAxis { path: path.to_owned(), values: halves };
+            }
             let other = second(&declared, &first, &scene.folder);
             let values = if first == other { vec![first] } else { vec![first, other] };
             ProgramEdit::AddAxis { path: path.to_owned(), values }
@@ -232,12 +241,18 @@ pub fn every(declared: &Declared, list: &[Json]) -> Vec<Json> {
     list.iter().cloned().chain(missing).collect()
 }
 
-/// A range from the first to the last of some values.
-pub fn range_of(list: &[Json]) -> Range {
+/// A range from the first to the last of some values; where there is no second one, down from half
+/// of what is known to be there of what the parameter counts.
+pub fn range_of(list: &[Json], spec: &ParamSpec, counts: &[(&str, usize)]) -> Range {
     let numbers: Vec<f64> = list.iter().filter_map(Json::as_f64).collect();
+    if let Some(n) = known_count(spec, counts).filter(|_| numbers.len() < 2) {
+        let half = (0.5 * n as f64).round();
+        let (count, spacing) = (5, Progression::Geometric);
+        return Range { from: half, to: (half / 16.0).round().max(1.0), count, spacing };
+    }
     let from = numbers.first().copied().unwrap_or(1.0);
     let to = numbers.last().copied().filter(|to| *to != from).unwrap_or(from * 10.0);
-    let spacing = match from * to > 0.0 && (to / from > 5.0 || from / to > 5.0) {
+    let spacing = match from * to > 0.0 && (to / from > 3.0 || from / to > 3.0) {
         true => Progression::Geometric,
         false => Progression::Arithmetic,
     };

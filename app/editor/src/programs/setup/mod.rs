@@ -188,7 +188,8 @@ impl SetupState {
             let name = format!("{path}, value {}", row + 1);
             ui.horizontal(|ui| {
                 let id = Id::new(("value", place, path, row));
-                if let Some(value) = value::field(ui, id, &name, &declared, json) {
+                let known = (&declared, scene.counts_at(path));
+                if let Some(value) = value::field(ui, id, &name, known, json) {
                     edits.push(ProgramEdit::SetValue {
                         axis: place,
                         path: path.clone(),
@@ -237,7 +238,7 @@ impl SetupState {
             let found = generate::files(&scene.folder, &folder, &pattern);
             Draft::Files { folder, pattern, found }
         } else {
-            Draft::Range(range_of(list))
+            Draft::Range(range_of(list, spec, scene.counts_at(path)))
         };
         let is_open = matches!(&self.opened, Some(Opened::Generator { axis: a, path: p, .. })
             if (*a, p.as_str()) == (axis, path));

@@ -75,7 +75,8 @@ fn show_step(
             Some(json) => {
                 let declared = declared(scene.map, scene.registry, &path);
                 let id = Id::new(("step", place, &path));
-                if let Some(value) = value::field(ui, id, &name, &declared, json) {
+                let known = (&declared, scene.counts_at(&path));
+                if let Some(value) = value::field(ui, id, &name, known, json) {
                     edits.push(ProgramEdit::SetInStep { step: place, path: path.clone(), value });
                 }
                 let leave = format!("Leave {name} as the map has it");

@@ -4,18 +4,25 @@ use eframe::egui::{self, Id, Ui};
 use mve_core::{ParamSpec, brief_value, chosen, with_param};
 use serde_json::Value as Json;
 
-use crate::forms::{CELL_WIDTH, FieldPlace, FormEvent, ParamField, line, pick};
+use crate::forms::{CELL_WIDTH, FieldPlace, FormEvent, ParamField, halves, line, pick};
 use crate::programs::setup::declare::{Declared, default_of};
 use crate::programs::widgets::{named, small_button};
 
 /// Shows the field of a value; what it was changed to. `name` is what a screen reader says, `id`
-/// tells the field from others.
-pub fn field(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json) -> Option<Json> {
+/// tells the field from others; `counts` is what there is in the inputs of the node.
+pub fn field(
+    ui: &mut Ui,
+    id: Id,
+    name: &str,
+    (declared, counts): (&Declared, &[(&str, usize)]),
+    value: &Json,
+) -> Option<Json> {
     if let Some(spec) = declared.spec().filter(|spec| spec.can_be_off) {
         let mut is_on = !value.is_null();
         let switch = named(ui.checkbox(&mut is_on, ""), &format!("{name} is on"));
         if switch.on_hover_text("whether it is on").changed() {
-            return Some(spec.value_when_on().filter(|_| is_on).unwrap_or_default());
+            let value = halves(spec, counts, 1).pop().or_else(|| spec.value_when_on());
+            return Some(value.filter(|_| is_on).unwrap_or_default());
         }
         if value.is_null() {
             ui.weak("off");
@@ -28,7 +35,8 @@ pub fn field(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json)
     }
     let (mut events, place) = (Vec::new(), FieldPlace::Cell);
     let name = name.to_owned();
-    ParamField { spec, name, path: "", given: Some(value), place, events: &mut events }
+    let suggested = halves(spec, counts, 1).pop();
+    ParamField { spec, name, path: "", given: Some(value), place, suggested, events: &mut events }
         .show(ui, id);
     events.into_iter().find_map(|event| match event {
         FormEvent::Set { value, .. } => value,
@@ -77,7 +85,7 @@ pub fn nested(ui: &mut Ui, id: Id, name: &str, declared: &Declared, value: &Json
             let (own_id, own_name) = (id.with(spec.name), format!("{name} {}", spec.name));
             ui.horizontal(|ui| {
                 let own = Declared::Param(*spec);
-                let set = field(ui, own_id, &own_name, &own, &current);
+                let set = field(ui, own_id, &own_name, (&own, &[]), &current);
                 let is_deep = !own.nested(&current).is_empty();
                 let deep = is_deep
                     .then(|| nested(ui, own_id.with("nested"), &own_name, &own, &current))

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use eframe::{egui, wgpu};
-use glam::DMat4;
 use mve_modules::data::TriMesh;
-use mve_modules::picture::color_map::Outside;
 
 use super::arrays::coarse::{Coarse, coarse};
 use super::arrays::edges::{Edges, edges};
-use super::arrays::{Arrays, CornerSharing, Shading, arrays};
+use super::arrays::{Arrays, CornerSharing, arrays};
 use super::gpu::buffers::{AttributeBuffers, LineBuffer, SurfaceBuffers};
+use super::gpu::outline::{OutlineUniforms, SegmentBuffer};
 use super::gpu::target::{FINE, Target};
 use super::gpu::texture::GpuTexture;
 use super::gpu::{Cursor, Drawing, Gpu, MOST_LINE_SETS, Uniforms};
@@ -19,7 +18,11 @@ use super::look::coloring::{Attribute, ColorSource, Reading, attribute};
 use super::look::settings::{BackFaces, MeshSettings};
 use super::look::texture::{Pictures, TextureSource, pictures};
 use super::look::values::{Spacing, Values};
-use crate::views::camera::{Bounds, Camera, Projection};
+use super::outline::MeshOutline;
+use super::section::Plane;
+use super::viewport::{Colors, ShownOutline, Surface, Viewport};
+use super::viewport::{outline_uniforms, uniforms, wire_share};
+use crate::views::camera::Bounds;
 use crate::views::memo::{Memo, Same};
 
 /// What arrays are made for.
@@ -40,6 +43,14 @@ pub struct GpuMesh {
     surface: Arc<SurfaceBuffers>,
     reading: Reading,
     attribute: AttributeBuffers,
+}
+
+impl GpuMesh {
+    /// What the shader is told of it.
+    fn drawn(&self, has_texture: bool) -> Surface<'_> {
+        let Self { arrays, values, reading, .. } = self;
+        Surface { arrays, values: values.as_deref(), reading: *reading, has_texture }
+    }
 }
 
 /// Why there is nothing to draw.
@@ -70,28 +81,6 @@ impl Product {
 /// Textures on the GPU, and what is wrong with some of them; or why there are none.
 type Textures = Result<(GpuTexture, Option<String>), String>;
 
-/// The colors that a picture uses; the numbers change with the content.
-#[derive(Clone, Copy)]
-pub struct Colors<'a> {
-    /// Of values.
-    pub table: (&'a GpuTexture, u64),
-    /// The range, in numbers that colors follow.
-    pub range: [f64; 2],
-}
-
-/// How a picture is to be drawn.
-#[derive(Clone, Copy)]
-pub struct Viewport<'a> {
-    /// From where.
-    pub camera: &'a Camera,
-    /// The box around all that is shown, for depth.
-    pub bounds: &'a Bounds,
-    /// In pixels.
-    pub size: [u32; 2],
-    /// Samples a pixel.
-    pub samples: u32,
-}
-
 /// What a picture was drawn from: drawn anew when it differs.
 #[derive(PartialEq)]
 struct DrawingKey {
@@ -99,9 +88,11 @@ struct DrawingKey {
     prepared: Same<Preparation>,
     lines: Vec<(u32, Same<Option<LineBuffer>>)>,
     textures: Option<Same<Textures>>,
+    outlines: Vec<(OutlineUniforms, Same<Option<SegmentBuffer>>)>,
     table: u64,
     size: [u32; 2],
     is_culled: bool,
+    is_cut: bool,
 }
 
 /// One mesh in a view.
@@ -118,6 +109,7 @@ pub struct MeshItem {
     edges: Memo<Same<Arrays>, Edges>,
     /// Each kind of lines that there is, and whether it is shown.
     lines: Vec<(LineChoice, MeshLines)>,
+    outline: MeshOutline,
     pictures: Memo<TextureSource, Result<Pictures, String>>,
     textures: Memo<Same<Result<Pictures, String>>, Textures>,
     target: Option<Target>,
@@ -139,6 +131,7 @@ impl MeshItem {
             prepared: Memo::default(),
             edges: Memo::default(),
             lines: Vec::new(),
+            outline: MeshOutline::default(),
             pictures: Memo::default(),
             textures: Memo::default(),
             target: None,
@@ -209,6 +202,20 @@ impl MeshItem {
                 lines.prepare(context, gpu, choice.set, (&self.mesh, &arrays, edges));
             }
         }
+    }
+
+    /// Sees to it that the outline of a section is found and uploaded.
+    pub fn prepare_outline(&mut self, context: &egui::Context, gpu: &Gpu, plane: &Plane) {
+        if let Some(arrays) = self.arrays() {
+            self.outline.prepare(context, gpu, (&self.mesh, &arrays), plane);
+        }
+    }
+
+    /// The outline of the section, once it is on the GPU.
+    pub fn outline(&self, color: [f32; 4]) -> Option<ShownOutline> {
+        let arrays = self.arrays()?;
+        let space = (arrays.center, arrays.scale);
+        Some(ShownOutline { buffer: self.outline.latest()?, space, color })
     }
 
     /// The lines that are shown and on the GPU, each with its place among the kinds. Lines of
@@ -291,6 +298,7 @@ impl MeshItem {
             || self.prepared.is_busy()
             || self.edges.is_busy()
             || self.lines.iter().any(|(_, lines)| lines.is_busy())
+            || self.outline.is_busy()
             || self.pictures.is_busy()
             || self.textures.is_busy()
             || self.rest.is_some()
@@ -314,6 +322,39 @@ impl MeshItem {
         self.products.is_lost() || self.prepared.is_lost()
     }
 
+    /// What a picture is drawn from; `None` without a surface.
+    fn drawing_key(
+        &self,
+        settings: &MeshSettings,
+        colors: &Colors,
+        viewport: &Viewport,
+    ) -> Option<DrawingKey> {
+        let shared = self.prepared()?;
+        let prepared = shared.as_ref().as_ref().ok()?;
+        let textures = self.textures.latest();
+        let has_texture = textures.as_deref().is_some_and(Result::is_ok);
+        let line_colors = self.line_colors(&prepared.arrays, viewport);
+        let lines = self.shown_lines(&prepared.arrays).into_iter();
+        let outline =
+            |one: &ShownOutline| (outline_uniforms(one, viewport), Same(Arc::clone(&one.buffer)));
+        Some(DrawingKey {
+            uniforms: uniforms(
+                &prepared.drawn(has_texture),
+                line_colors,
+                settings,
+                (colors, viewport),
+            ),
+            prepared: Same(Arc::clone(&shared)),
+            lines: lines.map(|(kind, lines)| (kind, Same(lines))).collect(),
+            outlines: viewport.outlines.iter().map(outline).collect(),
+            textures: textures.map(Same),
+            table: colors.table.1,
+            size: viewport.size,
+            is_culled: settings.back_faces == BackFaces::Hidden,
+            is_cut: viewport.plane.is_some(),
+        })
+    }
+
     /// The picture, drawn anew if anything that it shows has changed. A large one that the
     /// processor draws comes about in several frames; until then the older one is seen, or at
     /// first a rough one.
@@ -324,54 +365,22 @@ impl MeshItem {
         colors: &Colors,
         viewport: &Viewport,
     ) -> Option<&Target> {
-        let shared = self.prepared()?;
-        let prepared = shared.as_ref().as_ref().ok()?;
-        let textures = self.textures.latest();
-        let texture = textures.as_deref().and_then(|textures| textures.as_ref().ok());
-        let line_colors = self.line_colors(&prepared.arrays, viewport);
-        let has_texture = texture.is_some();
-        let uniforms = uniforms(prepared, has_texture, line_colors, settings, (colors, viewport));
-        let lines = self.shown_lines(&prepared.arrays);
-        let is_culled = settings.back_faces == BackFaces::Hidden;
-        let coarse = prepared.surface.coarse.as_ref().zip(prepared.attribute.coarse.as_ref());
-        let drawn = DrawingKey {
-            uniforms,
-            prepared: Same(Arc::clone(&shared)),
-            lines: lines.iter().map(|(kind, lines)| (*kind, Same(Arc::clone(lines)))).collect(),
-            textures: textures.clone().map(Same),
-            table: colors.table.1,
-            size: viewport.size,
-            is_culled,
-        };
-        let is_new = self.drawn.as_ref() != Some(&drawn);
+        let key = self.drawing_key(settings, colors, viewport)?;
+        let has_coarse = key.surface()?.coarse.is_some();
+        let is_new = self.drawn.as_ref() != Some(&key);
         // While one change comes after the other, no fine picture would ever be done.
         let is_hurried = self.target.is_none() || (is_new && self.rest.is_some());
-        let samples = match is_hurried && coarse.is_some() && gpu.is_software() {
+        let samples = match is_hurried && has_coarse && gpu.is_software() {
             true => 1,
             false => viewport.samples,
         };
         if is_new || samples != self.samples {
-            (self.drawn, self.samples) = (Some(drawn), samples);
+            (self.drawn, self.samples) = (Some(key), samples);
             self.rest = Some(Cursor::default());
             self.n_drawn += 1;
         }
-        if let Some(from) = self.rest {
-            let whole = (&prepared.surface.whole, &prepared.attribute.whole);
-            let rough = coarse.filter(|_| samples < FINE);
-            let (faces, attribute) = rough.unwrap_or(whole);
-            // The rough version has no edges.
-            let lines = lines.iter().filter(|_| rough.is_none());
-            let lines = lines.filter_map(|(at, lines)| Some((*at, lines.as_ref().as_ref()?)));
-            let drawing = Drawing {
-                uniforms,
-                faces,
-                is_coarse: rough.is_some(),
-                attribute,
-                lines: lines.collect(),
-                table: colors.table.0,
-                pictures: texture.map_or(gpu.no_pictures(), |(texture, _)| texture).clone(),
-                is_culled,
-            };
+        if let (Some(from), Some(key)) = (self.rest, &self.drawn) {
+            let drawing = key.drawing(samples, colors.table.0, gpu.no_pictures())?;
             self.rest = gpu.draw(&mut self.target, viewport.size, samples, &drawing, from);
             if samples != viewport.samples {
                 // The fine one follows.
@@ -379,6 +388,48 @@ impl MeshItem {
             }
         }
         self.target.as_ref()
+    }
+}
+
+impl DrawingKey {
+    fn prepared(&self) -> Option<&GpuMesh> {
+        self.prepared.0.as_ref().as_ref().ok()
+    }
+
+    fn surface(&self) -> Option<&SurfaceBuffers> {
+        self.prepared().map(|prepared| prepared.surface.as_ref())
+    }
+
+    /// What the GPU is told.
+    fn drawing<'a>(
+        &'a self,
+        samples: u32,
+        table: &'a GpuTexture,
+        no_pictures: &GpuTexture,
+    ) -> Option<Drawing<'a>> {
+        let GpuMesh { surface, attribute, .. } = self.prepared()?;
+        let coarse = surface.coarse.as_ref().zip(attribute.coarse.as_ref());
+        let rough = coarse.filter(|_| samples < FINE);
+        let (faces, attribute) = rough.unwrap_or((&surface.whole, &attribute.whole));
+        // The rough version has no edges.
+        let lines = self.lines.iter().filter(|_| rough.is_none());
+        let lines = lines.filter_map(|(at, lines)| Some((*at, lines.0.as_ref().as_ref()?)));
+        let outlines = self.outlines.iter();
+        let outlines = outlines
+            .filter_map(|(uniforms, buffer)| Some((*uniforms, buffer.0.as_ref().as_ref()?)));
+        let texture = self.textures.as_ref().and_then(|textures| textures.0.as_ref().as_ref().ok());
+        Some(Drawing {
+            uniforms: self.uniforms,
+            faces,
+            is_coarse: rough.is_some(),
+            attribute,
+            lines: lines.collect(),
+            outlines: outlines.collect(),
+            table,
+            pictures: texture.map_or(no_pictures, |(texture, _)| texture).clone(),
+            is_culled: self.is_culled,
+            is_cut: self.is_cut,
+        })
     }
 }
 
@@ -402,73 +453,4 @@ fn upload(device: &wgpu::Device, product: &Product, known: Option<&GpuMesh>) -> 
         reading: product.attribute.reading,
         attribute: attribute.map_err(|_| Undrawable::TooLarge)?,
     })
-}
-
-/// A neutral gray, a little warm, that stands out from light and dark alike.
-const SURFACE: [f32; 4] = [0.74, 0.74, 0.72, 1.0];
-const BACK: [f32; 3] = [0.72, 0.34, 0.28];
-/// How far lines are moved towards the viewer, as a part of the size of the scene.
-const LINE_SHIFT: f64 = 1e-3;
-
-/// How much of a wire is seen: where edges are shorter than a few pixels they would hide the
-/// surface.
-fn wire_share(arrays: &Arrays, viewport: &Viewport) -> f32 {
-    // The edge of an equilateral triangle, if as many cover a square as large as the box.
-    let n_faces = arrays.faces.len().max(1) as f64;
-    let edge = 1.5 * 2.0 * arrays.bounds.radius() / n_faces.sqrt();
-    let pixels = edge * viewport.camera.pixels_per_unit(viewport.size[1]);
-    ((pixels / 5.0) as f32).clamp(0.12, 1.0)
-}
-
-fn uniforms(
-    prepared: &GpuMesh,
-    has_texture: bool,
-    line_colors: [[f32; 4]; MOST_LINE_SETS],
-    settings: &MeshSettings,
-    (colors, viewport): (&Colors, &Viewport),
-) -> Uniforms {
-    let aspect = f64::from(viewport.size[0]) / f64::from(viewport.size[1]);
-    let arrays = &prepared.arrays;
-    let columns = |matrix: DMat4| matrix.as_mat4().to_cols_array_2d();
-    let place = match &prepared.values {
-        Some(values) => settings.scale.place_of_share(values.extent, colors.range),
-        None => [1.0, 0.0],
-    };
-    let is_gray_outside = settings.scale.outside == Outside::Gray;
-    // In units of the scene, so that scenes of any size fit into the numbers of the GPU.
-    let unit = viewport.bounds.radius();
-    let to_units = DMat4::from_scale(glam::DVec3::splat(1.0 / unit));
-    // Clip space has no unit where it is divided by depth.
-    let clip_unit = match viewport.camera.projection {
-        Projection::Perspective => 1.0 / unit,
-        Projection::Orthographic => 1.0,
-    };
-    let clip_from_view = viewport.camera.clip_from_view(aspect, viewport.bounds)
-        * DMat4::from_scale(glam::DVec3::splat(unit))
-        * clip_unit;
-    let back = match settings.back_faces {
-        BackFaces::Tinted => 0.55,
-        BackFaces::Same | BackFaces::Hidden => 0.0,
-    };
-    let reading = match prepared.reading {
-        Reading::Nothing => 0,
-        Reading::Color => 1,
-        Reading::Value => 2,
-        Reading::Checker => 3,
-        Reading::Picture if has_texture => 4,
-        Reading::Materials if has_texture => 5,
-        // There is no picture, or not yet.
-        Reading::Picture | Reading::Materials => 0,
-    };
-    Uniforms {
-        clip_from_view: columns(clip_from_view),
-        view_from_local: columns(
-            to_units * viewport.camera.view_from_local(arrays.center, arrays.scale),
-        ),
-        surface: SURFACE,
-        back: [BACK[0], BACK[1], BACK[2], back],
-        line_colors,
-        numbers: [place[0], place[1], f32::from(is_gray_outside), LINE_SHIFT as f32],
-        modes: [reading, u32::from(settings.shading == Shading::Flat), 0, 0],
-    }
 }

@@ -4,15 +4,18 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Pos2, Rect, Vec2, vec2};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use mve_modules::data::{Images, TriMesh};
 
 use super::item::MeshItem;
 use super::layout::Tile;
+use super::look::coloring::PinnedField;
 use super::look::settings::{Arrangement, MeshSettings};
 use super::look::values::Values;
-use crate::views::ViewerAction;
+use super::section::Plane;
+use crate::kept::Kept;
 use crate::views::camera::{Bounds, Camera};
+use crate::views::{PickedElement, ViewerAction};
 
 /// A mesh to show.
 #[derive(Clone, Debug)]
@@ -32,6 +35,18 @@ pub struct PinnedPicture {
     pub title: String,
     /// Holds the picture.
     pub images: Arc<Images>,
+}
+
+/// What a panel is about in one frame.
+pub struct Subject<'a> {
+    /// The meshes.
+    pub meshes: &'a [MeshInput],
+    /// What may color them.
+    pub fields: &'a [PinnedField],
+    /// What may be their texture.
+    pub pictures: &'a [PinnedPicture],
+    /// The element that is looked at.
+    pub picked: Option<&'a PickedElement>,
 }
 
 /// Where a camera's normalized coordinates are on the screen.
@@ -103,8 +118,20 @@ pub struct MeshScene<'a> {
     pub values: &'a [Arc<Values>],
     /// The ends of the color scale, in numbers that colors follow.
     pub range: [f64; 2],
+    /// Fields that are pinned beside the meshes.
+    pub fields: &'a [PinnedField],
+    /// What is before it is cut away.
+    pub plane: Option<Plane>,
+    /// The element that is looked at.
+    pub picked: Option<&'a PickedElement>,
+    /// Whether an element is to be named by its number.
+    pub is_number: bool,
+    /// What is kept with the map.
+    pub kept: &'a Kept,
     /// Whether it is a picture for a file.
     pub is_still: bool,
+    /// The point to look at next, and what points from it towards the viewer.
+    pub look_at: Option<(DVec3, DVec3)>,
     /// What the user wants of whoever shows the viewer.
     pub actions: Vec<ViewerAction>,
 }
@@ -115,12 +142,12 @@ impl MeshScene<'_> {
         self.settings.arrangement != Arrangement::SideBySide && self.tiles.len() == 2
     }
 
-    /// The item that is seen at a place of a picture.
-    pub fn visible_item(&self, tile: usize, place: Pos2) -> &MeshItem {
+    /// The mesh that is seen at a place of a picture.
+    pub fn visible_mesh(&self, tile: usize, place: Pos2) -> usize {
         let is_wipe = self.settings.arrangement == Arrangement::Wipe && self.tiles.len() == 2;
         let rect = self.tiles[tile].rect;
         let is_right = place.x > rect.left() + self.settings.balance * rect.width();
-        &self.items[self.tiles[if is_wipe && is_right { 1 } else { tile }].item]
+        self.tiles[if is_wipe && is_right { 1 } else { tile }].item
     }
 }
 

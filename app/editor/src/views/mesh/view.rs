@@ -3,31 +3,39 @@
 use std::sync::Arc;
 
 use eframe::egui::emath::GuiRounding;
-use eframe::egui::{self, Color32, Rect, Sense, Vec2, pos2};
+use eframe::egui::{self, Rect, Sense, Vec2, pos2};
 use eframe::egui_wgpu::RenderState;
+use glam::DVec3;
 use mve_core::Value;
 use mve_modules::data::{Field, Images, TriMesh};
 
+use super::backdrop::paint_background;
+use super::distance::Distance;
+use super::element::place_of;
 use super::gpu::Gpu;
 use super::gpu::target::FINE;
 use super::gpu::texture::GpuTexture;
-use super::hand::navigation::{by_keys, by_pointer};
-use super::item::{Colors, MeshItem, Viewport};
+use super::hand::navigation::{Moved, by_keys, by_pointer, responses};
+use super::item::MeshItem;
 use super::layout::{Tile, layout, part_of};
-use super::look::coloring::{
-    ColorBy, ColorSource, PinnedField, ScaleSettings, number_layers, source_of,
-};
-use super::look::label_layers;
-use super::look::settings::{Arrangement, MeshSettings, Offers, Wishes, controls};
+use super::look::coloring::{ColorBy, ColorSource, PinnedField, ScaleSettings, source_of};
+use super::look::controls::{Controls, Offers, Wishes, controls};
+use super::look::named::{NamedView, StillOptions};
+use super::look::settings::{Arrangement, MeshSettings};
 use super::look::stored::MeshLook;
 use super::look::texture::TextureSource;
 use super::look::values::Values;
+use super::offers::{offers, pinned_picture};
+use super::outline::outline_color;
 use super::overlays::{Depth, Overlays};
-use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen};
+use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen, Subject};
+use super::section::{Plane, Section};
+use super::viewport::{Colors, ShownOutline, Viewport};
+use crate::kept::{Kept, Shelf};
 use crate::views::camera::{Bounds, Camera};
 use crate::views::field::colors_a_mesh;
 use crate::views::memo::Same;
-use crate::views::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
+use crate::views::{PanelPlace, PickedElement, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The state of a panel of meshes.
 #[derive(Default)]
@@ -41,24 +49,20 @@ pub struct MeshView {
     /// What was fitted last into which aspect, and whether the user has moved since.
     fitted: Option<(Bounds, f64)>,
     has_moved: bool,
+    /// The section in the frame before.
+    cut_before: Section,
     /// When the camera moved last, by the clock of the window.
     moved_secs: Option<f64>,
     /// The color scale on the GPU, and how often there was another one.
     table: Option<(ScaleSettings, GpuTexture, u64)>,
     overlays: Overlays,
+    controls: Controls,
+    /// What is kept with the map.
+    kept: Kept,
     /// Width and height of the pictures in points when they were shown last.
     size: Vec2,
     /// Where it is no part of a window, but a picture for a file.
     still: Option<StillOptions>,
-}
-
-/// How a picture for a file is to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StillOptions {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Whether there is nothing behind the meshes.
-    pub is_transparent: bool,
 }
 
 /// Seconds after which a camera is at rest.
@@ -90,7 +94,9 @@ impl ValueView for MeshView {
             Some(PinnedPicture { title: pinned.title.clone(), images })
         };
         let pictures: Vec<PinnedPicture> = shown.all.iter().filter_map(picture).collect();
-        self.show_meshes(ui, &meshes, (&fields, &pictures), shown.render)
+        let (meshes, fields, pictures) = (&meshes, &fields, &pictures);
+        let subject = Subject { meshes, fields, pictures, picked: shown.picked };
+        self.show_meshes(ui, &subject, shown.render)
     }
 
     /// Lets go of all meshes, and of what is on the GPU.
@@ -109,21 +115,53 @@ impl MeshView {
         MeshLook::of(&self.settings, &self.camera)
     }
 
+    /// Turns an element of a mesh to the middle and the front; O(n) for a vertex.
+    pub fn go_to(&mut self, context: &egui::Context, element: &PickedElement, mesh: &TriMesh) {
+        place_of(mesh, element).into_iter().for_each(|place| self.look_at(context, place));
+    }
+
+    fn look_at(&mut self, context: &egui::Context, (point, towards): (DVec3, DVec3)) {
+        self.camera.look_at(point, towards);
+        self.has_moved = true;
+        context.request_repaint();
+    }
+
     /// Height of the pictures in points when they were shown last.
     pub fn height(&self) -> f32 {
         self.size.y
     }
 
-    /// A view of the same, without what is there for a hand.
-    pub fn for_still(&self, options: StillOptions) -> Self {
-        Self {
+    /// A view of the same, or as a kept view has it, without what is there for a hand.
+    pub fn for_still(&self, options: StillOptions, named: Option<&NamedView>) -> Self {
+        let mut view = Self {
             camera: self.camera,
             settings: self.settings.clone(),
             // A camera that no hand has placed fits all into the other form.
-            fitted: self.fitted.filter(|_| self.has_moved),
+            fitted: self.fitted.filter(|_| self.has_moved || named.is_some()),
             has_moved: self.has_moved,
             still: Some(options),
             ..Self::default()
+        };
+        named.into_iter().for_each(|named| view.look_as(named));
+        view
+    }
+
+    /// The way that it looks, to be kept.
+    pub fn named_view(&self) -> NamedView {
+        NamedView::of(&self.settings, &self.camera)
+    }
+
+    /// Looks in a way that was kept.
+    pub fn look_as(&mut self, named: &NamedView) {
+        named.apply(&mut self.settings, &mut self.camera);
+        self.has_moved = true;
+    }
+
+    /// Takes over what is kept with the map.
+    pub fn set_kept(&mut self, kept: &Kept) {
+        if self.kept != *kept {
+            self.kept.clone_from(kept);
+            self.settings.distances = Distance::all(kept);
         }
     }
 
@@ -141,39 +179,74 @@ impl MeshView {
     fn show_meshes(
         &mut self,
         ui: &mut egui::Ui,
-        meshes: &[MeshInput],
-        (fields, pictures): (&[PinnedField], &[PinnedPicture]),
+        subject: &Subject,
         render: Option<&RenderState>,
     ) -> Vec<ViewerAction> {
         let Some(render) = render else {
             ui.label("There is no GPU, and no software in its place, to draw meshes with.");
             return Vec::new();
         };
-        self.take_over(meshes);
-        let offers = self.offers(meshes, fields, pictures);
+        self.take_over(subject.meshes);
+        let offers = self.offers(subject);
         let color_by = offers.in_force(&self.settings.color_by);
-        let wishes = match self.still {
-            None => controls(ui, &mut self.settings, &mut self.camera, &offers),
-            Some(_) => Wishes::default(),
-        };
+        let mut wishes = Wishes::default();
+        if self.still.is_none() {
+            let looked_at = (&mut self.settings, &mut self.camera);
+            wishes = controls(ui, &mut self.controls, looked_at, &offers);
+        }
+        if let Some(named) = &wishes.view {
+            self.look_as(named);
+        }
         let mut gpu = self.gpu.take().unwrap_or_else(|| Gpu::new(render));
+        self.prepare(ui, &gpu, subject, &color_by);
+        let mut actions = self.panel(ui, subject, &mut gpu, &wishes);
+        self.gpu = Some(gpu);
+        actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
+        actions.extend(wishes.kept.into_iter().map(ViewerAction::Keep));
+        actions
+    }
+
+    /// Sees to it that what is seen of the meshes is made and uploaded.
+    fn prepare(&mut self, ui: &egui::Ui, gpu: &Gpu, subject: &Subject, color_by: &ColorBy) {
         let lines = self.overlays.lines(&mut self.settings);
-        for (item, input) in self.items.iter_mut().zip(meshes) {
-            let source = source_of(&item.mesh, &color_by, fields);
+        let plane = self.plane();
+        for (item, input) in self.items.iter_mut().zip(subject.meshes) {
+            let source = source_of(&item.mesh, color_by, subject.fields);
             let source = source.unwrap_or(ColorSource::Plain);
             let texture = match source {
                 ColorSource::Materials => {
                     Some(TextureSource::Materials(Same(Arc::clone(&input.mesh))))
                 }
-                ColorSource::Picture => pinned_picture(&color_by, pictures),
+                ColorSource::Picture => pinned_picture(color_by, subject.pictures),
                 _ => None,
             };
-            item.prepare(ui.ctx(), &gpu, (source, texture), (&self.settings, &lines));
+            item.prepare(ui.ctx(), gpu, (source, texture), (&self.settings, &lines));
+            if let Some(plane) = &plane {
+                item.prepare_outline(ui.ctx(), gpu, plane);
+            }
         }
-        let mut actions = self.panel(ui, meshes, &mut gpu, wishes.is_fit);
-        self.gpu = Some(gpu);
-        actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
-        actions
+    }
+
+    /// The box around all meshes, once it is known.
+    fn bounds(&self) -> Option<Bounds> {
+        self.items.iter().filter_map(MeshItem::bounds).reduce(Bounds::with)
+    }
+
+    /// The plane that cuts the meshes.
+    fn plane(&self) -> Option<Plane> {
+        self.settings.section.plane(&self.bounds()?)
+    }
+
+    fn offers(&self, subject: &Subject) -> Offers {
+        let views = self.kept.on(Shelf::Views).iter();
+        let view = |(name, it): (&String, _)| Some((name.clone(), NamedView::from_json(it)?));
+        Offers {
+            switches: self.overlays.switches(),
+            range: self.range(),
+            views: views.filter_map(view).collect(),
+            bounds: self.bounds(),
+            ..offers(subject.meshes, subject.fields, subject.pictures)
+        }
     }
 
     /// Keeps what belongs to meshes that are still there.
@@ -192,47 +265,6 @@ impl MeshView {
         }
     }
 
-    fn offers(
-        &self,
-        meshes: &[MeshInput],
-        fields: &[PinnedField],
-        pictures: &[PinnedPicture],
-    ) -> Offers {
-        let mut color_by: Vec<(ColorBy, String)> = vec![
-            (ColorBy::Auto, "Automatic".to_owned()),
-            (ColorBy::Plain, "Plain".to_owned()),
-            (ColorBy::Colors, "Colors of the mesh".to_owned()),
-        ];
-        for field in fields {
-            color_by.push((ColorBy::Field(field.title.clone()), field.title.clone()));
-        }
-        for layer in meshes.iter().flat_map(|input| number_layers(&input.mesh)) {
-            color_by.push((ColorBy::Layer(layer.name.clone()), format!("Layer {}", layer.name)));
-        }
-        for layer in meshes.iter().flat_map(|input| label_layers(&input.mesh)) {
-            color_by.push((ColorBy::Labels(layer.name.clone()), format!("By {}", layer.name)));
-        }
-        color_by.push((ColorBy::Materials, "Texture of the material".to_owned()));
-        color_by.push((ColorBy::Checker, "Checkerboard in texture space".to_owned()));
-        for picture in pictures {
-            let text = format!("Texture {}", picture.title);
-            color_by.push((ColorBy::Picture(picture.title.clone()), text));
-        }
-        let mut known: Vec<ColorBy> = Vec::new();
-        color_by.retain(|(by, _)| {
-            let is_first = !known.contains(by);
-            known.push(by.clone());
-            let has = |input: &MeshInput| source_of(&input.mesh, by, fields).is_some();
-            is_first && (*by == ColorBy::Auto || meshes.iter().any(has))
-        });
-        Offers {
-            titles: meshes.iter().map(|input| input.title.clone()).collect(),
-            color_by,
-            switches: self.overlays.switches(),
-            range: self.range(),
-        }
-    }
-
     /// The values at the ends of the color scale, where some mesh is colored by values.
     pub fn range(&self) -> Option<[f64; 2]> {
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
@@ -244,10 +276,11 @@ impl MeshView {
     fn panel(
         &mut self,
         ui: &mut egui::Ui,
-        meshes: &[MeshInput],
+        subject: &Subject,
         gpu: &mut Gpu,
-        is_fit: bool,
+        wishes: &Wishes,
     ) -> Vec<ViewerAction> {
+        let meshes = subject.meshes;
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
         // On whole pixels, as the pictures are.
@@ -266,19 +299,23 @@ impl MeshView {
             tile.rect = tile.rect.round_to_pixels(ui.pixels_per_point());
         }
         let is_overlaid = self.settings.arrangement != Arrangement::SideBySide && tiles.len() == 2;
-        let bounds = self.items.iter().filter_map(MeshItem::bounds).reduce(Bounds::with);
-        let responses = self.responses(ui, meshes, &tiles, is_overlaid);
-        let is_moving = match (bounds, tiles.first()) {
-            (Some(bounds), Some(tile)) => self.navigate(ui, &responses, tile.rect, &bounds, is_fit),
-            _ => false,
+        let bounds = self.bounds();
+        let responses = responses(ui, meshes, &tiles, is_overlaid);
+        let moved = match (bounds, tiles.first()) {
+            (Some(bounds), Some(tile)) => {
+                self.navigate(ui, &responses, tile.rect, &bounds, wishes.is_fit)
+            }
+            _ => Moved::default(),
         };
         if let Some(bounds) = &bounds {
             self.color_table(gpu);
             // Pictures made by the processor are rougher in motion, and made well at rest.
-            let is_rough = gpu.is_software() && self.is_in_motion(ui, &responses, is_moving);
+            let is_moving = self.is_in_motion(ui, &responses, moved.is_moving);
+            let is_rough = is_moving && gpu.is_software() && self.still.is_none();
             let samples = if is_rough { 1 } else { FINE };
             self.draw(ui, gpu, &tiles, bounds, range, samples);
         }
+        let plane = self.plane();
         let mut scene = MeshScene {
             meshes,
             items: &self.items,
@@ -290,14 +327,22 @@ impl MeshView {
             bar,
             values: &values,
             range,
+            fields: subject.fields,
+            plane,
+            picked: subject.picked,
+            is_number: moved.is_number || wishes.is_number,
+            kept: &self.kept,
             is_still: self.still.is_some(),
+            look_at: None,
             actions: Vec::new(),
         };
         self.overlays.show(ui, &mut scene);
-        scene.actions
+        let (look_at, actions) = (scene.look_at, scene.actions);
+        look_at.into_iter().for_each(|place| self.look_at(ui.ctx(), place));
+        actions
     }
 
-    /// Takes in what pointer and keys do; whether the camera moves.
+    /// Takes in what pointer and keys do.
     fn navigate(
         &mut self,
         ui: &egui::Ui,
@@ -305,10 +350,11 @@ impl MeshView {
         rect: Rect,
         bounds: &Bounds,
         is_fit: bool,
-    ) -> bool {
+    ) -> Moved {
         let aspect = Screen { rect }.aspect();
         if self.is_other_scene(bounds, aspect) {
             self.fit(bounds, aspect);
+            self.settings.section.fit(bounds);
         }
         let before = self.camera;
         let (camera, settings) = (&mut self.camera, &mut self.settings);
@@ -316,16 +362,18 @@ impl MeshView {
         let mut moved = by_keys(ui, responses, aspect, camera, bounds, (settings, &switches));
         for response in responses {
             let screen = Screen { rect: response.rect };
-            let by = by_pointer(ui, response, &screen, &mut self.camera, bounds);
+            let section = &mut self.settings.section;
+            let by = by_pointer(ui, response, &screen, &mut self.camera, (bounds, section));
             moved.is_fit |= by.is_fit;
             moved.is_moving |= by.is_moving;
         }
-        moved.is_moving |= self.camera != before;
+        let cut_before = std::mem::replace(&mut self.cut_before, self.settings.section);
+        moved.is_moving |= self.camera != before || self.settings.section != cut_before;
         self.has_moved |= self.camera != before;
         if moved.is_fit || is_fit {
             self.fit(bounds, aspect);
         }
-        moved.is_moving
+        moved
     }
 
     /// Whether the camera moves, or has moved so shortly ago that it may do so again.
@@ -365,27 +413,6 @@ impl MeshView {
         moved > old || new > 2.0 * old || old > 2.0 * new
     }
 
-    fn responses(
-        &self,
-        ui: &egui::Ui,
-        meshes: &[MeshInput],
-        tiles: &[Tile],
-        is_overlaid: bool,
-    ) -> Vec<egui::Response> {
-        let shown = if is_overlaid { &tiles[..1] } else { tiles };
-        let respond = |tile: &Tile| {
-            let id = ui.id().with(("mesh picture", tile.item));
-            let response = ui.interact(tile.rect, id, Sense::click_and_drag());
-            let title = &meshes[tile.item].title;
-            let label =
-                format!("3D view of {title}: drag turns, shift and drag moves, wheel zooms");
-            response
-                .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, &label));
-            response
-        };
-        shown.iter().map(respond).collect()
-    }
-
     /// Uploads the color scale when it has changed.
     fn color_table(&mut self, gpu: &Gpu) {
         let scale = self.settings.scale;
@@ -415,10 +442,19 @@ impl MeshView {
         let points = ui.ctx().pixels_per_point();
         let most = gpu.max_texture_side() as f32;
         let line_color = ui.visuals().weak_text_color();
+        let plane = self.plane();
         for (at, tile) in tiles.iter().enumerate() {
             let pixels = |length: f32| (length * points).round().clamp(1.0, most) as u32;
             let size = [pixels(tile.rect.width()), pixels(tile.rect.height())];
-            let viewport = Viewport { camera: &self.camera, bounds, size, samples };
+            let viewport = Viewport {
+                camera: &self.camera,
+                bounds,
+                size,
+                samples,
+                pixels_per_point: points,
+                plane,
+                outlines: &self.outlines(tile.item),
+            };
             let item = &mut self.items[tile.item];
             let (clip, tint) = part_of(tile.rect, &self.settings, at, tiles.len());
             let picture = MeshPicture {
@@ -442,31 +478,19 @@ impl MeshView {
             self.overlays.paint(Depth::Ahead, &picture, &mut self.settings);
         }
     }
-}
 
-/// The picture that is chosen as a texture.
-fn pinned_picture(by: &ColorBy, pictures: &[PinnedPicture]) -> Option<TextureSource> {
-    let is_chosen = |picture: &&PinnedPicture| *by == ColorBy::Picture(picture.title.clone());
-    let picture = pictures.iter().find(is_chosen)?;
-    Some(TextureSource::Pinned(Same(Arc::clone(&picture.images))))
-}
-
-/// A quiet gradient that fits the theme.
-fn paint_background(painter: &egui::Painter, rect: Rect, is_dark: bool) {
-    let (top, bottom) = match is_dark {
-        true => (Color32::from_rgb(58, 62, 70), Color32::from_rgb(28, 30, 34)),
-        false => (Color32::from_rgb(250, 251, 253), Color32::from_rgb(206, 212, 220)),
-    };
-    let mut mesh = egui::Mesh::default();
-    for (place, color) in [
-        (rect.left_top(), top),
-        (rect.right_top(), top),
-        (rect.right_bottom(), bottom),
-        (rect.left_bottom(), bottom),
-    ] {
-        mesh.colored_vertex(place, color);
+    /// The outlines in the picture of a mesh; where it is by itself, its own over the others.
+    fn outlines(&self, own: usize) -> Vec<ShownOutline> {
+        let section = &self.settings.section;
+        if !section.is_on {
+            return Vec::new();
+        }
+        let is_beside = self.settings.arrangement == Arrangement::SideBySide;
+        let mut all: Vec<usize> = (0..self.items.len()).collect();
+        all.retain(|at| *at == own || section.has_all_outlines);
+        // Over each other pictures have them in one order, for they are seen as one.
+        all.sort_by_key(|at| is_beside && *at == own);
+        let all = all.into_iter();
+        all.filter_map(|at| self.items[at].outline(outline_color(at))).collect()
     }
-    mesh.add_triangle(0, 1, 2);
-    mesh.add_triangle(0, 2, 3);
-    painter.add(mesh);
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use mve_core::Scalar;
 
-use crate::views::number::number_text;
+use crate::views::number::ColumnFormat;
 
 /// What the cells of a column are.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -129,7 +129,7 @@ fn compare(a: &Scalar, b: &Scalar) -> Ordering {
 }
 
 /// `cow2` before `cow10`: runs of digits compare as numbers, all else by letters.
-fn compare_texts(a: &str, b: &str) -> Ordering {
+pub fn compare_texts(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a, b);
     loop {
         let (Some(first_a), Some(first_b)) = (a.chars().next(), b.chars().next()) else {
@@ -155,13 +155,10 @@ fn compare_texts(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// A cell in few letters.
-pub fn cell_text(cell: &Scalar) -> String {
+/// A cell in few letters; numbers as those of their column.
+pub fn cell_text(cell: &Scalar, format: ColumnFormat) -> String {
     match cell {
-        Scalar::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
-            number.to_string()
-        }
-        Scalar::Number(number) => number_text(*number),
+        Scalar::Number(number) => format.text(*number),
         other => other.to_string(),
     }
 }

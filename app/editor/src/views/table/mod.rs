@@ -1,8 +1,10 @@
 //! Tables: what is in them, how they are shown, and the plot of a column.
 
 mod data;
+mod head;
 mod plot;
 mod view;
 
-pub use data::{Column, SortOrder, Table};
+pub use data::{Column, SortOrder, Table, compare_texts};
+pub use head::{Head, LETTER, Sort, header};
 pub use view::TableView;

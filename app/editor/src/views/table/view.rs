@@ -5,12 +5,10 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Layout, vec2};
 use mve_core::Scalar;
 
-use super::data::{Column, SortOrder, Table, cell_text, title_of};
+use super::data::{Column, Table, cell_text, title_of};
+use super::head::{Head, LETTER, Sort, header};
 use super::plot::TablePlot;
-use crate::views::number::count_text;
-
-/// The column that rows are sorted by; `None` leaves them as they are.
-type Sort = Option<(usize, SortOrder)>;
+use crate::views::number::{ColumnFormat, count_text};
 
 /// The state of one table on the screen.
 #[derive(Default)]
@@ -25,12 +23,11 @@ pub struct TableView {
 struct RowLayout {
     order: Arc<[usize]>,
     widths: Arc<[f32]>,
+    formats: Arc<[ColumnFormat]>,
 }
 
 /// Rows that are looked at for the width of a column.
 const N_SAMPLED: usize = 300;
-/// Width of a letter in points, roughly.
-const LETTER: f32 = 7.5;
 
 impl TableView {
     /// Shows a table, and under it a plot if one is wanted. Another table must be another `Arc`.
@@ -55,7 +52,14 @@ impl TableView {
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
                         ui.vertical(|ui| {
-                            self.header(ui, table, &laid_out.widths);
+                            let heads = table.columns.iter().zip(laid_out.widths.iter());
+                            let heads = heads.map(|(column, &width)| Head {
+                                name: &column.name,
+                                title: title_of(column),
+                                doc: "",
+                                width,
+                            });
+                            header(ui, heads, &mut self.sort);
                             rows(ui, table, &laid_out)
                         })
                         .inner
@@ -78,46 +82,25 @@ impl TableView {
             Some((column, direction)) => table.order_by(column, direction),
             None => (0..table.rows.len()).collect(),
         };
+        let sampled = |at: usize| {
+            (0..table.rows.len().min(N_SAMPLED)).filter_map(move |row| table.cell(row, at))
+        };
+        let format = |at: usize| {
+            ColumnFormat::of(sampled(at).filter_map(|cell| match cell {
+                Scalar::Number(number) => Some(*number),
+                _ => None,
+            }))
+        };
+        let formats: Arc<[ColumnFormat]> = (0..table.columns.len()).map(format).collect();
         let width = |(at, column): (usize, &Column)| {
-            let sampled = (0..table.rows.len().min(N_SAMPLED))
-                .filter_map(|row| table.cell(row, at))
-                .map(|cell| cell_text(cell).chars().count());
+            let sampled = sampled(at).map(|cell| cell_text(cell, formats[at]).chars().count());
             let most = sampled.max().unwrap_or(0).max(title_of(column).chars().count() + 3);
             LETTER * (most as f32).clamp(5.0, 48.0)
         };
         let widths = table.columns.iter().enumerate().map(width).collect();
-        let laid_out = RowLayout { order: order.into(), widths };
+        let laid_out = RowLayout { order: order.into(), widths, formats: Arc::clone(&formats) };
         self.laid_out = Some((Arc::clone(table), self.sort, laid_out.clone()));
         laid_out
-    }
-
-    fn header(&mut self, ui: &mut egui::Ui, table: &Table, widths: &[f32]) {
-        ui.horizontal(|ui| {
-            for (at, (column, &width)) in table.columns.iter().zip(widths).enumerate() {
-                let mark = match self.sort {
-                    Some((by, SortOrder::Up)) if by == at => " ⏶",
-                    Some((by, SortOrder::Down)) if by == at => " ⏷",
-                    _ => "",
-                };
-                let text = egui::RichText::new(title_of(column) + mark).strong();
-                let button = egui::Button::new(text).frame(false).truncate();
-                let height = ui.spacing().interact_size.y;
-                let response = ui.add_sized([width, height], button);
-                let label = format!("Sort by {}", column.name);
-                response.widget_info(|| {
-                    egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label)
-                });
-                if response.on_hover_text("Sort; again for the other way, again for none").clicked()
-                {
-                    self.sort = match self.sort {
-                        Some((by, SortOrder::Up)) if by == at => Some((at, SortOrder::Down)),
-                        Some((by, SortOrder::Down)) if by == at => None,
-                        _ => Some((at, SortOrder::Up)),
-                    };
-                }
-            }
-        });
-        ui.separator();
     }
 }
 
@@ -128,10 +111,11 @@ fn rows(ui: &mut egui::Ui, table: &Table, laid_out: &RowLayout) -> Option<usize>
     area.show_rows(ui, height, laid_out.order.len(), |ui, visible| {
         for &row in laid_out.order.get(visible).unwrap_or_default() {
             ui.horizontal(|ui| {
-                for (column, &width) in laid_out.widths.iter().enumerate() {
+                let columns = laid_out.widths.iter().zip(laid_out.formats.iter()).enumerate();
+                for (column, (&width, &format)) in columns {
                     let cell = table.cell(row, column);
                     let is_number = matches!(cell, Some(Scalar::Number(_)));
-                    let text = cell.map_or(String::new(), cell_text);
+                    let text = cell.map_or(String::new(), |cell| cell_text(cell, format));
                     let align = if is_number { Align::Max } else { Align::Min };
                     let layout = Layout::left_to_right(Align::Center)
                         .with_main_align(align)

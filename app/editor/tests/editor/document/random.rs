@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use mve_core::{Link, NodeMode, PortRef, Registry};
 use mve_editor::document::{Alignment, Clip, Direction, Document, Edit, Item};
+use mve_editor::kept::{KeptEdit, Shelf};
 use mve_modules::registry;
 use proptest::prelude::*;
 use serde_json::Value as Json;
@@ -66,7 +67,7 @@ fn any_edit(document: &Document, registry: &Registry, dice: Dice) -> Option<Edit
     let at = [f64::from(x) / 3.0, f64::from(y)];
     let node = || pick(map.nodes.keys().cloned(), a);
     let some = || some_items(document, b);
-    Some(match kind % 24 {
+    Some(match kind % 25 {
         0 | 1 => Edit::AddNode {
             module: pick(registry.modules(), a)?.module.id.to_owned(),
             name: None,
@@ -101,10 +102,22 @@ fn any_edit(document: &Document, registry: &Registry, dice: Dice) -> Option<Edit
             along: pick([Direction::Across, Direction::Down], a)?,
         },
         22 => Edit::Arrange { nodes: Vec::new() },
+        23 => Edit::Keep(any_kept(a, b)),
         _ if a % 3 == 0 => Edit::SetTitle(format!("title {b}")),
         _ if a % 3 == 1 => Edit::ReplaceText(document.text().replace("\n  ", "\n ")),
         _ => any_program(document, b)?,
     })
+}
+
+/// Of few names, so that some are there.
+fn any_kept(a: usize, b: usize) -> KeptEdit {
+    let shelf = Shelf::ALL[b % 2];
+    let [name, to] = [a, b].map(|n| format!("kept {}", n % 3));
+    match a % 4 {
+        0 | 1 => KeptEdit::Put { shelf, name, content: Json::from(b) },
+        2 => KeptEdit::Remove { shelf, name },
+        _ => KeptEdit::Rename { shelf, name, to },
+    }
 }
 
 fn any_program(document: &Document, b: usize) -> Option<Edit> {

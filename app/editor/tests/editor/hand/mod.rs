@@ -171,6 +171,11 @@ impl Hand {
         self.wait(|session| !session.viewer.is_busy());
     }
 
+    /// Draws frames until the pictures on nodes are made.
+    pub fn wait_for_the_pictures(&mut self) {
+        self.wait(|session| !session.canvas.is_busy());
+    }
+
     /// Draws frames until the program has come to its end.
     pub fn wait_for_the_program(&mut self) {
         self.wait(|session| !session.programs.is_running());
@@ -203,6 +208,60 @@ impl Hand {
                 .any(|text| text.starts_with(beginning))
         };
         self.harness.query_all_by(begins).next().is_some()
+    }
+
+    /// Clicks what has a name that begins so.
+    pub fn click_beginning(&mut self, beginning: &str) {
+        self.node_beginning(beginning).click();
+        self.step();
+    }
+
+    /// The whole name of what has one that begins so.
+    pub fn name_beginning(&self, beginning: &str) -> String {
+        self.node_beginning(beginning).accesskit_node().label().unwrap_or_default()
+    }
+
+    fn node_beginning<'a>(&'a self, beginning: &'a str) -> egui_kittest::Node<'a> {
+        let begins = move |node: &egui_kittest::kittest::AccessKitNode| {
+            node.label().is_some_and(|label| label.starts_with(beginning))
+        };
+        self.harness.get_by(begins)
+    }
+
+    /// The names that begin so, from the top of the window to its bottom.
+    pub fn names_beginning(&self, beginning: &str) -> Vec<String> {
+        let begins = |node: &egui_kittest::kittest::AccessKitNode| {
+            node.label().is_some_and(|label| label.starts_with(beginning))
+        };
+        let found = self.harness.query_all_by(begins);
+        let label = |node: egui_kittest::Node| node.accesskit_node().label().unwrap_or_default();
+        let mut found: Vec<_> = found.map(|node| (node.rect().top(), label(node))).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, label)| label).collect()
+    }
+
+    /// Clicks what has this name, and waits for what it puts on the clipboard.
+    pub fn click_to_copy(&mut self, name: &str) -> String {
+        self.harness.get_by_label(name).click();
+        self.wait_for_the_clipboard()
+    }
+
+    /// Draws frames until something is put on the clipboard; what that is.
+    pub fn wait_for_the_clipboard(&mut self) -> String {
+        let start = Instant::now();
+        loop {
+            let commands = &self.harness.output().platform_output.commands;
+            let copied = commands.iter().find_map(|command| match command {
+                egui::OutputCommand::CopyText(text) => Some(text.clone()),
+                _ => None,
+            });
+            if let Some(text) = copied {
+                return text;
+            }
+            assert!(start.elapsed() < PATIENCE, "nothing is copied");
+            std::thread::sleep(Duration::from_millis(1));
+            self.harness.step();
+        }
     }
 
     /// Clicks the last of the things that have this name.
@@ -285,6 +344,16 @@ impl Hand {
     pub fn type_number(&mut self, name: &str, text: &str) {
         self.problems();
         self.harness.get_by_role_and_label(Role::SpinButton, name).click();
+        self.step();
+        self.press_with(Modifiers::COMMAND, Key::A);
+        self.type_text(text);
+        self.press(Key::Enter);
+    }
+
+    /// Types into the last of the fields of a number that have this name.
+    pub fn type_last_number(&mut self, name: &str, text: &str) {
+        let last = self.harness.query_all_by_role_and_label(Role::SpinButton, name).last();
+        last.expect("a field has the name").click();
         self.step();
         self.press_with(Modifiers::COMMAND, Key::A);
         self.type_text(text);

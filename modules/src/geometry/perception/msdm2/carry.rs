@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::curvature_mesh::CurvatureMesh;
 use super::{MAX_LEVELS, MeshCurvature, Variant};
 use crate::data::FaceId;
-use crate::geometry::distance::bulk::ManyQueries;
 use crate::geometry::distance::bvh::{Hit, Walker};
+use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::morton::morton_order;
 
 /// Vertices of one chunk.
@@ -66,8 +66,7 @@ pub(in crate::geometry) fn carry(
         .map(|chunk| {
             let mut walker = reference.surface.bvh.walker();
             let points: Vec<DVec3> = chunk.iter().map(|&v| positions[v as usize]).collect();
-            let mut hits = Vec::with_capacity(points.len());
-            queries.closest(&points, &mut hits, &control)?;
+            let hits = queries.closest(&points, &control)?;
             let mut carried = Vec::with_capacity(points.len());
             for ((&point, hit), &v) in points.iter().zip(hits).zip(chunk) {
                 let own = &of_degraded[v as usize];

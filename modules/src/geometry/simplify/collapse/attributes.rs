@@ -5,33 +5,23 @@
 //! that no dying face touches keeps its value. What vertices and faces share is called a wedge
 //! here, too: the number of a value in its layer.
 //!
-//! What a layer means is its [`Role`], by name. The seams of texture coordinates must not tear:
-//! under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no partner, and
-//! two such vertices do not merge. So charts keep their borders, which simplify only along
-//! themselves.
-
-use std::collections::HashMap;
+//! What a layer means is its [`Role`](super::Role), by name. The seams of texture coordinates must
+//! not tear: under [`Seams::Kept`] a vertex stays where it is when a wedge of it would have no
+//! partner, and two such vertices do not merge. So charts keep their borders, which simplify only
+//! along themselves.
 
 use glam::DVec3;
 use mve_core::Cancelled;
 
-use super::complex::{Complex, next_in_face, previous_in_face};
+use super::complex::{Complex, next_in_face};
+use super::layer::WorkingLayer;
+use super::merging::Merging;
 use super::options::Seams;
 use super::order::Order;
 use super::ticker::{CHUNK, Ticker};
-use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
+use super::wedge::{AttributeValue, LayerId};
+use crate::data::{Domain, Layer, TriMesh};
 use crate::mesh::adjacency::EdgeId;
-
-/// A layer of the working mesh. Every kind of value is held as three numbers.
-#[derive(Debug)]
-pub(super) struct WorkingLayer {
-    pub role: Role,
-    pub domain: Domain,
-    /// The wedge of each vertex, corner or face of the engine; [`NO_VALUE`] where it has none.
-    wedges: Vec<u32>,
-    values: Vec<DVec3>,
-}
 
 /// All layers of the working mesh, in the input's order.
 #[derive(Debug, Default)]
@@ -40,7 +30,7 @@ pub(super) struct Attributes {
     /// Whether each vertex has several wedges in a layer whose seams are kept; empty when there
     /// is no such layer.
     on_seam: Vec<bool>,
-    pairs: Vec<(u32, u32)>,
+    merging: Merging,
 }
 
 /// What seams leave to a collapse.
@@ -75,7 +65,7 @@ impl Attributes {
                 }
             }
         }
-        Ok(Self { layers, on_seam, pairs: Vec::new() })
+        Ok(Self { layers, on_seam, merging: Merging::default() })
     }
 
     /// Whether there are seams that are kept.
@@ -125,7 +115,7 @@ impl Attributes {
         let (mut pins_kept, mut pins_gone) = (false, false);
         let mut pairs = Vec::new();
         for layer in self.layers.iter().filter(|layer| layer.has_seams()) {
-            layer.find_pairs(complex, edge, &mut pairs);
+            layer.find_pairs(complex, [kept, gone], &mut pairs);
             let is_paired =
                 |wedge, of: fn(&(u32, u32)) -> u32| pairs.iter().any(|p| of(p) == wedge);
             pins_kept |=
@@ -159,20 +149,14 @@ impl Attributes {
             return;
         }
         let [kept, gone] = complex.ends(edge);
-        let [from, to] = [kept, gone].map(|v| complex.position(v));
-        let at = parameter(from, to, position);
         if let Ok([kept, gone]) = self.on_seam.get_disjoint_mut([kept as usize, gone as usize]) {
             *kept |= *gone;
         }
-        for (id, layer) in (0u32..).zip(&mut self.layers) {
-            let given = |wedge: u32| {
-                let name = (LayerId(id), WedgeId(wedge));
-                given.iter().find(|given| (given.layer, given.wedge) == name).map(|v| v.value)
-            };
-            match layer.domain {
-                Domain::Vertex => layer.merge_vertices(kept, gone, at, given),
-                Domain::Corner => layer.merge_wedges(complex, edge, at, given, &mut self.pairs),
-                Domain::Face => {}
+        let Self { layers, merging, .. } = self;
+        for (id, layer) in (0u32..).zip(layers) {
+            if layer.domain != Domain::Face {
+                merging.find((LayerId(id), &*layer), complex, [kept, gone], position, given);
+                merging.apply(layer, complex, [kept, gone]);
             }
         }
     }
@@ -196,248 +180,4 @@ impl Attributes {
         };
         self.layers.into_iter().zip(&mesh.layers).map(finish).collect()
     }
-}
-
-impl WorkingLayer {
-    fn new(
-        layer: &Layer,
-        complex: &Complex,
-        order: &Order,
-        ticker: &mut Ticker,
-    ) -> Result<Self, Cancelled> {
-        let (role, domain) = (Role::of(layer), layer.domain);
-        let mut working = Self { role, domain, wedges: Vec::new(), values: Vec::new() };
-        match layer.domain {
-            Domain::Vertex => {
-                let values = &mut working.values;
-                working.wedges =
-                    ticker.collect(&order.vertices, |&v| values.add(layer, v as usize))?;
-            }
-            Domain::Face => {
-                let values = &mut working.values;
-                working.wedges =
-                    ticker.collect(&order.faces, |&f| values.add(layer, f as usize))?;
-            }
-            Domain::Corner => working.make_wedges(layer, complex, order, ticker)?,
-        }
-        Ok(working)
-    }
-
-    /// Gives each group of corners of a vertex with equal values a wedge of its own. Files that
-    /// write each value once for each corner have seams only where values differ.
-    fn make_wedges(
-        &mut self,
-        layer: &Layer,
-        complex: &Complex,
-        order: &Order,
-        ticker: &mut Ticker,
-    ) -> Result<(), Cancelled> {
-        self.wedges = ticker.fill(3 * complex.faces.len(), NO_VALUE)?;
-        let mut corners = Vec::new();
-        for vertex in 0..complex.vertices.len() as u32 {
-            if (vertex as usize).is_multiple_of(CHUNK) {
-                ticker.tick(0)?;
-            }
-            corners.clear();
-            corners.extend(complex.corners_around(vertex).map(|corner| {
-                let input = 3 * order.faces[corner as usize / 3] + corner % 3;
-                let value = value_of(layer, input as usize);
-                (value.map(|value| value.to_array().map(f64::to_bits)), corner, input)
-            }));
-            corners.sort_unstable();
-            let mut last = (None, NO_VALUE);
-            for &(value, corner, input) in &corners {
-                if value != last.0 {
-                    last = (value, self.values.add(layer, input as usize));
-                }
-                self.wedges[corner as usize] = last.1;
-            }
-        }
-        Ok(())
-    }
-
-    fn has_seams(&self) -> bool {
-        self.domain == Domain::Corner && self.role == Role::TexCoord
-    }
-
-    fn wedge_at(&self, element: u32) -> u32 {
-        self.wedges[element as usize]
-    }
-
-    /// The wedge of a vertex or corner, if it has a value.
-    pub fn wedge(&self, element: u32) -> Option<WedgeId> {
-        Some(self.wedge_at(element)).filter(|&wedge| wedge != NO_VALUE).map(WedgeId)
-    }
-
-    /// The value of a wedge.
-    pub fn value(&self, wedge: WedgeId) -> DVec3 {
-        self.values[wedge.0 as usize]
-    }
-
-    /// The wedges of the two ends that meet in a face at the edge, each pair once.
-    fn find_pairs(&self, complex: &Complex, edge: EdgeId, pairs: &mut Vec<(u32, u32)>) {
-        let [kept, gone] = complex.ends(edge);
-        pairs.clear();
-        for corner in complex.corners_around(kept) {
-            let other = [next_in_face(corner), previous_in_face(corner)]
-                .into_iter()
-                .find(|&c| complex.vertex_at(c) == gone);
-            let Some(other) = other else { continue };
-            let pair = (self.wedge_at(corner), self.wedge_at(other));
-            if !pairs.contains(&pair) {
-                pairs.push(pair);
-            }
-        }
-    }
-
-    fn merge_vertices(
-        &mut self,
-        kept: u32,
-        gone: u32,
-        at: f64,
-        given: impl Fn(u32) -> Option<DVec3>,
-    ) {
-        let (mine, other) = (self.wedge_at(kept), self.wedge_at(gone));
-        if mine == NO_VALUE || other == NO_VALUE {
-            // The value of the nearer end, or none if it has none.
-            self.wedges[kept as usize] = if at > 0.5 { other } else { mine };
-        } else {
-            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
-        }
-    }
-
-    fn merge_wedges(
-        &mut self,
-        complex: &Complex,
-        edge: EdgeId,
-        at: f64,
-        given: impl Fn(u32) -> Option<DVec3>,
-        pairs: &mut Vec<(u32, u32)>,
-    ) {
-        let [kept, gone] = complex.ends(edge);
-        self.find_pairs(complex, edge, pairs);
-        pairs.retain(|&(mine, other)| mine != NO_VALUE && other != NO_VALUE);
-        while let Some((mine, other)) = pairs.pop() {
-            // Where one wedge meets several, they all take its value: a seam ends there.
-            let is_fan_of_mine = pairs.iter().any(|p| p.0 == mine);
-            let is_fan_of_other = pairs.iter().any(|p| p.1 == other);
-            let at = match (is_fan_of_mine, is_fan_of_other) {
-                (true, false) => 0.0,
-                (false, true) => 1.0,
-                _ => at,
-            };
-            self.values[mine as usize] = given(mine).unwrap_or_else(|| self.mix(mine, other, at));
-            let renamed = |wedge: u32, pairs: &[(u32, u32)]| {
-                wedge == other || pairs.iter().any(|p| p.1 == other && p.0 == wedge)
-            };
-            for corner in complex.corners_around(kept).chain(complex.corners_around(gone)) {
-                if renamed(self.wedge_at(corner), pairs) {
-                    self.wedges[corner as usize] = mine;
-                }
-            }
-            for pair in pairs.iter_mut() {
-                if pair.1 == other {
-                    *pair = (mine, mine);
-                } else if pair.0 == mine {
-                    // The rest of the fan takes the value that is there now.
-                    for corner in complex.corners_around(gone) {
-                        if self.wedges[corner as usize] == pair.1 {
-                            self.wedges[corner as usize] = mine;
-                        }
-                    }
-                    *pair = (mine, mine);
-                }
-            }
-            pairs.retain(|p| p.0 != p.1);
-        }
-    }
-
-    /// The value between those of two wedges: the first at 0, the second at 1, bit for bit.
-    fn mix(&self, from: u32, to: u32, at: f64) -> DVec3 {
-        let (from, to) = (self.values[from as usize], self.values[to as usize]);
-        if at == 0.0 || from == to {
-            return from;
-        }
-        if at == 1.0 {
-            return to;
-        }
-        let nearer = if at > 0.5 { to } else { from };
-        match self.role {
-            Role::Label => nearer,
-            Role::Normal => from.lerp(to, at).try_normalize().unwrap_or(nearer),
-            _ => from.lerp(to, at),
-        }
-    }
-
-    /// The layer of the result; values that are equal bit for bit are stored once.
-    fn finish(
-        self,
-        input: &Layer,
-        elements: &[u32],
-        ticker: &mut Ticker,
-    ) -> Result<Layer, Cancelled> {
-        let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
-        let mut values: Vec<DVec3> = Vec::new();
-        let index = ticker.collect(elements, |&element| {
-            let wedge = self.wedge_at(element);
-            if wedge == NO_VALUE {
-                return NO_VALUE;
-            }
-            let value = self.values[wedge as usize];
-            *numbers.entry(value.to_array().map(f64::to_bits)).or_insert_with(|| {
-                values.push(value);
-                values.len() as u32 - 1
-            })
-        })?;
-        let values = match &input.values {
-            LayerValues::Number(_) => LayerValues::Number(values.iter().map(|v| v.x).collect()),
-            LayerValues::Vec2(_) => {
-                LayerValues::Vec2(values.iter().map(|v| v.truncate()).collect())
-            }
-            LayerValues::Vec3(_) => LayerValues::Vec3(values),
-            LayerValues::Label(names) => {
-                LayerValues::Label(values.iter().map(|v| names[v.x as usize].clone()).collect())
-            }
-        };
-        Ok(Layer { name: input.name.clone(), domain: input.domain, values, index })
-    }
-}
-
-/// The value of an element of a layer as three numbers.
-fn value_of(layer: &Layer, element: usize) -> Option<DVec3> {
-    let number = layer.index.get(element).copied().unwrap_or(NO_VALUE) as usize;
-    match &layer.values {
-        LayerValues::Number(v) => v.get(number).map(|&x| DVec3::new(x, 0.0, 0.0)),
-        LayerValues::Vec2(v) => v.get(number).map(|p| p.extend(0.0)),
-        LayerValues::Vec3(v) => v.get(number).copied(),
-        LayerValues::Label(v) => v.get(number).map(|_| DVec3::new(number as f64, 0.0, 0.0)),
-    }
-}
-
-/// A list of values that takes copies of those of a layer.
-trait AddValue {
-    /// Appends the value of an element of the layer and returns its wedge.
-    fn add(&mut self, layer: &Layer, element: usize) -> u32;
-}
-
-impl AddValue for Vec<DVec3> {
-    fn add(&mut self, layer: &Layer, element: usize) -> u32 {
-        value_of(layer, element).map_or(NO_VALUE, |value| {
-            self.push(value);
-            self.len() as u32 - 1
-        })
-    }
-}
-
-/// Where a point lies along an edge: 0 at its start, 1 at its end, exactly so at the ends.
-fn parameter(from: DVec3, to: DVec3, point: DVec3) -> f64 {
-    if point == from {
-        return 0.0;
-    }
-    if point == to {
-        return 1.0;
-    }
-    let along = to - from;
-    let at = (point - from).dot(along) / along.length_squared();
-    if at.is_nan() { 0.5 } else { at.clamp(0.0, 1.0) }
 }

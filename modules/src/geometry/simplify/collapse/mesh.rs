@@ -9,14 +9,15 @@ use super::attributes::Attributes;
 use super::complex::{Complex, flag};
 use super::marks::VertexMarks;
 use super::merge::Merged;
+use super::merging::Merging;
 use super::options::{Boundary, Seams};
 use super::order::Order;
 use super::proposal::Contraction;
 use super::quadrics::Quadrics;
 use super::rings::Rings;
-use super::ticker::Ticker;
+use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
-use crate::data::{Domain, FaceId, TriMesh, VertexId};
+use crate::data::{Domain, FaceId, NO_VALUE, TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
 use crate::mesh::quadric::Quadric;
 
@@ -155,6 +156,57 @@ impl WorkingMesh {
         self.attributes.layers[layer.0 as usize].value(wedge)
     }
 
+    /// The value at corner `k` of a face in a layer over anything: of the corner, of the vertex
+    /// there, or of the face.
+    pub fn corner_value(&self, face: FaceId, k: usize, layer: LayerId) -> Option<DVec3> {
+        let working = &self.attributes.layers[layer.0 as usize];
+        let element = match working.domain {
+            Domain::Vertex => self.complex.faces[face.idx()].vertices[k],
+            Domain::Corner => 3 * face.0 + k as u32,
+            Domain::Face => face.0,
+        };
+        working.wedge(element).map(|wedge| working.value(wedge))
+    }
+
+    /// What a contraction to a position would make of the wedges of a layer; those that `given`
+    /// names take the values from there. Corners at a third vertex keep their wedges, and a layer
+    /// over faces all of them.
+    pub fn merging(
+        &self,
+        layer: LayerId,
+        contraction: &Contraction,
+        position: DVec3,
+        given: &[AttributeValue],
+    ) -> Merging {
+        let mut merging = Merging::default();
+        let ends = [contraction.kept.0, contraction.gone.0];
+        let working = &self.attributes.layers[layer.0 as usize];
+        merging.find((layer, working), &self.complex, ends, position, given);
+        merging
+    }
+
+    /// The value that [`WorkingMesh::corner_value`] would give after this merging of the layer, for
+    /// a face that stays.
+    pub fn corner_value_after(
+        &self,
+        face: FaceId,
+        k: usize,
+        layer: LayerId,
+        contraction: &Contraction,
+        merging: &Merging,
+    ) -> Option<DVec3> {
+        let working = &self.attributes.layers[layer.0 as usize];
+        let is_merged = contraction.has(VertexId(self.complex.faces[face.idx()].vertices[k]));
+        let element = match working.domain {
+            Domain::Vertex if is_merged => contraction.kept.0,
+            Domain::Corner if is_merged => 3 * face.0 + k as u32,
+            _ => return self.corner_value(face, k, layer),
+        };
+        let wedge = merging.now(working.wedge_at(element));
+        let old = || working.value(WedgeId(wedge));
+        (wedge != NO_VALUE).then(|| merging.value(WedgeId(wedge)).unwrap_or_else(old))
+    }
+
     /// The edges that are left, by id; O(n_faces).
     pub fn edges(&self) -> Vec<EdgeId> {
         let faces = self.complex.faces.iter().filter(|face| !face.is_dead());
@@ -162,6 +214,24 @@ impl WorkingMesh {
         edges.sort_unstable();
         edges.dedup();
         edges
+    }
+
+    /// The edges that are left, by id, in time that hears a cancel.
+    pub(super) fn edges_left(&self, ticker: &mut Ticker) -> Result<Vec<EdgeId>, Cancelled> {
+        let mut is_left = ticker.fill(self.complex.edges.len(), false)?;
+        for piece in self.complex.faces.chunks(CHUNK) {
+            ticker.tick(self.n_faces())?;
+            for face in piece.iter().filter(|face| !face.is_dead()) {
+                face.edges.iter().for_each(|edge| is_left[edge.idx()] = true);
+            }
+        }
+        let mut edges = Vec::new();
+        for (first, piece) in (0u32..).step_by(CHUNK).zip(is_left.chunks(CHUNK)) {
+            ticker.tick(self.n_faces())?;
+            let numbered = (first..).zip(piece).filter(|(_, is_left)| **is_left);
+            edges.extend(numbered.map(|(number, _)| EdgeId(number)));
+        }
+        Ok(edges)
     }
 
     /// The contraction of an edge that is left.

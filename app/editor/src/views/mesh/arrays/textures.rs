@@ -1,9 +1,8 @@
 //! Which faces of a mesh have which texture.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
-use mve_modules::data::{Domain, Layer, LayerValues, Texture, TextureRole, TriMesh};
+use mve_modules::data::{FaceMaterials, Texture, TextureRole, TriMesh};
 
 /// The textures that color a mesh by its materials, and who has which.
 #[derive(Debug, Default, PartialEq)]
@@ -19,17 +18,11 @@ pub struct FaceTextures<'a> {
 impl<'a> FaceTextures<'a> {
     /// Looks them up.
     pub fn of(mesh: &'a TriMesh) -> Self {
-        let layer = mesh.layer(Layer::MATERIAL).filter(|layer| layer.domain == Domain::Face);
-        let Some(Layer { values: LayerValues::Label(labels), index, .. }) = layer else {
-            return Self::default();
-        };
-        let mut textures = Self { of_faces: index, ..Self::default() };
-        let textured = mesh.materials.iter().filter_map(|material| {
-            Some((material.name.as_str(), material.texture(TextureRole::BaseColor)?))
-        });
-        let textured: HashMap<&str, &Texture> = textured.collect();
-        for label in labels.iter().filter(|_| !textured.is_empty()) {
-            let place = textured.get(label.as_str()).map(|texture| {
+        let materials = FaceMaterials::of(mesh);
+        let mut textures = Self { of_faces: materials.of_faces, ..Self::default() };
+        for material in materials.of_labels {
+            let texture = material.and_then(|material| material.texture(TextureRole::BaseColor));
+            let place = texture.map(|texture| {
                 let known = textures.list.iter().position(|known| is_same(known, texture));
                 known.unwrap_or_else(|| {
                     textures.list.push(texture);

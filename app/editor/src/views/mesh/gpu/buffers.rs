@@ -42,7 +42,8 @@ pub struct LineBuffer {
 #[derive(Clone, Copy, Debug)]
 pub struct TooLarge;
 
-fn buffer<T: bytemuck::NoUninit>(
+/// Uploads an array.
+pub(super) fn buffer<T: bytemuck::NoUninit>(
     device: &wgpu::Device,
     array: &[T],
     usage: wgpu::BufferUsages,

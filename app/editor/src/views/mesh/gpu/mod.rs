@@ -3,6 +3,7 @@
 //! Nothing here decides when to draw: see `view.rs`.
 
 pub mod buffers;
+pub mod outline;
 pub mod target;
 pub mod texture;
 
@@ -17,6 +18,7 @@ use eframe::wgpu;
 use crate::views::memo::Memo;
 use crate::views::mesh::look::texture::Pictures;
 use buffers::{Faces, LineBuffer};
+use outline::{OutlinePainter, OutlineUniforms, SegmentBuffer};
 use target::{FINE, PiecePlace, Target};
 use texture::{COLOR_FORMAT, DEPTH_FORMAT, GpuTexture};
 
@@ -32,6 +34,7 @@ pub struct Uniforms {
     pub line_colors: [[f32; 4]; MOST_LINE_SETS],
     pub numbers: [f32; 4],
     pub modes: [u32; 4],
+    pub section: [f32; 4],
 }
 
 /// Kinds of lines that the shader has colors for.
@@ -50,12 +53,16 @@ pub struct Drawing<'a> {
     pub attribute: &'a wgpu::Buffer,
     /// Lines, each with the place of its color.
     pub lines: Vec<(u32, &'a LineBuffer)>,
+    /// Outlines of sections, the last one over the others.
+    pub outlines: Vec<(OutlineUniforms, &'a SegmentBuffer)>,
     /// The colors of values.
     pub table: &'a GpuTexture,
     /// The textures.
     pub pictures: GpuTexture,
     /// Whether faces that are seen from behind are left out.
     pub is_culled: bool,
+    /// Whether a plane cuts something away.
+    pub is_cut: bool,
 }
 
 /// How far a picture has come that is drawn in pieces: so many indices of one of its lists (faces,
@@ -70,10 +77,29 @@ pub struct Cursor {
 const PIECE: u32 = 300_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum PipelineKind {
+struct PipelineKind {
+    drawn: Drawn,
+    /// Whether a plane cuts something away.
+    is_cut: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Drawn {
     Surface,
     CulledSurface,
     Line,
+}
+
+impl PipelineKind {
+    /// The parts of the shader for vertices and for pixels.
+    fn entry_points(self) -> (&'static str, &'static str) {
+        match (self.drawn, self.is_cut) {
+            (Drawn::Line, false) => ("line_vertex", "line_fragment"),
+            (Drawn::Line, true) => ("line_vertex", "cut_line_fragment"),
+            (_, false) => ("surface_vertex", "surface_fragment"),
+            (_, true) => ("surface_vertex", "cut_surface_fragment"),
+        }
+    }
 }
 
 /// What all pictures of a window share.
@@ -83,6 +109,8 @@ pub struct Gpu {
     bind_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<(PipelineKind, u32), wgpu::RenderPipeline>,
+    /// Made when the first outline is drawn.
+    outline_painter: Option<OutlinePainter>,
     clamping: wgpu::Sampler,
     repeating: wgpu::Sampler,
     no_pictures: GpuTexture,
@@ -118,6 +146,7 @@ impl Gpu {
             bind_layout,
             layout,
             pipelines: HashMap::new(),
+            outline_painter: None,
         }
     }
 
@@ -190,11 +219,8 @@ impl Gpu {
                 attributes: std::slice::from_ref(attribute),
             })
         });
-        let is_line = kind == PipelineKind::Line;
-        let (vertex, fragment) = match is_line {
-            true => ("line_vertex", "line_fragment"),
-            false => ("surface_vertex", "surface_fragment"),
-        };
+        let is_line = kind.drawn == Drawn::Line;
+        let (vertex, fragment) = kind.entry_points();
         let target = wgpu::ColorTargetState {
             format: COLOR_FORMAT,
             blend: is_line.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
@@ -214,7 +240,7 @@ impl Gpu {
                     true => wgpu::PrimitiveTopology::LineList,
                     false => wgpu::PrimitiveTopology::TriangleList,
                 },
-                cull_mode: (kind == PipelineKind::CulledSurface).then_some(wgpu::Face::Back),
+                cull_mode: (kind.drawn == Drawn::CulledSurface).then_some(wgpu::Face::Back),
                 ..Default::default()
             },
             depth_stencil: Some(wgpu::DepthStencilState {
@@ -261,11 +287,10 @@ impl Gpu {
         let bytes = bytemuck::bytes_of(&drawing.uniforms);
         self.state.queue.write_buffer(&target.uniforms, 0, bytes);
         let bind_group = self.bind_group(target, drawing);
-        let surface = match drawing.is_culled {
-            true => self.pipeline(PipelineKind::CulledSurface, samples),
-            false => self.pipeline(PipelineKind::Surface, samples),
-        };
-        let line = self.pipeline(PipelineKind::Line, samples);
+        let surface = if drawing.is_culled { Drawn::CulledSurface } else { Drawn::Surface };
+        let is_cut = drawing.is_cut;
+        let [surface, line] = [surface, Drawn::Line]
+            .map(|drawn| self.pipeline(PipelineKind { drawn, is_cut }, samples));
         let budget = if self.is_software() && samples > 1 { PIECE } else { u32::MAX };
         let (ranges, next) = piece(&drawing.lengths(), from, budget);
         let mut encoder = self.state.device.create_command_encoder(&Default::default());
@@ -285,6 +310,12 @@ impl Gpu {
                 pass.set_pipeline(pipeline);
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(range, 0, instance..instance + 1);
+            }
+            if place.is_last && !drawing.outlines.is_empty() {
+                let device = &self.state.device;
+                let painter = &mut self.outline_painter;
+                let painter = painter.get_or_insert_with(|| OutlinePainter::new(device));
+                painter.draw(device, &mut pass, samples, &drawing.outlines);
             }
         }
         self.state.queue.submit([encoder.finish()]);

@@ -14,6 +14,9 @@ struct Uniforms {
     numbers: vec4<f32>,
     // How what vertices carry is read, whether faces are flat.
     modes: vec4<u32>,
+    // The plane of the section in view space: its normal, and how far it is from the eye along it.
+    // What is farther along the normal is cut away.
+    section: vec4<f32>,
 }
 
 const READ_NOTHING = 0u;
@@ -103,8 +106,7 @@ fn color_at(carried: vec4<f32>, texture: i32) -> vec3<f32> {
     }
 }
 
-@fragment
-fn surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+fn lit(in: SurfacePoint, is_front: bool) -> vec4<f32> {
     // Rows count downward, so this points towards the viewer.
     let flat_normal = cross(dpdy(in.position), dpdx(in.position));
     var normal = in.normal;
@@ -126,13 +128,33 @@ fn surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> 
     let halfway = normalize(light + vec3(0.0, 0.0, 1.0));
     let is_plain = u.modes.x == READ_NOTHING;
     let gloss = select(0.0, 0.14, is_plain) * pow(max(dot(normal, halfway), 0.0), 36.0);
-    let lit = color * (0.26 + 0.10 * sky + 0.68 * diffuse) + vec3(gloss);
-    return vec4(clamp(lit, vec3(0.0), vec3(1.0)), 1.0);
+    let light_of_all = color * (0.26 + 0.10 * sky + 0.68 * diffuse) + vec3(gloss);
+    return vec4(clamp(light_of_all, vec3(0.0), vec3(1.0)), 1.0);
+}
+
+@fragment
+fn surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+    return lit(in, is_front);
+}
+
+fn is_cut_away(position: vec3<f32>) -> bool {
+    return dot(u.section.xyz, position) > u.section.w;
+}
+
+// By itself, for whoever may discard writes depths late.
+@fragment
+fn cut_surface_fragment(in: SurfacePoint, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+    let color = lit(in, is_front);
+    if is_cut_away(in.position) {
+        discard;
+    }
+    return color;
 }
 
 struct LinePoint {
     @builtin(position) clip: vec4<f32>,
     @location(0) color: vec4<f32>,
+    @location(1) position: vec3<f32>,
 }
 
 // The instance is the kind of lines.
@@ -151,10 +173,19 @@ fn line_vertex(
         out.clip.z = max(nearer.z, 0.0) / nearer.w * clip.w;
     }
     out.color = u.line_colors[instance];
+    out.position = view.xyz;
     return out;
 }
 
 @fragment
 fn line_fragment(in: LinePoint) -> @location(0) vec4<f32> {
+    return vec4(in.color.rgb * in.color.a, in.color.a);
+}
+
+@fragment
+fn cut_line_fragment(in: LinePoint) -> @location(0) vec4<f32> {
+    if is_cut_away(in.position) {
+        discard;
+    }
     return vec4(in.color.rgb * in.color.a, in.color.a);
 }

@@ -1,11 +1,13 @@
 //! Moving the camera by pointer and keyboard.
 
-use eframe::egui::{self, Key, PointerButton};
+use eframe::egui::{self, Key, PointerButton, Sense};
 use glam::DVec2;
 
 use crate::views::camera::{Bounds, Camera, Projection, StandardView};
+use crate::views::mesh::layout::Tile;
 use crate::views::mesh::look::settings::{MeshSettings, Switch};
-use crate::views::mesh::scene::Screen;
+use crate::views::mesh::scene::{MeshInput, Screen};
+use crate::views::mesh::section::Section;
 use crate::views::wheel::wheel_factor;
 
 /// What the user did in a picture.
@@ -15,6 +17,8 @@ pub struct Moved {
     pub is_moving: bool,
     /// All of it is to be seen.
     pub is_fit: bool,
+    /// An element is to be named by its number.
+    pub is_number: bool,
 }
 
 /// All keys and gestures of the pictures of meshes.
@@ -23,10 +27,17 @@ pub const VIEW_KEYS: &[(&str, &str)] = &[
     ("Shift + drag, right or middle drag", "pan"),
     ("wheel, pinch", "zoom to the pointer"),
     ("double click, R, Home", "show all of it"),
-    ("1, 3, 7, 0", "from the front, the side, the top, a corner"),
+    ("1, 3, 7, 0", "from the front, the right, the top, a corner"),
+    ("Ctrl + 1, 3, 7", "from the back, the left, the bottom"),
     ("5", "perspective or parallel"),
     ("W", "edges of all faces"),
     ("B", "edges of one face"),
+    ("click", "pick a face, or a vertex, and read its values"),
+    ("G", "go to a vertex or a face by its number"),
+    ("M", "measure distances: click two points, Esc ends"),
+    ("X", "cut by a plane"),
+    ("Alt + drag, [ and ]", "move the plane"),
+    ("F", "cut the other side away"),
     ("arrows", "turn in steps"),
     ("plus, minus", "zoom in steps"),
 ];
@@ -40,18 +51,21 @@ pub fn by_pointer(
     response: &egui::Response,
     screen: &Screen,
     camera: &mut Camera,
-    bounds: &Bounds,
+    (bounds, section): (&Bounds, &mut Section),
 ) -> Moved {
     let mut moved = Moved { is_fit: response.double_clicked(), ..Moved::default() };
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
     let drag = screen.normalized_move(response.drag_delta());
-    let has_shift = ui.input(|input| input.modifiers.shift);
+    let (has_shift, has_alt) = ui.input(|input| (input.modifiers.shift, input.modifiers.alt));
     let is_panned = response.dragged_by(PointerButton::Middle)
         || response.dragged_by(PointerButton::Secondary)
         || (response.dragged_by(PointerButton::Primary) && has_shift);
-    if is_panned {
+    let is_by_plane = section.is_on && has_alt && response.dragged_by(PointerButton::Primary);
+    if is_by_plane {
+        section.drag(drag * camera.half_size(screen.aspect()), camera, bounds);
+    } else if is_panned {
         camera.pan(drag, screen.aspect());
     } else if response.dragged_by(PointerButton::Primary) {
         // By the height in both directions, so that equal moves are equal turns.
@@ -95,18 +109,25 @@ pub fn by_keys(
     if focused.is_none() && !is_pointed_at {
         return moved;
     }
-    let pressed = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
+    let with = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
+    let pressed = |key: Key| with(egui::Modifiers::NONE, key);
+    let (alone, ctrl) = (egui::Modifiers::NONE, egui::Modifiers::COMMAND);
     let views = [
-        (Key::Num1, StandardView::Front),
-        (Key::Num3, StandardView::Side),
-        (Key::Num7, StandardView::Top),
-        (Key::Num0, StandardView::Corner),
+        (ctrl, Key::Num1, StandardView::Back),
+        (ctrl, Key::Num3, StandardView::Left),
+        (ctrl, Key::Num7, StandardView::Bottom),
+        (alone, Key::Num1, StandardView::Front),
+        (alone, Key::Num3, StandardView::Side),
+        (alone, Key::Num7, StandardView::Top),
+        (alone, Key::Num0, StandardView::Corner),
     ];
-    for (_, view) in views.into_iter().filter(|(key, _)| pressed(*key)) {
+    for (.., view) in views.into_iter().filter(|(modifiers, key, _)| with(*modifiers, *key)) {
         camera.look_from(view);
         moved.is_fit = true;
     }
     moved.is_fit |= pressed(Key::R) || pressed(Key::Home);
+    moved.is_number = pressed(Key::G);
+    by_section_keys(&pressed, &mut settings.section, camera, bounds);
     if pressed(Key::Num5) {
         camera.projection = match camera.projection {
             Projection::Perspective => Projection::Orthographic,
@@ -130,4 +151,46 @@ pub fn by_keys(
         camera.zoom(factor, DVec2::ZERO, aspect, bounds.radius());
     }
     moved
+}
+
+/// Switches, turns and moves the plane that cuts meshes.
+fn by_section_keys(
+    pressed: &dyn Fn(Key) -> bool,
+    section: &mut Section,
+    camera: &Camera,
+    bounds: &Bounds,
+) {
+    if pressed(Key::X) {
+        section.toggle(camera);
+    }
+    if !section.is_on {
+        return;
+    }
+    if pressed(Key::F) {
+        section.flip();
+    }
+    for (key, sign) in [(Key::OpenBracket, -1.0), (Key::CloseBracket, 1.0)] {
+        if pressed(key) {
+            section.step(sign, bounds);
+        }
+    }
+}
+
+/// What pointer and keys may do with the pictures; two over each other are one.
+pub fn responses(
+    ui: &egui::Ui,
+    meshes: &[MeshInput],
+    tiles: &[Tile],
+    is_overlaid: bool,
+) -> Vec<egui::Response> {
+    let shown = if is_overlaid { &tiles[..1] } else { tiles };
+    let respond = |tile: &Tile| {
+        let id = ui.id().with(("mesh picture", tile.item));
+        let response = ui.interact(tile.rect, id, Sense::click_and_drag());
+        let title = &meshes[tile.item].title;
+        let label = format!("3D view of {title}: drag turns, shift and drag moves, wheel zooms");
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, &label));
+        response
+    };
+    shown.iter().map(respond).collect()
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::views::camera::Ray;
 use crate::views::mesh::look::values::Values;
+use crate::views::mesh::section::Plane;
 use crate::views::number::number_text;
 
 /// The nearest face that a ray meets.
@@ -26,7 +27,8 @@ pub struct Hit {
 
 /// Finds the face (T. Möller & B. Trumbore, "Fast, minimum storage ray-triangle intersection",
 /// Journal of Graphics Tools 2(1), 1997). Of several at one distance that of the lowest number.
-pub fn pick(mesh: &TriMesh, ray: &Ray) -> Option<Hit> {
+/// What a plane cuts away is not met.
+pub fn pick(mesh: &TriMesh, ray: &Ray, plane: Option<&Plane>) -> Option<Hit> {
     let of_face = |(face, corners): (usize, &[mve_modules::data::VertexId; 3])| {
         let mut points = [DVec3::ZERO; 3];
         for (point, vertex) in points.iter_mut().zip(corners) {
@@ -34,6 +36,9 @@ pub fn pick(mesh: &TriMesh, ray: &Ray) -> Option<Hit> {
         }
         let distance = distance_to(points, ray)?;
         let point = ray.origin + ray.direction * distance;
+        if plane.is_some_and(|plane| plane.height(point) > 0.0) {
+            return None;
+        }
         let far = |k: &usize| points[*k].distance_squared(point);
         let corner = (0..3).min_by(|a, b| far(a).total_cmp(&far(b)))?;
         Some(Hit { face, corner, point, distance })
@@ -95,13 +100,15 @@ mod tests {
         let all = [points, shifted].concat();
         let mut mesh = mesh_of(&all, &[[0, 1, 2], [3, 4, 5]]);
         let ray = Ray { origin: DVec3::new(0.5, 2.5, 9.0), direction: DVec3::NEG_Z };
-        let hit = pick(&mesh, &ray).unwrap();
+        let hit = pick(&mesh, &ray, None).unwrap();
         assert_eq!((hit.face, hit.corner, hit.distance), (1, 2, 8.0));
         let text = describe(&mesh, &hit, None);
         assert_eq!(text, "face 1, vertex 5\nat 0.5, 2.5, 1");
+        let plane = Plane { normal: DVec3::Z, offset: 0.5 };
+        assert_eq!(pick(&mesh, &ray, Some(&plane)).unwrap().face, 0, "the nearer is cut away");
         let past = Ray { origin: DVec3::new(3.0, 3.0, 9.0), ..ray };
-        assert_eq!(pick(&mesh, &past), None);
+        assert_eq!(pick(&mesh, &past, None), None);
         mesh.positions[4] = DVec3::NAN;
-        assert_eq!(pick(&mesh, &ray).unwrap().face, 0);
+        assert_eq!(pick(&mesh, &ray, None).unwrap().face, 0);
     }
 }

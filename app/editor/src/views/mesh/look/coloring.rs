@@ -13,6 +13,7 @@ use mve_modules::picture::color_map::{
 };
 use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::mesh::arrays::{Arrays, CornerSharing};
@@ -20,7 +21,7 @@ use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_laye
 use crate::views::mesh::look::values::{CLIP_PERCENTS, Spacing, Values};
 
 /// What the user wants a surface to be colored by; names, so that it outlives values.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum ColorBy {
     /// The field that was pinned last, else textures of materials, else colors, else the only layer
     /// of numbers, else plain.

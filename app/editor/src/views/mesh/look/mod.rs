@@ -1,6 +1,8 @@
 //! What meshes look like: settings, colors and textures.
 
 pub mod coloring;
+pub mod controls;
+pub mod named;
 mod palette;
 pub mod settings;
 pub mod stored;

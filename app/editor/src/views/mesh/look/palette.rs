@@ -38,10 +38,7 @@ pub fn colors_of_labels(mesh: &TriMesh, layer: &Layer) -> Vec<[u8; 3]> {
 /// The diffuse color that a material states.
 pub fn diffuse_of(mesh: &TriMesh, name: &str) -> Option<[u8; 3]> {
     let material = mesh.materials.iter().find(|material| material.name == name)?;
-    let (_, text) = material.statements.iter().find(|(keyword, _)| keyword == "Kd")?;
-    let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().ok());
-    let [r, g, b] = [numbers.next()??, numbers.next()??, numbers.next()??];
-    Some(mve_modules::picture::color_map::bytes_of(glam::DVec3::new(r, g, b)))
+    material.diffuse().map(mve_modules::picture::color_map::bytes_of)
 }
 
 #[cfg(test)]

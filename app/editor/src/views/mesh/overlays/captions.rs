@@ -1,11 +1,12 @@
 //! Name, counts and state of each mesh, written over its picture.
 
-use eframe::egui;
+use eframe::egui::{self, Color32, Rect, vec2};
 
 use super::Overlay;
 use crate::views::ViewerAction;
 use crate::views::heading;
 use crate::views::mesh::item::{MeshItem, Undrawable};
+use crate::views::mesh::outline::outline_color;
 use crate::views::mesh::scene::MeshScene;
 use crate::views::number::counted;
 
@@ -21,6 +22,12 @@ impl Overlay for Captions {
             if scene.is_overlaid() {
                 let middle = rect.center().x;
                 if at == 0 { rect.max.x = middle } else { rect.min.x = middle }
+            }
+            if scene.plane.is_some() {
+                // The color of its outline.
+                let [r, g, b, _] = outline_color(tile.item).map(|part| (255.0 * part) as u8);
+                let mark = Rect::from_min_size(rect.min + vec2(0.0, 5.0), vec2(4.0, 20.0));
+                ui.painter_at(rect).rect_filled(mark, 0.0, Color32::from_rgb(r, g, b));
             }
             let text = caption(&mesh.title, &scene.items[tile.item]);
             if heading::caption(ui, rect, &text, (!scene.is_still).then_some(&*mesh.title)) {

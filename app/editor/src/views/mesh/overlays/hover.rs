@@ -11,14 +11,18 @@ use crate::views::background::{Progress, Task};
 use crate::views::camera::Ray;
 use crate::views::mesh::hand::pick::{Hit, describe, pick};
 use crate::views::mesh::scene::{MeshScene, Screen};
+use crate::views::mesh::section::Plane;
 
 /// Seconds without a move after which a pointer rests.
 const REST_SECS: f32 = 0.15;
 
+/// Where the pointer looks, and what is cut away from before it.
+type Sight = (Ray, Option<Plane>);
+
 /// The question that was asked last, and its answer.
 #[derive(Default)]
 pub struct Hover {
-    question: Option<(Arc<TriMesh>, Ray)>,
+    question: Option<(Arc<TriMesh>, Sight)>,
     task: Option<Task<Option<Hit>>>,
     hit: Option<Hit>,
 }
@@ -34,10 +38,10 @@ impl Overlay for Hover {
             self.forget();
             return;
         };
-        let item = scene.visible_item(at, place);
+        let item = &scene.items[scene.visible_mesh(at, place)];
         let screen = Screen { rect: scene.responses[at].rect };
         let ray = scene.camera.ray(screen.normalized(place), screen.aspect(), bounds);
-        let Some(hit) = self.at(ui, &item.mesh, ray) else { return };
+        let Some(hit) = self.at(ui, &item.mesh, (ray, scene.plane)) else { return };
         let text = describe(&item.mesh, &hit, item.values().as_deref());
         let (id, anchor) = (scene.responses[at].id.with("read-out"), egui::PopupAnchor::Pointer);
         egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
@@ -53,11 +57,10 @@ impl Hover {
     }
 
     /// What the ray of the pointer meets, once that is known.
-    fn at(&mut self, ui: &egui::Ui, mesh: &Arc<TriMesh>, ray: Ray) -> Option<Hit> {
-        let is_asked = self
-            .question
-            .as_ref()
-            .is_some_and(|(known, known_ray)| Arc::ptr_eq(known, mesh) && *known_ray == ray);
+    fn at(&mut self, ui: &egui::Ui, mesh: &Arc<TriMesh>, (ray, plane): Sight) -> Option<Hit> {
+        let is_asked = self.question.as_ref().is_some_and(|(known, known_ray)| {
+            Arc::ptr_eq(known, mesh) && *known_ray == (ray, plane)
+        });
         if !is_asked {
             self.hit = None;
             let is_resting = ui.input(|input| {
@@ -72,8 +75,8 @@ impl Hover {
                 return None;
             }
             let job = Arc::clone(mesh);
-            self.task = Some(Task::spawn(ui.ctx(), move || pick(&job, &ray)));
-            self.question = Some((Arc::clone(mesh), ray));
+            self.task = Some(Task::spawn(ui.ctx(), move || pick(&job, &ray, plane.as_ref())));
+            self.question = Some((Arc::clone(mesh), (ray, plane)));
         }
         if let Some(task) = &self.task {
             match task.poll() {

@@ -1,0 +1,85 @@
+//! Pictures on nodes of what these give.
+
+use eframe::egui::{
+    Align2, Color32, Pos2, Rect, Sense, TextureId, Ui, Vec2, WidgetInfo, WidgetType,
+};
+
+use super::Scene;
+use super::paint::{Brush, ROWS_FROM, TITLES_FROM};
+use super::shape::WIDTH;
+use crate::runner::Status;
+use crate::views::{Thumbnail, Thumbnails};
+
+impl Brush<'_> {
+    /// Whether nodes are large enough for pictures in them.
+    pub fn shows_pictures(&self) -> bool {
+        self.zoom() >= TITLES_FROM
+    }
+
+    /// Draws a picture into the middle of a space of the canvas; one of an earlier run is faint.
+    fn picture(&self, space: Rect, picture: TextureId, size: Vec2, is_old: bool) {
+        let space = self.view.rect_to_screen(space);
+        self.picture_ground(space);
+        let factor = (space.width() / size.x).min(space.height() / size.y);
+        let rect = Rect::from_center_size(space.center(), size * factor);
+        let tint = Color32::WHITE.gamma_multiply(if is_old { 0.4 } else { 1.0 });
+        let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        self.painter.image(picture, rect, all, tint);
+    }
+
+    /// Says why there is no picture in a space of the canvas.
+    fn no_picture(&self, space: Rect, text: &str) {
+        let space = self.view.rect_to_screen(space);
+        self.picture_ground(space);
+        if self.zoom() >= ROWS_FROM {
+            let width = WIDTH - 24.0;
+            self.line(space.center(), Align2::CENTER_CENTER, text, 10.0, width, self.palette.faint);
+        }
+    }
+
+    fn picture_ground(&self, space: Rect) {
+        self.painter.rect_filled(space, 3.0 * self.zoom(), self.palette.edge.gamma_multiply(0.35));
+    }
+}
+
+/// Draws the picture of what a node gives into a space of the canvas.
+pub fn show_picture(
+    thumbnails: &mut Thumbnails,
+    ui: &Ui,
+    brush: &Brush,
+    scene: &Scene,
+    (name, space): (&str, Rect),
+) {
+    let ended = scene.runner.ended(name);
+    let module = ended.and_then(|node| scene.registry.find(&node.record.module));
+    let outputs = module.map_or(&[][..], |info| info.module.outputs);
+    let values = ended.into_iter().flat_map(|node| outputs.iter().zip(&node.outputs));
+    let mut text = "not run yet";
+    let is_old = matches!(scene.runner.status(name), Status::Dirty | Status::Running(_));
+    for (output, value) in values.filter(|(o, _)| Thumbnails::are_of(o.data_type)) {
+        let Some(node) = ended else { break };
+        let key = (node.record.key, output.name.to_owned());
+        match thumbnails.of(ui.ctx(), key, value) {
+            Thumbnail::Picture(picture) => {
+                brush.picture(space, picture.id(), picture.size_vec2(), is_old);
+                return name_picture(ui, brush, name, space, "");
+            }
+            Thumbnail::Awaited => {
+                text = "\u{2026}";
+                break;
+            }
+            Thumbnail::Nothing => text = "nothing to be seen",
+        }
+    }
+    brush.no_picture(space, text);
+    name_picture(ui, brush, name, space, text);
+}
+
+/// Says to a screen reader what there is to be seen of a node.
+fn name_picture(ui: &Ui, brush: &Brush, node: &str, space: Rect, text: &str) {
+    let space = brush.view.rect_to_screen(space);
+    let response = ui.interact(space, ui.id().with(("picture", node)), Sense::hover());
+    let text = if text.is_empty() { String::new() } else { format!(": {text}") };
+    let label = format!("picture of {node}{text}");
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &label));
+}

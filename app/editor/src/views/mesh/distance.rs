@@ -1,0 +1,71 @@
+//! Distances between two points that were picked. They are free in space: what is shown may change.
+
+use glam::DVec3;
+use serde_json::{Value as Json, json};
+
+use crate::kept::{Kept, Shelf};
+
+/// A distance with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distance {
+    /// What it is called in the list.
+    pub name: String,
+    /// The two points, in model space.
+    pub ends: [DVec3; 2],
+}
+
+impl Distance {
+    /// In model units.
+    pub fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    /// The middle between the ends.
+    pub fn middle(&self) -> DVec3 {
+        self.ends[0].midpoint(self.ends[1])
+    }
+
+    /// Length and ends to the last digit, with tabs between.
+    pub fn to_text(&self) -> String {
+        let points = self.ends.iter().flat_map(|end| end.to_array());
+        let numbers = std::iter::once(self.length()).chain(points);
+        numbers.map(|number| number.to_string()).collect::<Vec<_>>().join("\t")
+    }
+
+    /// The content of a map for two ends.
+    pub fn content(ends: [DVec3; 2]) -> Json {
+        json!(ends.map(|end| end.to_array()))
+    }
+
+    /// Those that are kept, as far as they are two points.
+    pub fn all(kept: &Kept) -> Vec<Self> {
+        let distance = |(name, content): (&String, &Json)| {
+            let ends: [[f64; 3]; 2] = serde_json::from_value(content.clone()).ok()?;
+            Some(Self { name: name.clone(), ends: ends.map(DVec3::from) })
+        };
+        kept.on(Shelf::Distances).iter().filter_map(distance).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kept::KeptEdit;
+
+    #[test]
+    fn distances_come_back_to_the_last_bit_and_nonsense_is_passed_over() {
+        let ends = [DVec3::new(0.1, 0.2, 1.0 / 3.0), DVec3::new(3.1, 4.2, 1.0 / 3.0)];
+        let mut kept = Kept::default();
+        for (name, content) in [("a", Distance::content(ends)), ("b", json!([[1, 2], 3]))] {
+            let (shelf, name) = (Shelf::Distances, name.to_owned());
+            let text = content.to_string();
+            let content = serde_json::from_str(&text).unwrap();
+            kept.edit(&KeptEdit::Put { shelf, name, content }).unwrap();
+        }
+        let [distance] = Distance::all(&kept).try_into().unwrap();
+        assert_eq!(distance, Distance { name: "a".to_owned(), ends });
+        assert_eq!(distance.length(), 5.0);
+        assert_eq!(distance.to_text().split('\t').next(), Some("5"));
+        assert_eq!(distance.to_text().split('\t').nth(1), Some("0.1"));
+    }
+}

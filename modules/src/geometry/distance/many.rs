@@ -1,0 +1,186 @@
+//! Many queries of one tree: each by the tree as long as that is fast, the others in [`bulk`].
+//!
+//! [`bulk`]: super::bulk
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use mve_core::{Cancelled, Control};
+use rayon::prelude::*;
+
+use super::bulk::{Bulk, Panorama};
+use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
+use crate::mesh::morton::coarse_order;
+
+/// Nodes that one point may take before it counts as hard.
+const MOST_VISITS: usize = 512;
+/// Hard points beyond so many, and a share of all, end the asking one by one.
+const FEW_HARD: usize = 16;
+const HARD_SHARE: usize = 32;
+/// Nodes that points may take on average before it ends, too.
+const VISITS_PER_POINT: usize = 128;
+/// Trees of pieces are given so many times as many: lists are long where faces lie across each
+/// other.
+const PATIENCE: usize = 8;
+/// Hard points that are taken together: more share more work, fewer leave some for other threads.
+const CHUNK: usize = 8192;
+
+/// Many queries of one tree, in bounded time wherever the points are.
+#[derive(Debug)]
+pub struct ManyQueries<'a> {
+    bvh: &'a Bvh,
+    center: DVec3,
+    panorama: OnceLock<Panorama>,
+    n_looks: AtomicUsize,
+}
+
+impl<'a> ManyQueries<'a> {
+    /// Queries of points around this middle, which changes no more of the answers than which of
+    /// equally near faces is found.
+    pub fn new(bvh: &'a Bvh, center: DVec3) -> Self {
+        Self { bvh, center, panorama: OnceLock::new(), n_looks: AtomicUsize::new(0) }
+    }
+
+    /// Nodes and faces that were looked at so far, a measure of the work that does not depend on
+    /// the machine.
+    pub fn n_looks(&self) -> usize {
+        self.n_looks.load(Ordering::Relaxed)
+    }
+
+    /// The face nearest to every point, in order; the same as [`Bvh::closest`] of each but for the
+    /// last bits of the distance. Best in an order in which neighbors follow each other.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn closest(
+        &self,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<Vec<Option<Hit>>, Cancelled> {
+        let (mut hits, hard) = self.easy_hits(points, control)?;
+        let hard_points: Vec<DVec3> = hard.iter().map(|&at| points[at as usize]).collect();
+        let found = self.hard_hits(&hard_points, control)?;
+        hard.iter().zip(found).for_each(|(&at, hit)| hits[at as usize] = hit);
+        Ok(hits)
+    }
+
+    /// What [`ManyQueries::closest`] gives, but nothing for the points that take long, which are
+    /// returned as well. They are for [`ManyQueries::hard_hits`], the more at a time the better.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn easy_hits(
+        &self,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<(Vec<Option<Hit>>, Vec<u32>), Cancelled> {
+        let mut hits = Vec::with_capacity(points.len());
+        let mut walker = self.bvh.walker();
+        let mut hard = Hard::of(self.bvh);
+        for (at, &point) in points.iter().enumerate() {
+            hits.push(hard.ask(&mut walker, at, point));
+            walker.poll(control)?;
+        }
+        self.n_looks.fetch_add(walker.n_visits(), Ordering::Relaxed);
+        Ok((hits, hard.points))
+    }
+
+    /// The squared distances instead of hits, into `out`: faster where points that follow each
+    /// other lie closer together than the faces are wide. Points that are not finite, that are
+    /// hard, and trees without faces give infinity.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn easy_distances_sq(
+        &self,
+        points: &[DVec3],
+        out: &mut Vec<f64>,
+        control: &Control,
+    ) -> Result<Vec<u32>, Cancelled> {
+        out.clear();
+        let mut walker = self.bvh.walker();
+        let mut hard = Hard::of(self.bvh);
+        for group in points.chunks(GROUP) {
+            if !hard.are_all && walker.shared_distances_sq(group, out) {
+                continue;
+            }
+            for &point in group {
+                let hit = hard.ask(&mut walker, out.len(), point);
+                out.push(hit.map_or(f64::INFINITY, |hit| hit.distance_sq));
+                walker.poll(control)?;
+            }
+        }
+        self.n_looks.fetch_add(walker.n_visits(), Ordering::Relaxed);
+        Ok(hard.points)
+    }
+
+    /// The face nearest to every point that [`ManyQueries::easy_hits`] found hard, in order.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn hard_hits(
+        &self,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<Vec<Option<Hit>>, Cancelled> {
+        if points.is_empty() || self.bvh.triangles.is_empty() {
+            return Ok(vec![None; points.len()]);
+        }
+        if self.panorama.get().is_none() {
+            // Another thread may be as far; both found the same.
+            let _ = self.panorama.set(Panorama::new(self.bvh, self.center, control)?);
+        }
+        let Some(all) = self.panorama.get() else { return Ok(vec![None; points.len()]) };
+        let order = coarse_order(points, control.part(0.0, 0.0))?;
+        let chunks: Vec<Vec<Option<Hit>>> = order
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let points: Vec<DVec3> = chunk.iter().map(|&at| points[at as usize]).collect();
+                let mut bulk = Bulk::new(self.bvh, all);
+                let hits = bulk.closest(&points, control)?;
+                self.n_looks.fetch_add(bulk.n_looks, Ordering::Relaxed);
+                Ok(hits)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut hits = vec![None; points.len()];
+        for (&at, hit) in order.iter().zip(chunks.into_iter().flatten()) {
+            hits[at as usize] = hit;
+        }
+        Ok(hits)
+    }
+}
+
+/// The points that are not asked one by one.
+struct Hard {
+    points: Vec<u32>,
+    patience: usize,
+    /// Whether all that follow are hard.
+    are_all: bool,
+}
+
+impl Hard {
+    fn of(bvh: &Bvh) -> Self {
+        let patience = if bvh.is_of_pieces { PATIENCE } else { 1 };
+        Self { points: Vec::new(), patience, are_all: false }
+    }
+
+    /// Asks for a point by the tree, if that takes not too long; otherwise takes note of it.
+    fn ask(&mut self, walker: &mut Walker, at: usize, point: DVec3) -> Option<Hit> {
+        if !is_usable(point) {
+            return None;
+        }
+        let hit =
+            if self.are_all { None } else { walker.closest_by(point, self.patience * MOST_VISITS) };
+        if hit.is_none() {
+            self.points.push(at as u32);
+            self.are_all |= self.points.len() > FEW_HARD + at / HARD_SHARE;
+        }
+        self.are_all |= walker.n_visits() > self.patience * VISITS_PER_POINT * (FEW_HARD + at);
+        hit
+    }
+}
+
+#[cfg(test)]
+#[path = "many_tests.rs"]
+mod tests;
