@@ -26,7 +26,7 @@ impl Placement for LindstromTurk {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
         for (at, contraction) in batch.iter().enumerate() {
             let patch = Patch::around(mesh, contraction);
-            let offset = patch.place().unwrap_or_else(|| patch.middle());
+            let offset = patch.place(mesh, contraction).unwrap_or_else(|| patch.middle());
             out.push(at, mesh.position(contraction.kept) + offset);
         }
     }

@@ -11,6 +11,7 @@
 use glam::{DMat3, DVec3};
 
 use super::collapse::{Contraction, WorkingMesh};
+use crate::data::VertexId;
 
 /// A constraint is taken if it is at least so far from those before it: sines and cosines of 1°,
 /// the α of the paper.
@@ -70,8 +71,6 @@ pub struct Patch {
     border: Option<(DVec3, DVec3)>,
     /// Half of the squared doubled areas.
     areas: Square,
-    /// Sum of the neighbors, and how many they are.
-    neighbors: (DVec3, f64),
     length_sq: f64,
     middle: DVec3,
 }
@@ -87,7 +86,6 @@ impl Patch {
             volumes: Square::zero(),
             border: None,
             areas: Square::zero(),
-            neighbors: (DVec3::ZERO, 0.0),
             length_sq: contraction.length_squared(|v| mesh.position(v)),
             middle: DVec3::ZERO,
         };
@@ -112,10 +110,6 @@ impl Patch {
                 patch.normal += normal;
                 patch.volume += volume;
                 patch.volumes.add_plane(normal, volume);
-                if !contraction.has(next) {
-                    patch.neighbors.0 += place(next);
-                    patch.neighbors.1 += 1.0;
-                }
             }
             if turn != 0 {
                 patch.add_border(mesh, contraction, vertex, place);
@@ -130,8 +124,8 @@ impl Patch {
         &mut self,
         mesh: &WorkingMesh,
         contraction: &Contraction,
-        vertex: crate::data::VertexId,
-        place: impl Fn(crate::data::VertexId) -> DVec3,
+        vertex: VertexId,
+        place: impl Fn(VertexId) -> DVec3,
     ) {
         let sides: Vec<_> = mesh
             .faces_around(vertex)
@@ -173,7 +167,7 @@ impl Patch {
     /// Where the new vertex goes: it keeps the volume and the area vector of the border, then
     /// has the least cost, then the most even triangles, as far as each leaves something open.
     /// `None` where even that is not determined.
-    pub fn place(&self) -> Option<DVec3> {
+    pub fn place(&self, mesh: &WorkingMesh, contraction: &Contraction) -> Option<DVec3> {
         let mut constraints = Constraints::default();
         constraints.add(self.normal, self.volume);
         if let Some((e1, e2)) = self.border {
@@ -182,9 +176,9 @@ impl Patch {
             constraints.add_least(&square);
         }
         constraints.add_least(&self.combined());
-        let (sum, n) = self.neighbors;
-        let shape = Square { h: DMat3::from_diagonal(DVec3::splat(n)), c: -sum, k: 0.0 };
-        constraints.add_least(&shape);
+        if constraints.n < 3 {
+            constraints.add_least(&evenness(mesh, contraction));
+        }
         constraints.solve()
     }
 
@@ -192,6 +186,22 @@ impl Patch {
     pub fn middle(&self) -> DVec3 {
         self.middle
     }
+}
+
+/// Half of the sum of the squared lengths of the edges at the new vertex.
+fn evenness(mesh: &WorkingMesh, contraction: &Contraction) -> Square {
+    let origin = mesh.position(contraction.kept);
+    let faces = contraction.vertices().flat_map(|v| mesh.faces_around(v));
+    let mut neighbors: Vec<VertexId> = faces
+        .filter_map(|face| mesh.face(face))
+        .flatten()
+        .filter(|v| !contraction.has(*v))
+        .collect();
+    neighbors.sort_unstable();
+    neighbors.dedup();
+    let sum: DVec3 = neighbors.iter().map(|v| mesh.position(*v) - origin).sum();
+    let n = neighbors.len() as f64;
+    Square { h: DMat3::from_diagonal(DVec3::splat(n)), c: -sum, k: 0.0 }
 }
 
 /// Tells numbers apart in a sum.
