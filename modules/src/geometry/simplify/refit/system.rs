@@ -1,8 +1,8 @@
 //! The least-squares problem of one step, and its solution by conjugate gradients.
 //!
 //! With the barycentric coordinates `s_i` of a joint in its face, its direction `d` and its
-//! distance `r`, the sum of `w (d · Σ s_i x_i − r)²` over all joints is least in the moves `x`. Each
-//! face keeps the part of its own joints: `H_ij = Σ w s_i s_j d dᵀ` and `g_i = Σ w s_i r d`.
+//! distance `r`, the sum of `w (d · Σ s_i x_i − r)²` over all joints is least in the moves `x`.
+//! Each face keeps the part of its own joints: `H_ij = Σ w s_i s_j d dᵀ`, `g_i = Σ w s_i r d`.
 
 use glam::{DMat3, DVec3};
 use mve_core::{Cancelled, Control};
