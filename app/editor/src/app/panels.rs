@@ -125,6 +125,7 @@ impl Editor {
                     ViewerAction::Keep(edit) => {
                         wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
                     }
+                    ViewerAction::Say(text) => wishes.push(Wish::Say(text)),
                     // The viewer has done that.
                     ViewerAction::Pick(_) => {}
                     ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),

@@ -87,6 +87,8 @@ pub enum ViewerAction {
     Pick(Option<PickedElement>),
     /// To keep something with the map, or no longer.
     Keep(KeptEdit),
+    /// To read this sentence.
+    Say(String),
     /// A picture of the meshes in a file.
     TakePicture,
 }

@@ -224,6 +224,12 @@ fn colors_of_a_field_leave_out_extremes_and_their_ends_can_be_typed() {
     hand.type_last_number("maximum of the colors", "1.5");
     assert!(is_open(&hand), "so does typing");
     assert_eq!(high(&hand), Some(1.5));
+    // One that crosses the other given end is refused in words, and so the ends stay.
+    hand.click("Minimum");
+    let ends = hand.editor().session().viewer.meshes.range();
+    hand.type_last_number("maximum of the colors", "-50");
+    assert!(hand.sees_beginning("maximum of the colors: -50 is not above the minimum"));
+    assert_eq!(hand.editor().session().viewer.meshes.range(), ends);
     hand.press(Key::Escape);
     assert!(!is_open(&hand));
 }
