@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use mve_core::{CancelToken, Control};
 use mve_core::testing::Trial;
+use mve_core::{CancelToken, Control};
 use mve_modules::data::{Image, Images, PixelKind};
 use mve_modules::formats::obj;
 use mve_modules::geometry::generate::{VaseOptions, vase};
