@@ -363,7 +363,7 @@ fn ends_of_ranges_give_a_result_or_an_error() {
 
 /// Values at the ends of a parameter's range, and one of every choice and name; an entry that needs
 /// files gets them.
-fn ends(spec: &ParamSpec, folder: &Path) -> Vec<Json> {
+pub fn ends(spec: &ParamSpec, folder: &Path) -> Vec<Json> {
     let Some(choice) = spec.choice() else { return spec.examples() };
     let entry = |entry: mve_core::EntrySpec| {
         let params = needed(entry.id, entry.params, folder);

@@ -6,20 +6,20 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use mve_core::testing::settings_of;
-use mve_core::{Cancelled, Control};
+use mve_core::{Cancelled, Control, Settings};
 use mve_modules::cost::COSTS;
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::geometry::simplify::collapse::{
     Batch, Candidates, Collapse, Contraction, Cost, Placement, QuadricOptions, Reach, Renewal,
     Simplified, SimplifyOptions, Stop, WorkingMesh, simplify,
 };
-use mve_modules::image_driven::ImageOptions;
 use mve_modules::mesh::adjacency::EdgeId;
 use mve_modules::mesh::fixtures::torus;
 use mve_modules::picture::render::{Lens, Rect};
-use mve_modules::placement::PLACEMENTS;
+use mve_modules::picture::view::{ViewDefaults, ViewParams};
+use mve_modules::placement::{Optimal, PLACEMENTS};
 
-use crate::contracts::needed;
+use crate::contracts::{ends, needed};
 
 /// Pixels around the faces of an edge that its price may depend on: half a window of SSIM around
 /// pixels that change, and half a window around those.
@@ -152,9 +152,9 @@ impl Watched {
     fn touched(&self, mesh: &WorkingMesh, collapse: &Collapse) -> Vec<Rect> {
         let around = mesh.faces_around(collapse.kept).filter_map(|face| mesh.face(face)).flatten();
         let dying = collapse.dying_faces.iter().flat_map(|dying| dying.vertices);
-        let staying = around.chain(dying).filter(|&v| v != collapse.kept && v != collapse.gone);
+        let staying = around.chain(dying).filter(|&v| !collapse.has(v));
         let mut points: Vec<DVec3> = staying.map(|v| mesh.position(v)).collect();
-        points.extend(collapse.before);
+        points.extend(collapse.merged().map(|(_, place)| place));
         points.push(collapse.position);
         let area = |lens: &Lens| {
             let mut area = Rect::NONE;
@@ -219,17 +219,35 @@ fn to_faces(n: usize) -> SimplifyOptions {
     SimplifyOptions { stop: Stop { faces: Some(n), ..Stop::default() }, ..Default::default() }
 }
 
+/// The parameters by which costs say what pictures they look at.
+const VIEW: ViewParams = ViewParams::new(ViewDefaults {
+    cameras: "Dodecahedron",
+    resolution: 256,
+    shading: "Flat",
+    sides: "Front",
+    background: 255,
+    albedo: "White",
+});
+
+/// The cameras of a cost; none where it has no such parameters.
+fn lenses(mesh: &TriMesh, settings: &Settings) -> Vec<Lens> {
+    let bounds = mesh.bounds().expect("a mesh");
+    let Ok(cameras) = VIEW.read_cameras(settings) else { return Vec::new() };
+    let resolution = settings.get(&VIEW.resolution).expect("a view has it") as usize;
+    let distance = (bounds.1 - bounds.0).length();
+    let cameras = cameras.around(bounds, &mesh.positions).into_iter();
+    cameras.map(|camera| Lens::new(camera, resolution, distance)).collect()
+}
+
 /// What a run of a cost with a placement shows.
 fn watch(
     mesh: &TriMesh,
     cost: Box<dyn Cost>,
+    lenses: Vec<Lens>,
     mut placements: [Box<dyn Placement>; 2],
     only_grows: bool,
+    n_collapses: usize,
 ) -> Findings {
-    let bounds = mesh.bounds().expect("a mesh");
-    let (options, distance) = (ImageOptions::DEFAULT, (bounds.1 - bounds.0).length());
-    let cameras = options.cameras.around(bounds, &mesh.positions).into_iter();
-    let lenses = cameras.map(|camera| Lens::new(camera, options.resolution, distance)).collect();
     let findings = Arc::default();
     let [asked, placement] = &mut placements;
     let placement = std::mem::replace(placement, Box::new(Middle));
@@ -241,14 +259,14 @@ fn watch(
         before: BTreeMap::new(),
         findings: Arc::clone(&findings),
     };
-    let options = to_faces(mesh.faces.len() - 12);
+    let options = to_faces(mesh.faces.len() - 2 * n_collapses);
     simplify(mesh, &mut watched, asked.as_mut(), options, Control::none()).expect("no cancel");
     drop(watched);
     Arc::into_inner(findings).expect("one owner").into_inner().expect("no panic")
 }
 
 /// Calls with every registered cost and placement; those that need files get them.
-fn each_pair(mesh: &TriMesh, mut check: impl FnMut(&str, MakeParts)) {
+fn each_pair(mesh: &TriMesh, mut check: impl FnMut(&str, Vec<Lens>, MakeParts)) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let settings = |id: &str, params| settings_of(params, &needed(id, params, folder.path()));
     for cost in COSTS.entries {
@@ -260,7 +278,36 @@ fn each_pair(mesh: &TriMesh, mut check: impl FnMut(&str, MakeParts)) {
                 let placement = || (placement.item.build)(mesh, &own).expect("a placement");
                 (cost, [placement(), placement()])
             };
-            check(&format!("{} with {}", cost.item.id, placement.item.id), &make);
+            let name = format!("{} with {}", cost.item.id, placement.item.id);
+            check(&name, lenses(mesh, &of_cost), &make);
+        }
+    }
+}
+
+/// Calls with every registered cost once for each end of each of its parameters, and each name or
+/// entry that it may have, beside the default of the others. Pictures are small.
+fn each_variant(mesh: &TriMesh, mut check: impl FnMut(&str, Box<dyn Cost>, Vec<Lens>)) {
+    const LARGEST: i64 = 64;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for cost in COSTS.entries {
+        let (id, params) = (cost.item.id, cost.item.params);
+        let mut base = needed(id, params, folder.path());
+        if params.iter().any(|spec| spec.name == VIEW.resolution.spec().name) {
+            base.insert(VIEW.resolution.spec().name.to_owned(), LARGEST.into());
+        }
+        for spec in params {
+            for value in ends(spec, folder.path()) {
+                let is_picture = spec.name == VIEW.resolution.spec().name;
+                if is_picture && value.as_i64().is_some_and(|n| n > LARGEST) {
+                    continue;
+                }
+                let mut given = base.clone();
+                given.insert(spec.name.to_owned(), value.clone());
+                let settings = settings_of(params, &given);
+                // A mesh without colors is an error for a cost that is to look at them.
+                let Ok(made) = (cost.item.build)(mesh, &settings) else { continue };
+                check(&format!("{id} with {} = {value}", spec.name), made, lenses(mesh, &settings));
+            }
         }
     }
 }
@@ -270,15 +317,33 @@ type MakeParts<'a> = &'a dyn Fn() -> (Box<dyn Cost>, [Box<dyn Placement>; 2]);
 #[test]
 fn no_price_changes_beyond_the_reach_and_none_falls_that_only_grows() {
     let mesh = bumpy();
-    each_pair(&mesh, |name, make| {
+    each_pair(&mesh, |name, lenses, make| {
         let (cost, placements) = make();
         let only_grows = placements[0].only_grows();
         let claims = cost.only_grows() && only_grows;
-        let found = watch(&mesh, cost, placements, only_grows);
+        let found = watch(&mesh, cost, lenses, placements, only_grows, 6);
         assert_eq!(found.broken.first(), None, "{name}: {} broken", found.broken.len());
         assert!(found.n_beyond_reach > 50, "{name}: {} compared", found.n_beyond_reach);
         assert_eq!(found.n_growing > 300, claims, "{name}");
     });
+}
+
+#[test]
+fn promises_hold_whatever_the_parameters_are() {
+    let mesh = bumpy();
+    let (mut n_variants, mut n_compared) = (0, 0);
+    each_variant(&mesh, |name, cost, lenses| {
+        let placements: [Box<dyn Placement>; 2] =
+            [Box::new(Optimal::DEFAULT), Box::new(Optimal::DEFAULT)];
+        let found = watch(&mesh, cost, lenses, placements, true, 2);
+        assert_eq!(found.broken.first(), None, "{name}: {} broken", found.broken.len());
+        n_compared += usize::from(found.n_beyond_reach > 0);
+        n_variants += 1;
+    });
+    // The least that the costs of today have.
+    assert!(n_variants >= 25, "{n_variants}");
+    // Of many cameras one sees both tori behind each other, so that each change is in its picture.
+    assert!(n_compared + 6 >= n_variants, "{n_compared} of {n_variants}");
 }
 
 /// A cost with some of its promises replaced.
@@ -334,7 +399,7 @@ fn renewed(mesh: &TriMesh, make: MakeParts, renewal: Renewal, lazy: bool) -> (Si
 #[test]
 fn lazy_and_at_once_agree() {
     let mesh = bumpy();
-    each_pair(&mesh, |name, make| {
+    each_pair(&mesh, |name, _, make| {
         let (cost, [placement, _]) = make();
         let claims = cost.only_grows() && placement.only_grows();
         if claims {
@@ -404,7 +469,7 @@ fn false_promises_are_found() {
     let mesh = bumpy();
     let middle = || -> [Box<dyn Placement>; 2] { [Box::new(Middle), Box::new(Middle)] };
     let broken = |reach, only_grows| {
-        watch(&mesh, Box::new(Liar { reach, only_grows }), middle(), true).broken
+        watch(&mesh, Box::new(Liar { reach, only_grows }), Vec::new(), middle(), true, 6).broken
     };
     assert_eq!(broken(Reach::NEIGHBORS, false), Vec::<String>::new());
     assert!(broken(Reach::MERGED, false).iter().all(|found| found.starts_with("reach")));

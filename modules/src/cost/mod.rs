@@ -6,11 +6,12 @@ mod pictures;
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeCost> =
-        COST in edge_length, image_mse, image_ssim, msdm2, quadric;
+        COST in edge_length, image_mse, image_ssim, lindstrom_turk, msdm2, quadric;
 }
 
 pub use edge_length::EdgeLength;
 pub use image_mse::Squares;
+pub use lindstrom_turk::LindstromTurk;
 pub use msdm2::Msdm2;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use quadric::Quadric;

@@ -1,6 +1,6 @@
 //! Modules that take a mesh and give a mesh.
 
-mve_core::modules! { "filters": color_map, normal_computer, simplificator, subdivide, weld }
+mve_core::modules! { "filters": color_map, normal_computer, refit, simplificator, subdivide, weld }
 
 /// What `mve new module` begins with.
 #[cfg(test)]

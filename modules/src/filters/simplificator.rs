@@ -1,13 +1,15 @@
 //! Simplifies a mesh by edge collapses.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, simplify,
+    Blocked, Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, Turns, simplify,
 };
+use crate::geometry::simplify::refit::{RefitError, RefitOptions, refit};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
@@ -61,10 +63,20 @@ const SEAMS: Param<Seams> =
     Param::one_of("seams", "What may happen to seams of texture coordinates.", "Kept");
 const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
     "flip_angle",
-    "No collapse turns a face by more than this. Off: faces may turn over.",
-    Some(45.0),
+    "No collapse turns a face by more than this; at 180 faces may turn over and fold. Off: 45 \
+     degrees, and up to 90 where that is much cheaper, or needed to reach the target.",
+    None,
 )
 .within((0.0, 180.0))
+.unit("degrees");
+const SLIVER_ANGLE: Param<Option<f64>> = Param::maybe_number(
+    "sliver_angle",
+    "A collapse that leaves a face with a smaller angle waits until others have gone, by how thin \
+     it is; it counts with the cost Quadric alone. Off: thin faces are as good as others.",
+    Some(3.0),
+)
+.within((0.0, 60.0))
+.usually((0.0, 10.0))
 .unit("degrees");
 const WELD: Param<Option<f64>> = Param::maybe_number(
     "weld",
@@ -74,6 +86,14 @@ const WELD: Param<Option<f64>> = Param::maybe_number(
 )
 .within((0.0, 0.1))
 .usually((0.0, 1e-4));
+const REFIT: Param<i64> = Param::integer(
+    "refit",
+    "How many steps of Refit follow, which moves vertices so that the result lies closer to the \
+     input; 0 is none, 2 gain most, 6 nearly all.",
+    0,
+)
+.between((0, 1000))
+.mostly((0, 10));
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The simplified mesh, with all layers: the topology is kept, vertices and faces stay in order.",
@@ -94,6 +114,11 @@ const REJECTED_BY_FLIP: Quantity =
         .titled("rejected by flip");
 const REJECTED_BY_BOUNDARY: Quantity =
     Quantity::new("rejected_by_boundary", "Edges held by a policy.").titled("rejected by boundary");
+const WIDE_TURNS: Quantity = Quantity::new(
+    "wide_turns",
+    "Collapses that turned a face by more than 45 degrees, as they may where flip_angle is off.",
+)
+.titled("wide turns");
 const STATISTICS_OUT: Out<Measures> =
     Out::new("statistics", "Counts of the run.").giving(Quantities::Row(&[
         FACES,
@@ -102,6 +127,7 @@ const STATISTICS_OUT: Out<Measures> =
         REJECTED_BY_TOPOLOGY,
         REJECTED_BY_FLIP,
         REJECTED_BY_BOUNDARY,
+        WIDE_TURNS,
     ]));
 
 /// What the working mesh, the queue and the quadrics take for each face: measured from 100,000 to
@@ -122,7 +148,9 @@ pub static MODULE: Module = Module {
         BOUNDARY.spec(),
         SEAMS.spec(),
         FLIP_ANGLE.spec(),
+        SLIVER_ANGLE.spec(),
         WELD.spec(),
+        REFIT.spec(),
     ],
     run,
 };
@@ -143,7 +171,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
         boundary: io.param(BOUNDARY)?,
         seams: io.param(SEAMS)?,
-        flip_angle_rad: io.param(FLIP_ANGLE)?.map(f64::to_radians),
+        turns: turns(io.param(FLIP_ANGLE)?),
+        sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
     let simplified = simplify(&mesh, cost.as_mut(), placement.as_mut(), options, io.control())?;
     io.phase("first_prices", simplified.seconds.first_prices);
@@ -152,23 +181,59 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     if let (Outcome::Exhausted, Some(target)) = (found.outcome, found.target_faces) {
         let (asked, reached) = (target as f64, found.n_faces as f64);
         let missed = MissedTarget { what: FACES.name.to_owned(), asked, reached };
-        io.missed(
-            missed,
-            format!(
-                "stopped at {} faces, {target} were asked for: every collapse that is left would \
-             change the topology ({} tries), turn a face ({}) or break the rules for borders and \
-             seams ({} edges)",
-                found.n_faces,
-                found.n_rejected_link,
-                found.n_rejected_flip,
-                found.n_rejected_boundary
-            ),
-        );
+        let reasons = reasons(&found.blocked.unwrap_or_default(), options.turns);
+        let n_faces = found.n_faces;
+        let asked_for = format!("stopped at {n_faces} faces, {target} were asked for");
+        io.missed(missed, format!("{asked_for}; of the edges that are left {reasons}"));
     }
-    warn_of_drift(io, &mesh, &simplified.mesh)?;
-    io.put(MESH_OUT, simplified.mesh);
+    let simplified = refitted(io, &mesh, simplified.mesh)?;
+    warn_of_drift(io, &mesh, &simplified)?;
+    io.put(MESH_OUT, simplified);
     io.put(STATISTICS_OUT, measures(&found));
     Ok(())
+}
+
+/// The result after the steps of Refit that are asked for; as it is where it has no surface.
+fn refitted(io: &mut Io, input: &TriMesh, mesh: TriMesh) -> Result<TriMesh, ModuleError> {
+    let n_steps = io.param(REFIT)? as usize;
+    if n_steps == 0 {
+        return Ok(mesh);
+    }
+    let options = RefitOptions { n_steps, ..RefitOptions::DEFAULT };
+    let start = Instant::now();
+    let fitted = refit(&mesh, input, options, io.control().part(0.0, 0.0));
+    io.phase("refit", start.elapsed().as_secs_f64());
+    match fitted {
+        Ok(fitted) => Ok(fitted.mesh),
+        Err(RefitError::NoSurface(_)) => Ok(mesh),
+        Err(RefitError::Cancelled(cancelled)) => Err(cancelled.into()),
+    }
+}
+
+fn turns(flip_angle: Option<f64>) -> Turns {
+    match flip_angle {
+        None => Turns::Adaptive,
+        Some(angle) if angle < 180.0 => Turns::UpTo(angle.to_radians()),
+        Some(_) => Turns::Any,
+    }
+}
+
+/// Which limits hold how many edges, and what to set.
+fn reasons(blocked: &Blocked, turns: Turns) -> String {
+    let limit = match turns {
+        Turns::UpTo(angle) => format!("flip_angle {:.0}", angle.to_degrees()),
+        _ => "90 degrees, as flip_angle is off".to_owned(),
+    };
+    let reasons = [
+        (blocked.turn, format!("would turn a face by more than {limit} (set flip_angle higher)")),
+        (blocked.fold, "would fold faces onto each other (flip_angle 180 allows it)".to_owned()),
+        (blocked.topology, "would change the topology".to_owned()),
+        (blocked.rules, "are held by boundary, by seams or by odd coordinates".to_owned()),
+        (blocked.price, "have no price".to_owned()),
+    ];
+    let named = reasons.iter().filter(|(n, _)| *n > 0);
+    let list: Vec<String> = named.map(|(n, reason)| format!("{n} {reason}")).collect();
+    if list.is_empty() { "there are none".to_owned() } else { list.join(", ") }
 }
 
 /// Says where the surface looks whole and is not.
@@ -210,6 +275,7 @@ fn measures(found: &Statistics) -> Measures {
         count(&REJECTED_BY_TOPOLOGY, found.n_rejected_link),
         count(&REJECTED_BY_FLIP, found.n_rejected_flip),
         count(&REJECTED_BY_BOUNDARY, found.n_rejected_boundary),
+        count(&WIDE_TURNS, found.n_wide_turns),
     ])
 }
 
@@ -253,11 +319,30 @@ mod tests {
     }
 
     #[test]
+    fn a_missed_target_names_the_limit_and_what_to_set() {
+        let run = |flip_angle: serde_json::Value| {
+            let trial = Trial::of(&super::MODULE).input("mesh", ball());
+            trial.set("target_faces", json!(8)).set("flip_angle", flip_angle).log().unwrap()
+        };
+        let lines = run(json!(1.0)).join("\n");
+        assert!(lines.contains("more than flip_angle 1 (set flip_angle higher)"), "{lines}");
+        assert!(!run(json!(null)).join("\n").contains("flip_angle"));
+    }
+
+    /// A ball of 768 faces.
+    fn ball() -> TriMesh {
+        let mut mesh = subdivided_box(&BoxOptions::DEFAULT);
+        let (low, high) = mesh.bounds().unwrap();
+        mesh.positions.iter_mut().for_each(|p| *p = (*p - low.midpoint(high)).normalize());
+        mesh
+    }
+
+    #[test]
     fn targets_placements_and_costs_are_followed() {
         assert_eq!(simplified(&[]).faces.len(), 384);
         assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
         let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];
-        assert_eq!(simplified(&by_cost).faces.len(), 768);
+        assert_eq!(simplified(&by_cost).faces.len(), 12);
         let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
         let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
         assert!(ends.positions.iter().all(|p| originals.contains(p)));

@@ -8,7 +8,7 @@ use crate::geometry::simplify::collapse::{Collapse, Proposal, WorkingMesh};
 use crate::picture::render::{FaceColor, LANES, NO_FACE, normal};
 
 /// A face before or after a collapse.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PatchFace {
     /// Its number; a face that only changes its shape keeps it.
     pub face: u32,
@@ -91,10 +91,9 @@ impl Change {
     ) -> Self {
         let kept = collapse.kept;
         let mut change = Self::at(kept, collapse.position);
-        let point_before = |v: VertexId| match v {
-            v if v == kept => collapse.before[0],
-            v if v == collapse.gone => collapse.before[1],
-            v => mesh.position(v),
+        let point_before = |v: VertexId| {
+            let merged = collapse.merged().find(|(merged, _)| *merged == v);
+            merged.map_or_else(|| mesh.position(v), |(_, place)| place)
         };
         for face in mesh.faces_around(kept) {
             change.new.extend(PatchFace::of(mesh, face));

@@ -4,10 +4,11 @@ use glam::DVec3;
 
 use super::*;
 use crate::cost::Squares;
-use crate::data::FaceId;
+use crate::data::{FaceId, VertexId};
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
-    Candidates, Contraction, Placement, Seams, SimplifyOptions, Stop, simplify, trial,
+    Candidates, Contraction, DyingFace, Placement, Proposal, Seams, SimplifyOptions, Stop, Turns,
+    simplify, trial,
 };
 use crate::picture::render::{FaceSide, NO_FACE, Visible, luminance, normal};
 use crate::placement::{Endpoint, Optimal};
@@ -192,7 +193,7 @@ fn a_mesh_in_no_picture_has_prices_of_zero() {
     let mut cost = ImageDriven::new(&point, Squares, SMALL);
     assert!(cost.lenses.is_empty());
     let stop = Stop { ratio: Some(0.5), cost: Some(0.0), ..Stop::default() };
-    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, turns: Turns::Any, ..SimplifyOptions::DEFAULT };
     let found = simplify(&point, &mut cost, &mut Endpoint, options, Control::none()).unwrap();
     assert_eq!(found.statistics.largest_cost, Some(0.0));
 }
@@ -215,7 +216,7 @@ impl Placement for Anywhere {
 fn surfaces_behind_the_cameras_price_as_in_whole_pictures() {
     let mesh = small_vase();
     let stop = Stop { ratio: Some(0.7), ..Stop::default() };
-    let options = SimplifyOptions { stop, flip_angle_rad: None, ..SimplifyOptions::DEFAULT };
+    let options = SimplifyOptions { stop, turns: Turns::Any, ..SimplifyOptions::DEFAULT };
     for sides in [Sides::Front, Sides::Both] {
         let mut cost = Checked::new(&mesh, Squares, ImageOptions { sides, ..SMALL });
         simplify(&mesh, &mut cost, &mut Anywhere, options, Control::none()).unwrap();
@@ -271,4 +272,85 @@ fn what_is_hidden_is_simplified_first() {
     assert!(after < 0.7 * before, "{before} before, {after} after");
     // Vertices stay on the walls: they are vertices of the original.
     assert!(result.positions.iter().all(|position| mesh.positions.contains(position)));
+}
+
+/// Merges the corners of one face in two steps, and compares what they were together with what was
+/// proposed for all three.
+struct InTwoSteps {
+    corners: [VertexId; 3],
+    place: DVec3,
+    /// The face contraction as proposed, by the corner that stays.
+    proposed: Vec<Change>,
+    faces: Vec<[u32; 3]>,
+    first: Option<(VertexId, Vec<DyingFace>)>,
+    places: [DVec3; 3],
+    n_compared: usize,
+}
+
+impl Cost for InTwoSteps {
+    fn begin(&mut self, mesh: &WorkingMesh, _: Control) -> Result<(), Cancelled> {
+        let face = mesh.face_ids().find(|&face| mesh.input_face(face) == FaceId(200)).unwrap();
+        self.corners = mesh.face(face).unwrap();
+        self.places = self.corners.map(|v| mesh.position(v));
+        self.place = self.places.iter().sum::<DVec3>() / 3.0;
+        self.faces = mesh.face_ids().map(|f| mesh.face(f).unwrap().map(|v| v.0)).collect();
+        let [a, b, c] = self.corners;
+        self.proposed = [[a, b, c], [b, c, a], [c, a, b]]
+            .map(|[kept, gone, third]| {
+                let (also_gone, quadric) = (Some(third), Default::default());
+                let contraction = Contraction { kept, gone, also_gone, quadric };
+                let proposal = Proposal { contraction, position: self.place, attributes: None };
+                Change::proposed(mesh, &proposal)
+            })
+            .into();
+        Ok(())
+    }
+
+    fn price(&self, _: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
+        for (price, proposal) in prices.iter_mut().zip(batch) {
+            let is_among = proposal.contraction.vertices().all(|v| self.corners.contains(&v));
+            *price = if is_among { 1.0 } else { f64::NAN };
+        }
+    }
+
+    fn collapsed(&mut self, mesh: &WorkingMesh, collapse: &Collapse) {
+        let Some((also_gone, mut dying)) = self.first.take() else {
+            self.first = Some((collapse.gone, collapse.dying_faces.to_vec()));
+            return;
+        };
+        dying.extend_from_slice(collapse.dying_faces);
+        let place = |v| self.places[self.corners.iter().position(|&w| w == v).unwrap()];
+        let before = [collapse.kept, collapse.gone, also_gone].map(place);
+        let also_gone = Some(also_gone);
+        let whole = Collapse { also_gone, before, dying_faces: &dying, ..*collapse };
+        assert!(self.corners.iter().all(|&v| whole.has(v)));
+        let made = Change::made(mesh, &whole, |face| self.faces[face as usize]);
+        let proposed = self.proposed.iter().find(|change| change.kept == collapse.kept.0).unwrap();
+        assert_eq!((made.position, &made.ring), (proposed.position, &proposed.ring));
+        assert_eq!((made.old, made.new), (proposed.old.clone(), proposed.new.clone()));
+        self.n_compared += 1;
+    }
+}
+
+/// The middle of the face.
+struct InTheMiddle(DVec3);
+
+impl Placement for InTheMiddle {
+    fn propose(&self, _: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
+        (0..batch.len()).for_each(|at| out.push(at, self.0));
+    }
+}
+
+#[test]
+fn a_face_that_merged_changed_what_was_proposed() {
+    let mesh = small_vase();
+    let place = mesh.corners(FaceId(200)).iter().sum::<DVec3>() / 3.0;
+    let (faces, places) = (Vec::new(), [DVec3::ZERO; 3]);
+    let corners = [VertexId(0); 3];
+    let (proposed, first, n_compared) = (Vec::new(), None, 0);
+    let mut cost = InTwoSteps { corners, place, proposed, faces, first, places, n_compared };
+    let stop = Stop { faces: Some(mesh.faces.len() - 4), ..Stop::default() };
+    let options = SimplifyOptions { stop, turns: Turns::Any, ..SimplifyOptions::DEFAULT };
+    simplify(&mesh, &mut cost, &mut InTheMiddle(place), options, Control::none()).unwrap();
+    assert_eq!(cost.n_compared, 1);
 }

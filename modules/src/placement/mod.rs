@@ -3,10 +3,11 @@
 //! The trait is [`Placement`], of the engine.
 
 mve_core::registered! {
-    static ENTRIES: Entry<MakePlacement> = PLACEMENT in endpoint, midpoint, optimal;
+    static ENTRIES: Entry<MakePlacement> = PLACEMENT in endpoint, lindstrom_turk, midpoint, optimal;
 }
 
 pub use endpoint::Endpoint;
+pub use lindstrom_turk::LindstromTurk;
 pub use midpoint::Midpoint;
 use mve_core::{Choices, Entry, ModuleError, Settings};
 pub use optimal::Optimal;

@@ -109,6 +109,12 @@ impl PreparedTriangle {
         self.nearest_side(ap, [at_a, at_b, at_c]).1
     }
 
+    /// The unit normal; not a number for a flat triangle.
+    #[inline]
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
     /// The length of the longest side.
     #[inline]
     pub fn longest_side(&self) -> f64 {

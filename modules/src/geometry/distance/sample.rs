@@ -117,6 +117,12 @@ impl<'a> SurfaceSampler<'a> {
         Ok(Self { mesh, faces, areas_before, n_samples, random: IndexedRandom::new(seed) })
     }
 
+    /// Other samples of the same mesh.
+    pub fn resampled(&self, n_samples: usize, seed: u64) -> Self {
+        let n_samples = if self.faces.is_empty() { 0 } else { n_samples };
+        Self { n_samples, random: IndexedRandom::new(seed), ..self.clone() }
+    }
+
     /// How many samples there are.
     pub fn n_samples(&self) -> usize {
         self.n_samples

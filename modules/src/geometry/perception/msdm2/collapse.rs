@@ -183,9 +183,11 @@ impl CollapsePrices {
         let mut star = Star::default();
         let position = collapse.position * self.scale;
         let merge = Merge { kept: collapse.kept, gone: [None; 2], position };
-        let [kept, gone] = [collapse.kept, collapse.gone].map(|v| mesh.input_vertex(v).idx());
+        let kept = mesh.input_vertex(collapse.kept).idx();
         if self.counting == Counting::Merged {
-            self.vertices[kept].n += self.vertices[gone].n;
+            for (gone, _) in collapse.merged().skip(1) {
+                self.vertices[kept].n += self.vertices[mesh.input_vertex(gone).idx()].n;
+            }
         }
         if !self.look(mesh, merge, &mut star) {
             self.vertices[kept].sample.point = position;

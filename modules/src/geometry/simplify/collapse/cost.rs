@@ -9,7 +9,7 @@ use mve_core::{Cancelled, Control};
 use super::mesh::WorkingMesh;
 use super::observer::Collapse;
 use super::options::QuadricOptions;
-use super::proposal::{Batch, Reach, Renewal};
+use super::proposal::{Batch, Contraction, Reach, Renewal};
 
 /// What a collapse costs. The engine makes the cheapest collapse first.
 ///
@@ -50,6 +50,25 @@ pub trait Cost: Send {
     /// Whether a batch of prices is shared among threads.
     fn uses_threads(&self) -> bool {
         false
+    }
+
+    /// Whether a collapse that makes a poor shape should wait at a multiple of its price: so for
+    /// prices that are errors, at least 0, of which a multiple says something. Other costs are
+    /// obeyed as they are.
+    fn is_patient(&self) -> bool {
+        false
+    }
+
+    /// Whether a price is no more than rounding and what orders collapses of equal error: then the
+    /// collapse costs nothing.
+    fn is_free(&self, _mesh: &WorkingMesh, _contraction: &Contraction, price: f64) -> bool {
+        price <= 0.0
+    }
+
+    /// A price above all that are [free](Cost::is_free). Asked once, and only where a largest cost
+    /// is given.
+    fn largest_free(&self, _mesh: &WorkingMesh, _control: Control) -> Result<f64, Cancelled> {
+        Ok(0.0)
     }
 
     /// Whether the price of a position never falls by a collapse nearby. Where the placement says

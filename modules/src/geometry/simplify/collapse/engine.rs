@@ -5,19 +5,23 @@ use std::time::Instant;
 
 use mve_core::{Cancelled, Control};
 
+use super::blocked::Blocked;
 use super::cost::Cost;
 use super::marks::VertexMarks;
 use super::merge::Merged;
 use super::mesh::WorkingMesh;
-use super::observer::{Collapse, Observer, WedgeChange, complete_changes, list_wedges};
+use super::observer::{
+    Collapse, MovedCorner, Observer, WedgeChange, complete_changes, list_moved, list_wedges,
+};
 use super::options::SimplifyOptions;
 use super::outcome::{Seconds, Simplified, Statistics};
 use super::placement::Placement;
 use super::pricer::{Pricer, Verdict};
 use super::quadrics::Quadrics;
-use super::queue::{Entry, Queue};
-use super::renewal::{Renewer, park};
+use super::queue::{Entry, Queue, doubled};
+use super::renewal::{Renewer, mark_parked, park};
 use super::rings::Rings;
+use super::shape::{Shape, ShapeLimits};
 use super::stop::Outcome;
 use super::ticker::Ticker;
 use crate::data::{TriMesh, VertexId};
@@ -36,6 +40,12 @@ pub(super) struct Engine<'a> {
     statistics: Statistics,
     start: Instant,
     marks: VertexMarks,
+    /// What the shapes of faces must be; `None` is no test.
+    limits: Option<ShapeLimits>,
+    /// Whether collapses of poor shape wait.
+    is_patient: bool,
+    /// A price above all that are free, where a largest cost is given.
+    largest_free: f64,
 }
 
 /// What is noted of one collapse, in memory that the next one uses again.
@@ -44,6 +54,7 @@ struct Memory {
     rings: Rings,
     merged: Merged,
     wedges: Vec<WedgeChange>,
+    moved_corners: Vec<MovedCorner>,
 }
 
 impl<'a> Engine<'a> {
@@ -70,7 +81,13 @@ impl<'a> Engine<'a> {
             Ok(()) => ControlFlow::Continue(()),
             Err(Cancelled) => ControlFlow::Break(()),
         };
-        cost.begin(&mesh, Control::new(&still))?;
+        let still = Control::new(&still);
+        cost.begin(&mesh, still)?;
+        let is_patient = cost.is_patient();
+        let largest_free = match options.stop.cost {
+            Some(_) => cost.largest_free(&mesh, still)?,
+            None => 0.0,
+        };
         observers.iter_mut().for_each(|observer| observer.begin(&mesh));
         let target_faces = options.stop.target_faces(input.faces.len());
         ticker.set_goal(mesh.n_faces(), target_faces.unwrap_or(0));
@@ -92,6 +109,9 @@ impl<'a> Engine<'a> {
             ticker,
             start,
             marks,
+            limits: ShapeLimits::new(&options, is_patient),
+            is_patient,
+            largest_free,
         })
     }
 
@@ -107,8 +127,15 @@ impl<'a> Engine<'a> {
         // Edges that are to be priced before the queue is looked at again.
         let mut due = Vec::new();
         let mut memory = Memory::default();
-        while let Some(entry) = self.queue.first(self.mesh.n_faces(), &mut self.ticker)? {
-            if self.options.stop.cost.is_some_and(|limit| entry.price > limit) {
+        loop {
+            let Some(entry) = self.queue.first(self.mesh.n_faces(), &mut self.ticker)? else {
+                if self.relax()? {
+                    continue;
+                }
+                break;
+            };
+            let largest = self.options.stop.cost.map(|cost| cost.max(self.largest_free));
+            if largest.is_some_and(|largest| entry.price > largest) {
                 self.statistics.outcome = Outcome::CostReached;
                 break;
             }
@@ -116,6 +143,11 @@ impl<'a> Engine<'a> {
             if self.queue.is_stale(entry.edge) {
                 self.renewer.list_coming(entry.edge, &self.mesh, &self.queue, &mut due);
                 self.price(&due)?;
+                continue;
+            }
+            if self.is_too_dear(entry) {
+                self.statistics.outcome = Outcome::CostReached;
+                park(&mut self.mesh.complex, &mut self.queue, entry.edge);
                 continue;
             }
             let Some(merged) = self.attempt(entry, &mut memory) else { continue };
@@ -130,7 +162,36 @@ impl<'a> Engine<'a> {
         self.finish(first_prices)
     }
 
-    fn finish(self, first_prices: f64) -> Result<Simplified, Cancelled> {
+    /// Whether a collapse costs more than allowed.
+    fn is_too_dear(&self, entry: Entry) -> bool {
+        let Some(limit) = self.options.stop.cost else { return false };
+        let price = self.queue.own_price(entry.edge);
+        price > limit && !(limit >= 0.0 && self.pricer.is_free(&self.mesh, entry.edge, price))
+    }
+
+    /// Now that no collapse is left, allows what was not allowed so far for the sake of shape, if
+    /// faces are still to go; whether there was anything.
+    fn relax(&mut self) -> Result<bool, Cancelled> {
+        let is_missed =
+            self.statistics.target_faces.is_some_and(|target| target < self.mesh.n_faces());
+        let is_exhausted = self.statistics.outcome == Outcome::Exhausted;
+        let Some(limits) = self.limits.as_mut().filter(|_| is_missed && is_exhausted) else {
+            return Ok(false);
+        };
+        let is_wider = limits.widen();
+        let was_patient = std::mem::replace(&mut self.is_patient, false);
+        if is_wider || was_patient {
+            let edges = self.mesh.edges_left(&mut self.ticker)?;
+            self.price(&edges)?;
+        }
+        Ok(is_wider || was_patient)
+    }
+
+    fn finish(mut self, first_prices: f64) -> Result<Simplified, Cancelled> {
+        if self.statistics.target_faces.is_some() && self.statistics.outcome == Outcome::Exhausted {
+            let Self { mesh, pricer, limits, marks, ticker, statistics, .. } = &mut self;
+            statistics.blocked = Some(Blocked::count(mesh, pricer, *limits, marks, ticker)?);
+        }
         let Self { input, mesh, queue, observers, mut ticker, mut statistics, start, .. } = self;
         observers.iter_mut().for_each(|observer| observer.finished(&mesh));
         statistics.n_faces = mesh.n_faces();
@@ -180,11 +241,11 @@ impl<'a> Engine<'a> {
 
     /// Tries the collapse at the head of the queue; what it did, if it was made.
     fn attempt<'m>(&mut self, entry: Entry, memory: &'m mut Memory) -> Option<&'m Merged> {
-        let Self { mesh, queue, pricer, statistics, .. } = self;
-        let Memory { rings, merged, wedges } = memory;
+        let Self { mesh, queue, pricer, statistics, limits, .. } = self;
+        let Memory { rings, merged, wedges, moved_corners } = memory;
         let edge = entry.edge;
         let choice = queue.choice(edge);
-        let Some((proposal, values)) = pricer.proposal(mesh, edge, choice) else {
+        let Some(&proposal) = pricer.proposals(mesh, edge).get(usize::from(choice)) else {
             park(&mut mesh.complex, queue, edge);
             return None;
         };
@@ -195,22 +256,28 @@ impl<'a> Engine<'a> {
             return None;
         };
         let position = proposal.position;
-        let least_cosine = self.options.flip_angle_rad.map(f64::cos);
-        let turns = |limit| rings.turn_a_face(&mesh.complex, position, limit);
-        if !position.is_finite() || least_cosine.is_some_and(turns) {
+        let Some(shape) = rings.shape_after(&mesh.complex, position, limits.as_ref()) else {
             statistics.n_rejected_flip += 1;
             match pricer.next_choice(mesh, edge, (entry.price, choice)) {
                 Some((price, choice)) => queue.set(Entry { price, ..entry }, choice),
                 None => park(&mut mesh.complex, queue, edge),
             }
             return None;
+        };
+        if shape != Shape::SOUND && self.let_wait(entry, choice, shape) {
+            return None;
         }
+        let Self { mesh, queue, pricer, statistics, .. } = self;
+        let price = queue.own_price(edge);
+        let is_free = pricer.cost.is_free(mesh, &proposal.contraction, price);
         let [kept, gone] = [rings.kept, rings.gone].map(VertexId);
-        let before = [mesh.position(kept), mesh.position(gone)];
+        let before = [kept, gone, kept].map(|v| mesh.position(v));
         let is_observed = !self.observers.is_empty();
         if is_observed {
             list_wedges(mesh, rings, wedges);
+            list_moved(rings, moved_corners);
         }
+        let values = pricer.attributes(&proposal);
         mesh.merge(rings, position, values, &mut self.marks, merged);
         if is_observed {
             complete_changes(mesh, wedges);
@@ -221,16 +288,46 @@ impl<'a> Engine<'a> {
         let collapse = Collapse {
             kept,
             gone,
+            also_gone: None,
             position,
             before,
             dying_faces: &merged.dying_faces,
-            price: entry.price,
+            price,
+            moved_corners,
             wedges,
-            rings,
         };
         pricer.collapsed(mesh, &collapse);
         self.observers.iter_mut().for_each(|observer| observer.collapsed(mesh, &collapse));
-        statistics.add_collapse(entry.price);
+        statistics.add_collapse(if is_free { price.min(0.0) } else { price }, shape.is_turned);
         Some(merged)
     }
+
+    /// Lets a collapse of poor shape wait, or tries another place first that costs less than that;
+    /// `false` where it has waited, or should not.
+    fn let_wait(&mut self, entry: Entry, choice: u8, shape: Shape) -> bool {
+        let Self { mesh, queue, pricer, .. } = self;
+        let limits = self.limits.filter(|_| self.is_patient && !queue.has_waited(entry.edge));
+        let doublings = limits.map_or(0, |limits| limits.doublings(shape));
+        let doublings = below(entry.price, doublings, self.options.stop.cost);
+        if doublings == 0 {
+            return false;
+        }
+        let waiting = doubled(entry.price, doublings);
+        match pricer.next_choice(mesh, entry.edge, (entry.price, choice)) {
+            Some((price, choice)) if price < waiting => {
+                queue.set(Entry { price, ..entry }, choice);
+            }
+            _ => queue.let_wait(entry, choice, doublings),
+        }
+        mark_parked(&mut mesh.complex, entry.edge);
+        true
+    }
+}
+
+/// The most doublings, up to so many, that leave a price finite and a cost that is allowed allowed.
+fn below(price: f64, most: u8, limit: Option<f64>) -> u8 {
+    let limit = limit.filter(|limit| price <= *limit).unwrap_or(f64::MAX);
+    // A price of 0 stays what it is, so to wait would change nothing.
+    let most = if price > 0.0 { most } else { 0 };
+    (0..=most).rev().find(|&n| doubled(price, n) <= limit).unwrap_or(0)
 }

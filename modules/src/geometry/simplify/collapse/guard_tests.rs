@@ -139,28 +139,28 @@ fn placements() -> [Box<dyn Placement>; 3] {
 const EXPECTED: [[[u64; 3]; 5]; 4] = [
     [
         [0xf454_0504_2342_7617, 0x8b70_ceb5_e461_a001, 0xfb8f_c36c_0659_154f],
-        [0xb882_7123_7d39_3b59, 0xd81c_c95c_38ef_d060, 0xb1db_cee6_ffb8_0a7b],
+        [0x3468_8361_7af1_da13, 0x4cca_434f_9d49_b8a3, 0x6263_0295_847a_8133],
         [0xee08_4fe4_6a96_06ac, 0xde39_6f60_8aaf_99c4, 0x888a_c9da_bd79_6390],
         [0xacc9_c6e2_1584_a6e4, 0x59f6_0d09_ac9b_d0b3, 0xbd8d_ca8b_b484_555d],
         [0x3adf_7a30_365e_33a3, 0xf962_f122_11c7_1455, 0x7483_13fa_19b6_0cb1],
     ],
     [
         [0xa7ac_4d35_4d85_bf1f, 0xc5aa_ede3_0285_6f80, 0x72ad_ee89_48cd_4b69],
-        [0x0daa_fea3_1d8e_f24c, 0xe343_676c_dd20_0169, 0x430d_8862_8c9d_c3f9],
+        [0x0daa_fea3_1d8e_f24c, 0xc592_8f40_f5d9_0dfd, 0x430d_8862_8c9d_c3f9],
         [0x5785_7eee_0968_4ad5, 0x37b1_4d4f_7e3f_e5b1, 0xae9a_5e06_297b_6cec],
         [0xc1ed_4bea_6b47_943c, 0x74d6_7767_0132_daa8, 0x939d_b2f3_1b2f_eb81],
         [0x8517_66a3_c099_bcf7, 0x5aa9_7cb3_eace_81e0, 0x1fc0_93f3_5948_251c],
     ],
     [
         [0x4ee1_b8ee_015f_2a77, 0x2bcd_6ca4_191b_909f, 0x5cef_b02d_a22a_8dd6],
-        [0x63d0_b4fb_5b1c_a0da, 0x155b_8bd3_a2ee_a214, 0xa429_0bfb_7e0a_c130],
+        [0x63d0_b4fb_5b1c_a0da, 0x681f_09b4_13d6_2562, 0x8b94_d66b_23be_21f2],
         [0x2da4_2dd1_3073_eb19, 0xa412_4fc2_c175_4cd9, 0x9ae6_e44a_b1bf_c402],
         [0x7411_ea12_55f4_19a3, 0x032d_57c0_ced5_fd1c, 0x4191_69a4_a428_c407],
         [0x52dc_f033_2cbc_77ea, 0x9834_5e46_85de_f123, 0xb908_c673_084a_7657],
     ],
     [
         [0x00f0_b503_7ade_9050, 0x500c_373b_a608_5460, 0xb2eb_fd61_af28_aec1],
-        [0x7f92_023a_5be1_1c41, 0x4c79_6da6_e4d3_00e9, 0x6536_1752_79f2_5332],
+        [0xe1bf_91c7_7cfd_ff9c, 0xbb24_0c08_f817_ce41, 0xcaac_7de1_b895_be56],
         [0xed78_7ca9_ffeb_8a08, 0x790b_0208_1949_e2e6, 0xf79a_dea0_3e8a_76b0],
         [0xf732_926a_3f1b_9151, 0xa584_7338_f50f_ecf1, 0xf5b0_8d77_18f9_e2e1],
         [0x4bb6_4f05_13fa_cbad, 0x04ef_d1e0_a3d9_9cf5, 0x52a3_52b8_60b3_794d],

@@ -15,7 +15,7 @@ use super::order::Order;
 use super::proposal::Contraction;
 use super::quadrics::Quadrics;
 use super::rings::Rings;
-use super::ticker::Ticker;
+use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
 use crate::data::{Domain, FaceId, NO_VALUE, TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
@@ -214,6 +214,24 @@ impl WorkingMesh {
         edges.sort_unstable();
         edges.dedup();
         edges
+    }
+
+    /// The edges that are left, by id, in time that hears a cancel.
+    pub(super) fn edges_left(&self, ticker: &mut Ticker) -> Result<Vec<EdgeId>, Cancelled> {
+        let mut is_left = ticker.fill(self.complex.edges.len(), false)?;
+        for piece in self.complex.faces.chunks(CHUNK) {
+            ticker.tick(self.n_faces())?;
+            for face in piece.iter().filter(|face| !face.is_dead()) {
+                face.edges.iter().for_each(|edge| is_left[edge.idx()] = true);
+            }
+        }
+        let mut edges = Vec::new();
+        for (first, piece) in (0u32..).step_by(CHUNK).zip(is_left.chunks(CHUNK)) {
+            ticker.tick(self.n_faces())?;
+            let numbered = (first..).zip(piece).filter(|(_, is_left)| **is_left);
+            edges.extend(numbered.map(|(number, _)| EdgeId(number)));
+        }
+        Ok(edges)
     }
 
     /// The contraction of an edge that is left.

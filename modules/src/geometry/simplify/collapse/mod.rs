@@ -20,8 +20,8 @@
 //! Time O(n log n) for n faces at bounded valence; see the bench `simplify`.
 
 mod attributes;
+mod blocked;
 mod build;
-mod check;
 mod complex;
 mod cost;
 mod engine;
@@ -30,6 +30,9 @@ mod engine_tests;
 #[cfg(test)]
 mod guard_tests;
 mod layer;
+#[cfg(test)]
+mod limit_tests;
+mod link;
 mod marks;
 mod merge;
 mod merging;
@@ -48,6 +51,7 @@ mod queue;
 mod renewal;
 mod result;
 mod rings;
+mod shape;
 mod stop;
 #[cfg(test)]
 mod tests;
@@ -56,12 +60,13 @@ mod ticker;
 pub(crate) mod trial;
 mod wedge;
 
+pub use blocked::Blocked;
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use merging::Merging;
 pub use mesh::WorkingMesh;
-pub use observer::{Collapse, Element, Observer, WedgeChange};
-pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions};
+pub use observer::{Collapse, Element, MovedCorner, Observer, WedgeChange};
+pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions, Turns};
 pub use outcome::{Seconds, Simplified, Statistics};
 pub use placement::Placement;
 pub use proposal::{AttributeRow, Batch, Candidates, Contraction, Proposal, Reach, Renewal};

@@ -25,28 +25,55 @@ pub trait Observer: Send {
     fn finished(&mut self, _mesh: &WorkingMesh) {}
 }
 
-/// A collapse that was made; the names are those of the drawing in `merge.rs`.
+/// A collapse that was made, of an edge or of a face; the names are those of the drawing in
+/// `merge.rs`.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapse<'a> {
     /// The vertex that stayed; it moved to `position`.
     pub kept: VertexId,
     /// The vertex that is gone.
     pub gone: VertexId,
+    /// A third one that is gone, where a face contracted.
+    pub also_gone: Option<VertexId>,
     /// Where `kept` is now.
     pub position: DVec3,
-    /// Where `kept` and `gone` were.
-    pub before: [DVec3; 2],
+    /// Where `kept`, `gone` and `also_gone` were; the last is of no meaning without the third.
+    pub before: [DVec3; 3],
     /// The faces that are gone, with their vertices before.
     pub dying_faces: &'a [DyingFace],
     /// The price that it was made at.
     pub price: f64,
-    /// The wedges of both ends before and after, and those at the third vertices of the dying
+    /// The corners that the vertices which are gone had and `kept` has now; empty unless the run
+    /// has an [`Observer`].
+    pub moved_corners: &'a [MovedCorner],
+    /// The wedges of all of them before and after, and those at the third vertices of the dying
     /// faces; empty unless the run has an [`Observer`].
     pub wedges: &'a [WedgeChange],
-    pub(super) rings: &'a Rings,
+}
+
+/// A corner that has another vertex than before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovedCorner {
+    /// Its face.
+    pub face: FaceId,
+    /// Its place there.
+    pub k: usize,
+    /// The vertex that it had.
+    pub was_at: VertexId,
 }
 
 impl Collapse<'_> {
+    /// The vertices that are one now, each with its place before; `kept` first.
+    pub fn merged(&self) -> impl Iterator<Item = (VertexId, DVec3)> + use<> {
+        let vertices = [Some(self.kept), Some(self.gone), self.also_gone];
+        vertices.into_iter().zip(self.before).filter_map(|(vertex, place)| Some((vertex?, place)))
+    }
+
+    /// Whether a vertex is one of them.
+    pub fn has(&self, vertex: VertexId) -> bool {
+        self.merged().any(|(merged, _)| merged == vertex)
+    }
+
     /// The third vertex of the dying face to the left of the way from `kept` to `gone`; of several,
     /// the first.
     pub fn vl(&self) -> Option<VertexId> {
@@ -66,11 +93,6 @@ impl Collapse<'_> {
                 ([from, to] == side).then_some(third)
             })
         })
-    }
-
-    /// The corners that `gone` had and `kept` has now: the face of each and its place there.
-    pub fn moved_corners(&self) -> impl Iterator<Item = (FaceId, usize)> {
-        self.rings.staying_at_gone().map(|face| (FaceId(face.corner / 3), face.corner as usize % 3))
     }
 }
 
@@ -95,6 +117,16 @@ pub struct WedgeChange {
     pub before: Option<(WedgeId, DVec3)>,
     /// After; a corner of a dead face keeps its wedge.
     pub after: Option<(WedgeId, DVec3)>,
+}
+
+/// Lists the corners that will move to the end of an edge that stays.
+pub(super) fn list_moved(rings: &Rings, moved: &mut Vec<MovedCorner>) {
+    let was_at = VertexId(rings.gone);
+    moved.clear();
+    moved.extend(rings.staying_at_gone().map(|face| {
+        let (face, k) = (FaceId(face.corner / 3), face.corner as usize % 3);
+        MovedCorner { face, k, was_at }
+    }));
 }
 
 /// Lists the wedges around an edge, before it merges; `after` is to be filled in by

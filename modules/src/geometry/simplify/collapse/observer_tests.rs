@@ -12,10 +12,10 @@ use crate::placement::Optimal;
 struct Split {
     kept: VertexId,
     gone: VertexId,
-    before: [DVec3; 2],
+    before: [DVec3; 3],
     sides: [Option<VertexId>; 2],
     dying_faces: Vec<DyingFace>,
-    moved_corners: Vec<(FaceId, usize)>,
+    moved_corners: Vec<MovedCorner>,
     wedges: Vec<WedgeChange>,
 }
 
@@ -56,7 +56,7 @@ impl Observer for Recorder {
             before: collapse.before,
             sides: [collapse.vl(), collapse.vr()],
             dying_faces: collapse.dying_faces.to_vec(),
-            moved_corners: collapse.moved_corners().collect(),
+            moved_corners: collapse.moved_corners.to_vec(),
             wedges: collapse.wedges.to_vec(),
         });
     }
@@ -76,9 +76,9 @@ impl Recorder {
         let Some(split) = self.splits.pop() else { return false };
         self.positions[split.kept.idx()] = split.before[0];
         self.positions[split.gone.idx()] = split.before[1];
-        for (face, k) in split.moved_corners {
+        for MovedCorner { face, k, was_at } in split.moved_corners {
             let corners = self.faces[face.idx()].as_mut().unwrap();
-            assert_eq!(std::mem::replace(&mut corners[k], split.gone), split.kept);
+            assert_eq!(std::mem::replace(&mut corners[k], was_at), split.kept);
         }
         for DyingFace { face, vertices } in split.dying_faces {
             assert_eq!(self.faces[face.idx()].replace(vertices), None);

@@ -1,6 +1,6 @@
 //! What the engine is to do, apart from cost and placement.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::PI;
 
 use super::stop::Stop;
 
@@ -13,10 +13,12 @@ pub struct SimplifyOptions {
     pub boundary: Boundary,
     /// What may happen to the seams of texture coordinates.
     pub seams: Seams,
-    /// The largest turn of a face's normal in one collapse, in radians; `None` is no test. With a
-    /// test, no collapse folds two faces at the merged vertex onto each other (150° and more
-    /// between their normals) that were not folded before.
-    pub flip_angle_rad: Option<f64>,
+    /// How far a collapse may turn the normal of a face.
+    pub turns: Turns,
+    /// A collapse that leaves a face with an angle below this, in radians, and a smaller one than
+    /// before, waits where the cost lets it (`Cost::is_patient`): until what costs the square of
+    /// the ratio of the sines as much has gone.
+    pub sliver_angle_rad: Option<f64>,
 }
 
 impl SimplifyOptions {
@@ -25,7 +27,9 @@ impl SimplifyOptions {
         stop: Stop { faces: None, ratio: None, cost: None },
         boundary: Boundary::Weighted,
         seams: Seams::Kept,
-        flip_angle_rad: Some(FRAC_PI_4),
+        turns: Turns::Adaptive,
+        // 3 degrees.
+        sliver_angle_rad: Some(PI / 60.0),
     };
 }
 
@@ -33,6 +37,22 @@ impl Default for SimplifyOptions {
     fn default() -> Self {
         Self::DEFAULT
     }
+}
+
+/// How far a collapse may turn the normal of a face. With a limit, no collapse folds two faces at
+/// the merged vertex onto each other (150° and more between their normals) that were not folded
+/// before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Turns {
+    /// By 45°, and by up to 90° as well where a [patient](super::Cost::is_patient) cost finds that
+    /// four times cheaper than what else there is, or where no other collapse is left and the
+    /// number of faces is not reached.
+    #[default]
+    Adaptive,
+    /// By at most this angle, in radians.
+    UpTo(f64),
+    /// By any: no test of the shapes of faces.
+    Any,
 }
 
 /// What may happen to vertices on borders and non-manifold edges.

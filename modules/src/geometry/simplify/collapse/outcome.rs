@@ -1,5 +1,6 @@
 //! What a run gives.
 
+use super::blocked::Blocked;
 use super::stop::Outcome;
 use crate::data::TriMesh;
 
@@ -41,7 +42,11 @@ pub struct Statistics {
     pub n_rejected_flip: usize,
     /// Edges that the boundary policy, seams or a coordinate that is not finite forbids.
     pub n_rejected_boundary: usize,
-    /// Price of the dearest collapse made, if there was one.
+    /// Collapses that turned a face by more than 45°, under [`Turns::Adaptive`](super::Turns).
+    pub n_wide_turns: usize,
+    /// What holds the edges that are left, where the number of faces was not reached.
+    pub blocked: Option<Blocked>,
+    /// Price of the dearest collapse made, if there was one; 0 if all were free.
     pub largest_cost: Option<f64>,
 }
 
@@ -56,12 +61,15 @@ impl Statistics {
             n_rejected_link: 0,
             n_rejected_flip: 0,
             n_rejected_boundary: 0,
+            n_wide_turns: 0,
+            blocked: None,
             largest_cost: None,
         }
     }
 
-    /// Counts a collapse at this price.
-    pub(super) fn add_collapse(&mut self, price: f64) {
+    /// Counts a collapse at this price, and whether it turned a face far.
+    pub(super) fn add_collapse(&mut self, price: f64, is_wide_turn: bool) {
+        self.n_wide_turns += usize::from(is_wide_turn);
         self.n_collapses += 1;
         self.largest_cost = Some(self.largest_cost.map_or(price, |largest| largest.max(price)));
     }

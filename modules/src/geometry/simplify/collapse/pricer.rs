@@ -116,16 +116,15 @@ impl<'a> Pricer<'a> {
         candidates.list_proposals(contractions, proposals);
     }
 
-    /// The proposal of an edge by its number, with its attribute values.
-    pub fn proposal(
-        &mut self,
-        mesh: &WorkingMesh,
-        edge: EdgeId,
-        choice: u8,
-    ) -> Option<(Proposal, &[AttributeValue])> {
+    /// The proposals of an edge.
+    pub fn proposals(&mut self, mesh: &WorkingMesh, edge: EdgeId) -> &[Proposal] {
         self.propose(mesh, &[edge]);
-        let proposal = *self.proposals.get(usize::from(choice))?;
-        Some((proposal, self.candidates.batch(&self.proposals).attributes(&proposal)))
+        &self.proposals
+    }
+
+    /// The attribute values of a proposal, one of those that were listed last.
+    pub fn attributes(&self, proposal: &Proposal) -> &[AttributeValue] {
+        self.candidates.batch(&self.proposals).attributes(proposal)
     }
 
     /// The price and number of the proposal of an edge that comes next after one that was tried, by
@@ -148,6 +147,11 @@ impl<'a> Pricer<'a> {
         numbered
             .filter(|&untried| !untried.0.is_nan() && untried > tried)
             .reduce(|best, other| if other < best { other } else { best })
+    }
+
+    /// Whether an edge costs nothing at this price.
+    pub fn is_free(&self, mesh: &WorkingMesh, edge: EdgeId, price: f64) -> bool {
+        self.cost.is_free(mesh, &mesh.contraction(edge), price)
     }
 
     /// Tells both parts of a collapse.

@@ -43,6 +43,13 @@ impl Entry {
     }
 }
 
+/// A price doubled so often, which is exact as long as it is finite.
+#[inline]
+pub(super) fn doubled(price: f64, doublings: u8) -> f64 {
+    // A power of two by its exponent.
+    price * f64::from_bits((1023 + u64::from(doublings)) << 52)
+}
+
 /// The edge of a key.
 #[inline]
 fn edge_of(key: Key) -> EdgeId {
@@ -57,10 +64,17 @@ struct Slot {
     length_squared: f32,
     choice: u8,
     is_stale: bool,
+    /// How often the price was doubled to let the edge wait.
+    doublings: u8,
 }
 
 impl Slot {
-    const ABSENT: Self = Self { price: f64::NAN, length_squared: 0.0, choice: 0, is_stale: false };
+    const ABSENT: Self = Self::new(f64::NAN, 0.0, 0);
+
+    #[inline]
+    const fn new(price: f64, length_squared: f32, choice: u8) -> Self {
+        Self { price, length_squared, choice, is_stale: false, doublings: 0 }
+    }
 
     #[inline]
     fn entry(&self, edge: EdgeId) -> Entry {
@@ -162,7 +176,7 @@ impl Queue {
     /// Lets an edge wait at a part of its price, unless it is stale already or the price is
     /// negative, and marks it as stale.
     pub fn put_off(&mut self, edge: EdgeId, share: f64) {
-        let Slot { price, length_squared, choice, is_stale } = self.slots[edge.idx()];
+        let Slot { price, length_squared, choice, is_stale, .. } = self.slots[edge.idx()];
         if !is_stale && price > 0.0 {
             self.set(Entry { price: share * price, length_squared, edge }, choice);
         }
@@ -178,7 +192,42 @@ impl Queue {
     #[inline]
     pub fn set(&mut self, entry: Entry, choice: u8) {
         let Entry { price, length_squared, edge } = entry;
-        self.slots[edge.idx()] = Slot { price, length_squared, choice, is_stale: false };
+        self.slots[edge.idx()] = Slot::new(price, length_squared, choice);
+        self.list(entry);
+    }
+
+    /// Lets an edge wait at a multiple of its price, doubled so often; then it waits for a change
+    /// in its neighborhood, too.
+    pub fn let_wait(&mut self, entry: Entry, choice: u8, doublings: u8) {
+        let entry = Entry { price: doubled(entry.price, doublings), ..entry };
+        let slot = Slot::new(entry.price, entry.length_squared, choice);
+        self.slots[entry.edge.idx()] = Slot { doublings, ..slot };
+        self.list(entry);
+    }
+
+    /// Whether an edge has waited at a multiple of its price.
+    #[inline]
+    pub fn has_waited(&self, edge: EdgeId) -> bool {
+        self.slots[edge.idx()].doublings > 0
+    }
+
+    /// The price that the edge was set with, before it had to wait.
+    #[inline]
+    pub fn own_price(&self, edge: EdgeId) -> f64 {
+        let Slot { price, doublings, .. } = self.slots[edge.idx()];
+        price / doubled(1.0, doublings)
+    }
+
+    /// Whether a change in its neighborhood gives the edge another chance: it is not on the queue,
+    /// or waits at a multiple of its price.
+    #[inline]
+    pub fn is_held_up(&self, edge: EdgeId) -> bool {
+        !self.contains(edge) || self.has_waited(edge)
+    }
+
+    #[inline]
+    fn list(&mut self, entry: Entry) {
+        let price = entry.price;
         if price <= self.run_end {
             self.late.push(entry.key());
         } else if price <= self.pool_end {

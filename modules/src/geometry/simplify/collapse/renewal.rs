@@ -127,7 +127,7 @@ impl Renewer {
     }
 
     /// Marks the prices of the edges at the merged vertex as stale, and lists those that are
-    /// parked, to be priced at once, and the neighbors that have parked edges.
+    /// held up, to be priced at once, and the neighbors that have parked edges.
     fn mark_stale(
         &mut self,
         complex: &Complex,
@@ -138,7 +138,7 @@ impl Renewer {
         self.ring.clear();
         for &(edge, other) in &merged.edges {
             queue.mark_stale(edge);
-            if !queue.contains(edge) {
+            if queue.is_held_up(edge) {
                 due.push(edge);
             }
             if complex.flags[other as usize] & flag::PARKED != 0 {
@@ -147,7 +147,7 @@ impl Renewer {
         }
     }
 
-    /// Adds the edges that are parked at the vertices of the ring.
+    /// Adds the edges that are held up at the vertices of the ring.
     fn wake_parked(
         &mut self,
         complex: &mut Complex,
@@ -165,7 +165,7 @@ impl Renewer {
             complex.flags[vertex as usize] &= !flag::PARKED;
             for face in &self.ring_faces {
                 let [to_after, to_before, _] = face.edges(&complex.faces);
-                due.extend([to_after, to_before].iter().filter(|&&e| !queue.contains(e)));
+                due.extend([to_after, to_before].iter().filter(|&&e| queue.is_held_up(e)));
             }
         }
     }
@@ -174,6 +174,11 @@ impl Renewer {
 /// Takes an edge off the queue until something near it changes.
 pub(super) fn park(complex: &mut Complex, queue: &mut Queue, edge: EdgeId) {
     queue.remove(edge);
+    mark_parked(complex, edge);
+}
+
+/// Notes at both ends of an edge that it waits for a change.
+pub(super) fn mark_parked(complex: &mut Complex, edge: EdgeId) {
     for v in complex.ends(edge) {
         complex.flags[v as usize] |= flag::PARKED;
     }

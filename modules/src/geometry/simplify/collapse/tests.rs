@@ -47,7 +47,7 @@ pub(super) fn grid(n: usize, height: impl Fn(f64, f64) -> f64) -> TriMesh {
 }
 
 /// The cube of side 8 with 8 × 8 × 2 triangles a side: 768 faces, 386 vertices.
-fn cube() -> TriMesh {
+pub(super) fn cube() -> TriMesh {
     let mut ids = BTreeMap::new();
     let mut positions = Vec::new();
     let mut faces = Vec::new();
@@ -335,7 +335,7 @@ proptest! {
         let before = topology(&TriMesh::new(mesh.positions.clone(), proper));
         let mut options = to_faces(n);
         if flip {
-            options.flip_angle_rad = None;
+            options.turns = Turns::Any;
         }
         for result in [
             run_with(&mesh, EdgeLength, Midpoint, options),

@@ -1,0 +1,272 @@
+//! The memoryless measures of P. Lindstrom and G. Turk, "Fast and memory efficient polygonal
+//! simplification", IEEE Visualization 1998, and "Evaluation of memoryless simplification", IEEE
+//! TVCG 5(2), 1999.
+//!
+//! Nothing but the faces around an edge as they are says what its collapse costs and where its
+//! vertex goes: the volumes of the tetrahedra between the new vertex and each of these faces, and
+//! the areas of the triangles between it and each border edge. All is relative to the vertex that
+//! stays, so that rounding is relative to an edge, not to the size of the model. Where the corners
+//! of a face merge, the faces around all three count.
+
+use glam::{DMat3, DVec3};
+
+use super::collapse::{Contraction, WorkingMesh};
+use crate::data::VertexId;
+
+/// A constraint is taken if it is at least so far from those before it: sines and cosines of 1°,
+/// the α of the paper.
+const SIN_SQ: f64 = 3.045_865_2e-4;
+const COS_SQ: f64 = 1.0 - SIN_SQ;
+
+/// A function `½ xᵀ H x + c·x + ½ k`, of which the least value is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Square {
+    h: DMat3,
+    c: DVec3,
+    k: f64,
+}
+
+impl Square {
+    fn zero() -> Self {
+        Self { h: DMat3::ZERO, c: DVec3::ZERO, k: 0.0 }
+    }
+
+    /// Adds `½ (n·x − d)²`.
+    fn add_plane(&mut self, n: DVec3, d: f64) {
+        self.h += DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        self.c -= d * n;
+        self.k += d * d;
+    }
+
+    /// Adds `½ |e₁ × x + e₂|²`.
+    fn add_line(&mut self, e1: DVec3, e2: DVec3) {
+        let outer = DMat3::from_cols(e1 * e1.x, e1 * e1.y, e1 * e1.z);
+        self.h += DMat3::from_diagonal(DVec3::splat(e1.length_squared())) - outer;
+        self.c -= e1.cross(e2);
+        self.k += e2.length_squared();
+    }
+
+    fn at(&self, x: DVec3) -> f64 {
+        (0.5 * x.dot(self.h * x) + self.c.dot(x) + 0.5 * self.k).max(0.0)
+    }
+
+    fn plus(&self, other: &Self, weight: f64) -> Self {
+        Self {
+            h: self.h + other.h * weight,
+            c: self.c + other.c * weight,
+            k: self.k + other.k * weight,
+        }
+    }
+}
+
+/// What the faces around a contraction say, relative to the vertex that stays.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Sum of the doubled area vectors, and of six times the volumes towards the origin.
+    normal: DVec3,
+    volume: f64,
+    /// Half of the squared sextuple volumes.
+    volumes: Square,
+    /// Sums of the border edges and of the doubled area vectors of the triangles to the origin.
+    border: Option<(DVec3, DVec3)>,
+    /// Half of the squared doubled areas.
+    areas: Square,
+    length_sq: f64,
+    middle: DVec3,
+}
+
+impl Patch {
+    /// Looks at the faces around all vertices of a contraction.
+    pub fn around(mesh: &WorkingMesh, contraction: &Contraction) -> Self {
+        let origin = mesh.position(contraction.kept);
+        let place = |v| mesh.position(v) - origin;
+        let mut patch = Self {
+            normal: DVec3::ZERO,
+            volume: 0.0,
+            volumes: Square::zero(),
+            border: None,
+            areas: Square::zero(),
+            length_sq: contraction.length_squared(|v| mesh.position(v)),
+            middle: DVec3::ZERO,
+        };
+        let mut n = 0.0;
+        for vertex in contraction.vertices() {
+            patch.middle += place(vertex);
+            n += 1.0;
+            // Of a closed fan the next vertices of all faces are the previous ones, too.
+            let mut turn = 0_u64;
+            for face in mesh.faces_around(vertex) {
+                let Some(corners) = mesh.face(face) else { continue };
+                let at = corners.iter().position(|v| *v == vertex).unwrap_or(0);
+                let (next, previous) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
+                turn = turn.wrapping_add(mixed(next.0)).wrapping_sub(mixed(previous.0));
+                let before = contraction.vertices().take_while(|v| *v != vertex);
+                if before.into_iter().any(|v| v == next || v == previous) {
+                    continue;
+                }
+                let [a, b, c] = corners.map(place);
+                let normal = (b - a).cross(c - a);
+                let volume = normal.dot(a);
+                patch.normal += normal;
+                patch.volume += volume;
+                patch.volumes.add_plane(normal, volume);
+            }
+            if turn != 0 {
+                patch.add_border(mesh, contraction, vertex, place);
+            }
+        }
+        patch.middle /= n;
+        patch
+    }
+
+    /// Adds the edges at a vertex that have one face.
+    fn add_border(
+        &mut self,
+        mesh: &WorkingMesh,
+        contraction: &Contraction,
+        vertex: VertexId,
+        place: impl Fn(VertexId) -> DVec3,
+    ) {
+        let sides: Vec<_> = mesh
+            .faces_around(vertex)
+            .filter_map(|face| {
+                let corners = mesh.face(face)?;
+                let at = corners.iter().position(|v| *v == vertex)?;
+                Some((corners[(at + 1) % 3], corners[(at + 2) % 3]))
+            })
+            .collect();
+        let is_seen = |v| contraction.vertices().take_while(|w| *w != vertex).any(|w| w == v);
+        for &(next, previous) in &sides {
+            let n_faces = |v| sides.iter().filter(|(a, b)| *a == v || *b == v).count();
+            let edges = [(vertex, next, next), (previous, vertex, previous)];
+            for (from, to, other) in edges {
+                if n_faces(other) == 1 && !is_seen(other) {
+                    let (a, b) = (place(from), place(to));
+                    let (e1, e2) = (b - a, a.cross(b));
+                    let sums = self.border.get_or_insert((DVec3::ZERO, DVec3::ZERO));
+                    sums.0 += e1;
+                    sums.1 += e2;
+                    self.areas.add_line(e1, e2);
+                }
+            }
+        }
+    }
+
+    /// Half of the squared volumes and, times the squared length of the edge, half of the squared
+    /// areas, in model units to the sixth power: `f_C` of the papers with λ = ½.
+    pub fn cost(&self, offset: DVec3) -> f64 {
+        self.combined().at(offset)
+    }
+
+    /// The sum of ½ f_V = ½ Σ V² = Σ (6 V)² / 72, and ½ L² f_B = ½ L² Σ A² = L² Σ (2 A)² / 8.
+    fn combined(&self) -> Square {
+        let volumes = Square::zero().plus(&self.volumes, 1.0 / 36.0);
+        volumes.plus(&self.areas, 0.25 * self.length_sq)
+    }
+
+    /// Where the new vertex goes: it keeps the volume and the area vector of the border, then
+    /// has the least cost, then the most even triangles, as far as each leaves something open.
+    /// `None` where even that is not determined.
+    pub fn place(&self, mesh: &WorkingMesh, contraction: &Contraction) -> Option<DVec3> {
+        let mut constraints = Constraints::default();
+        constraints.add(self.normal, self.volume);
+        if let Some((e1, e2)) = self.border {
+            let mut square = Square::zero();
+            square.add_line(e1, e2);
+            constraints.add_least(&square);
+        }
+        constraints.add_least(&self.combined());
+        if constraints.n < 3 {
+            constraints.add_least(&evenness(mesh, contraction));
+        }
+        constraints.solve()
+    }
+
+    /// The middle of the vertices, for where there is no place.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+}
+
+/// Half of the sum of the squared lengths of the edges at the new vertex.
+fn evenness(mesh: &WorkingMesh, contraction: &Contraction) -> Square {
+    let origin = mesh.position(contraction.kept);
+    let faces = contraction.vertices().flat_map(|v| mesh.faces_around(v));
+    let mut neighbors: Vec<VertexId> = faces
+        .filter_map(|face| mesh.face(face))
+        .flatten()
+        .filter(|v| !contraction.has(*v))
+        .collect();
+    neighbors.sort_unstable();
+    neighbors.dedup();
+    let sum: DVec3 = neighbors.iter().map(|v| mesh.position(*v) - origin).sum();
+    let n = neighbors.len() as f64;
+    Square { h: DMat3::from_diagonal(DVec3::splat(n)), c: -sum, k: 0.0 }
+}
+
+/// Tells numbers apart in a sum.
+fn mixed(number: u32) -> u64 {
+    (u64::from(number) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
+/// Up to three planes `aᵢ·x = bᵢ`, far enough from each other.
+#[derive(Default)]
+struct Constraints {
+    planes: [(DVec3, f64); 3],
+    n: usize,
+}
+
+impl Constraints {
+    /// Takes a plane that is far enough from those that are there.
+    fn add(&mut self, a: DVec3, b: f64) {
+        let [(p, _), (q, _), _] = self.planes;
+        let size = a.length_squared();
+        let is_usable = size > 0.0
+            && size.is_finite()
+            && match self.n {
+                0 => true,
+                1 => p.dot(a).powi(2) < p.length_squared() * size * COS_SQ,
+                2 => {
+                    let line = p.cross(q);
+                    line.dot(a).powi(2) > line.length_squared() * size * SIN_SQ
+                }
+                _ => false,
+            };
+        if is_usable {
+            self.planes[self.n] = (a, b);
+            self.n += 1;
+        }
+    }
+
+    /// Takes what the least value of a function asks for along the directions that are open.
+    fn add_least(&mut self, square: &Square) {
+        let Square { h, c, .. } = *square;
+        match self.n {
+            0 => {
+                [DVec3::X, DVec3::Y, DVec3::Z].into_iter().for_each(|e| self.add(h * e, -c.dot(e)))
+            }
+            1 => {
+                let (first, second) =
+                    self.planes[0].0.normalize_or(DVec3::Z).any_orthonormal_pair();
+                for open in [first, second] {
+                    self.add(h * open, -c.dot(open));
+                }
+            }
+            2 => {
+                let open = self.planes[0].0.cross(self.planes[1].0);
+                self.add(h * open, -c.dot(open));
+            }
+            _ => {}
+        }
+    }
+
+    fn solve(&self) -> Option<DVec3> {
+        if self.n < 3 {
+            return None;
+        }
+        let [(a, p), (b, q), (c, r)] = self.planes;
+        let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
+        let found = (p * bc + q * ca + r * ab) / a.dot(bc);
+        found.is_finite().then_some(found)
+    }
+}

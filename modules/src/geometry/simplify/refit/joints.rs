@@ -1,0 +1,167 @@
+//! Pairs of nearest points of two surfaces.
+
+use glam::DVec3;
+use mve_core::{Cancelled, Control};
+use rayon::prelude::*;
+
+use crate::data::{FaceId, TriMesh};
+use crate::geometry::distance::bvh::{Bvh, Walker};
+use crate::geometry::distance::point_triangle::PreparedTriangle;
+use crate::geometry::distance::sample::{Sample, SurfaceSampler};
+
+/// Samples of one chunk: some milliseconds of work.
+const CHUNK: usize = 4096;
+
+/// A point of the simplified mesh, and how far it should go.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Joint {
+    /// The face of the simplified mesh.
+    pub face: FaceId,
+    /// The barycentric coordinates of the point in it.
+    pub shares: [f64; 3],
+    /// Unit vector to the nearest point of the other surface; its normal where both are at one
+    /// place, or zero where it has none.
+    pub direction: DVec3,
+    /// How far that is, in model units.
+    pub distance: f64,
+}
+
+impl Joint {
+    /// Joins the point `from` of a face of the simplified mesh with the point `to` of the original;
+    /// `normal` is that of either.
+    fn new(face: FaceId, ours: &PreparedTriangle, from: DVec3, to: DVec3, normal: DVec3) -> Self {
+        /// Shorter offsets, relative to the face, have no direction but that of their rounding.
+        const LEAST: f64 = 1e-9;
+        let shares = ours.coordinates(from);
+        let is_flat = shares.iter().any(|share| !share.is_finite());
+        let shares = if is_flat { [1.0 / 3.0; 3] } else { shares.map(|s| s.clamp(0.0, 1.0)) };
+        let offset = to - from;
+        let distance = offset.length();
+        if distance > LEAST * ours.longest_side() {
+            return Self { face, shares, direction: offset / distance, distance };
+        }
+        let direction = if normal.is_finite() { normal } else { DVec3::ZERO };
+        Self { face, shares, direction, distance: 0.0 }
+    }
+}
+
+/// Distances at samples of the original and at those of the simplified mesh, in model units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Root of the mean square, from the original and from the simplified mesh.
+    pub rms: [f64; 2],
+    /// The largest of each.
+    pub max: [f64; 2],
+}
+
+impl Spread {
+    /// The larger maximum of the two directions.
+    pub fn max(&self) -> f64 {
+        self.max[0].max(self.max[1])
+    }
+
+    /// Root of the mean square over both directions.
+    pub fn rms(&self) -> f64 {
+        (0.5 * (self.rms[0] * self.rms[0] + self.rms[1] * self.rms[1])).sqrt()
+    }
+}
+
+/// The joints of both directions.
+#[derive(Debug)]
+pub(super) struct Joints {
+    /// Those of samples of the original.
+    pub of_original: Vec<Joint>,
+    /// Those of samples of the simplified mesh.
+    pub of_simplified: Vec<Joint>,
+}
+
+impl Joints {
+    pub fn spread(&self) -> Spread {
+        let both = [&self.of_original, &self.of_simplified];
+        let rms = both.map(|joints| {
+            let sum: f64 = joints.iter().map(|joint| joint.distance * joint.distance).sum();
+            (sum / joints.len().max(1) as f64).sqrt()
+        });
+        let max =
+            both.map(|joints| joints.iter().fold(0.0, |most: f64, joint| most.max(joint.distance)));
+        Spread { rms, max }
+    }
+}
+
+/// Finds the joints of a mesh with one original.
+pub(super) struct JointFinder<'a> {
+    original: &'a TriMesh,
+    tree: &'a Bvh,
+    sampler: SurfaceSampler<'a>,
+    per_face: f64,
+}
+
+impl<'a> JointFinder<'a> {
+    pub fn new(
+        original: &'a TriMesh,
+        tree: &'a Bvh,
+        per_face: f64,
+        control: Control,
+    ) -> Result<Self, Cancelled> {
+        let sampler = SurfaceSampler::new(original, 0, 0, control)?;
+        Ok(Self { original, tree, sampler, per_face })
+    }
+
+    /// The joints at the samples of this seed; `None` where the mesh has no surface.
+    pub fn find(
+        &self,
+        mesh: &TriMesh,
+        seed: u64,
+        control: Control,
+    ) -> Result<Option<Joints>, Cancelled> {
+        let Self { original, tree, per_face, .. } = self;
+        let own_tree = Bvh::build(mesh, control.part(0.0, 0.1))?;
+        if own_tree.n_faces() == 0 {
+            return Ok(None);
+        }
+        let n = (per_face * own_tree.n_faces() as f64).ceil() as usize;
+        let sampler = self.sampler.resampled(n, 2 * seed);
+        let of_original = join(&sampler, &own_tree, control.part(0.1, 0.6), |sample, walker| {
+            let hit = walker.closest(sample.point)?;
+            let ours = PreparedTriangle::new(mesh.corners(hit.face));
+            let from = ours.closest_point(sample.point);
+            Some(Joint::new(hit.face, &ours, from, sample.point, ours.normal()))
+        })?;
+        let sampler =
+            SurfaceSampler::new(mesh, n.div_ceil(2), 2 * seed + 1, control.part(0.6, 0.7))?;
+        let of_simplified = join(&sampler, tree, control.part(0.7, 1.0), |sample, walker| {
+            let hit = walker.closest(sample.point)?;
+            let ours = PreparedTriangle::new(mesh.corners(sample.face));
+            let theirs = PreparedTriangle::new(original.corners(hit.face));
+            let to = theirs.closest_point(sample.point);
+            Some(Joint::new(sample.face, &ours, sample.point, to, theirs.normal()))
+        })?;
+        Ok(Some(Joints { of_original, of_simplified }))
+    }
+}
+
+/// The joints of all samples, in order.
+fn join(
+    sampler: &SurfaceSampler,
+    tree: &Bvh,
+    control: Control,
+    join: impl Fn(Sample, &mut Walker) -> Option<Joint> + Sync,
+) -> Result<Vec<Joint>, Cancelled> {
+    let n = sampler.n_samples();
+    let n_chunks = n.div_ceil(CHUNK);
+    let steps = control.steps(n_chunks);
+    let found: Vec<Vec<Joint>> = (0..n_chunks)
+        .into_par_iter()
+        .map(|chunk| {
+            let mut walker = tree.walker();
+            let mut joints = Vec::with_capacity(CHUNK);
+            for sample in sampler.samples(chunk * CHUNK..((chunk + 1) * CHUNK).min(n)) {
+                joints.extend(join(sample, &mut walker));
+                walker.poll(&control)?;
+            }
+            steps.step()?;
+            Ok(joints)
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(found.concat())
+}
