@@ -3,8 +3,10 @@
 //! Of a pair the ratio of its two values counts, since models differ in scale; the average of
 //! ratios is their geometric mean.
 
+use std::collections::HashSet;
+
 use indexmap::IndexMap;
-use mve_core::{Better, Question, stands_for};
+use mve_core::{Better, Question, meant};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::case::Case;
@@ -42,6 +44,8 @@ pub struct Answer {
     pub measure: String,
     /// Which values of it are better.
     pub better: Better,
+    /// Whether the two are ways to measure, of which none is the better one.
+    is_instrument: bool,
     /// The two things that are compared.
     pub names: [String; 2],
     /// Titles of the columns that should be the same in both.
@@ -85,26 +89,33 @@ pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question
         Some((path, sides)) => (path.as_str(), sides.clone()),
         None => ("", [Json::Null, Json::Null]),
     };
-    let (found, n_alone) = pairs(results, path, &sides);
+    let sides_of = [side(results, path, &sides[0]), side(results, path, &sides[1])];
+    let found = pairs(path, &sides, &sides_of);
     let has_missed = |(a, b): &(&Case, &Case)| [a, b].iter().any(|case| case.missed().is_some());
     let (missed, found): (Vec<_>, Vec<_>) = found.into_iter().partition(has_missed);
     let (unequal, found): (Vec<_>, Vec<_>) = found.into_iter().partition(|(a, b)| {
         question.same.is_empty() && !same.is_empty() && !results.are_alike(&[Some(a), Some(b)])
     });
-    let pairs: Vec<Pair> = found
-        .into_iter()
-        .filter_map(|(a, b)| pair(results, [a, b], path, &measure, &same))
-        .collect();
-    let n_cases = results.cases.iter().filter(|case| {
-        let value = case.params.get(path);
-        value.is_some_and(|value| sides.iter().any(|side| stands_for(side, value)))
-    });
-    let n_left_out = missed.len() + unequal.len();
-    let n_alone = n_alone.max(n_cases.count().saturating_sub(2 * (pairs.len() + n_left_out)));
+    // A case may be the partner of several, so that cases are counted and not twice the pairs.
+    let place = |case: &Case| std::ptr::from_ref(case);
+    let mut used: HashSet<*const Case> =
+        missed.iter().chain(&unequal).flat_map(|(a, b)| [place(a), place(b)]).collect();
+    let mut pairs: Vec<Pair> = Vec::new();
+    for (a, b) in found {
+        if let Some(pair) = pair(results, [a, b], path, &measure, &same) {
+            pairs.push(pair);
+            used.extend([place(a), place(b)]);
+        }
+    }
+    let all: HashSet<*const Case> =
+        sides_of.iter().flatten().map(|case| std::ptr::from_ref(*case)).collect();
+    let n_alone = all.difference(&used).count();
+    let is_instrument = measure.is_set_by(results, path);
     let mut answer = Answer {
         text: question.text.clone(),
         measure: measure.title,
-        better: measure.better,
+        better: if is_instrument { Better::Neither } else { measure.better },
+        is_instrument,
         names: sides.map(|side| results.name_of(path, &side)),
         same_titles: same.iter().map(|column| columns::title(results, measures, column)).collect(),
         n_missed: missed.len(),
@@ -134,18 +145,20 @@ fn order(pair: &Pair) -> i32 {
     if a < b { -1 } else { 1 }
 }
 
-/// All pairs, and how many cases of either side are in none.
+/// The cases that a side means.
+fn side<'a>(results: &'a Results, path: &str, side: &Json) -> Vec<&'a Case> {
+    let value = |case: &'a Case| case.params.get(path);
+    let values = meant(side, results.cases.iter().filter_map(value));
+    let is_meant = |case: &&'a Case| value(case).is_some_and(|value| values.contains(&value));
+    results.cases.iter().filter(is_meant).collect()
+}
+
+/// All pairs of the cases of two sides.
 fn pairs<'a>(
-    results: &'a Results,
     path: &str,
     sides: &[Json; 2],
-) -> (Vec<(&'a Case, &'a Case)>, usize) {
-    let of_side = |side: &Json| -> Vec<&Case> {
-        let is_meant =
-            |case: &&Case| case.params.get(path).is_some_and(|value| stands_for(side, value));
-        results.cases.iter().filter(is_meant).collect()
-    };
-    let (first, second) = (of_side(&sides[0]), of_side(&sides[1]));
+    [first, second]: &[Vec<&'a Case>; 2],
+) -> Vec<(&'a Case, &'a Case)> {
     let rest = |case: &Case| {
         let mut params = case.params.clone();
         params.shift_remove(path);
@@ -155,8 +168,7 @@ fn pairs<'a>(
     second.iter().for_each(|case| partners.entry(rest(case)).or_default().push(case));
     let own = |case: &Case, side: &Json| own_params(side, &case.params[path]);
     let mut found = Vec::new();
-    let mut n_used = 0;
-    for a in &first {
+    for a in first {
         let Some(candidates) = partners.get(&rest(a)) else { continue };
         let params = own(a, &sides[0]);
         let exact = candidates.iter().find(|b| own(b, &sides[1]) == params);
@@ -168,10 +180,9 @@ fn pairs<'a>(
         let only = fitting.next().filter(|_| fitting.next().is_none());
         if let Some(b) = exact.or(only) {
             found.push((*a, *b));
-            n_used += 1;
         }
     }
-    (found, first.len() + second.len() - 2 * n_used.min(second.len()).min(first.len()))
+    found
 }
 
 /// The parameters of the entry that a value chooses, where a side names the entry alone.
@@ -285,6 +296,11 @@ impl Answer {
                  (geometric mean of {}{interval}).",
                 form.change(over.ratio),
                 over.n
+            ));
+        }
+        if self.is_instrument {
+            sentences.push(format!(
+                "{a} and {b} are ways to measure it, so none of them is the better one."
             ));
         }
         sentences.extend(self.same_in_words());

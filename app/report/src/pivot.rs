@@ -22,6 +22,8 @@ pub struct Pivot {
     pub column_axes: Vec<String>,
     /// Of each column its name on each of these axes.
     pub columns: Vec<Vec<String>>,
+    /// How each column is measured: only those measured in one way are compared.
+    ways: Vec<Vec<usize>>,
     /// The rows.
     pub rows: Vec<PivotRow>,
     /// Geometric means over the rows that are complete and can be compared, and of how many.
@@ -66,8 +68,15 @@ fn row_axes(results: &Results) -> Vec<String> {
 }
 
 fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
-    let row = |(row, cases): (Vec<usize>, Vec<Option<&Case>>)| {
-        let is_unequal = !results.are_alike(&cases);
+    let instruments = results.series_axes().iter().map(|axis| measure.is_made_by(results, axis));
+    let instruments: Vec<bool> = instruments.collect();
+    let way = |series: &Vec<usize>| {
+        let set = series.iter().zip(&instruments).filter(|(_, is_instrument)| **is_instrument);
+        set.map(|(place, _)| *place).collect()
+    };
+    let mut ways: Vec<Vec<usize>> = results.series.iter().map(way).collect();
+    let row = |at: &[usize], cases: &[Option<&Case>]| {
+        let is_unequal = !results.are_alike(cases);
         let cells: Vec<Cell> = cases
             .iter()
             .map(|case| case.map_or(Cell::Empty, |case| measure.cell(results, case)))
@@ -76,14 +85,14 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
             let is_compared = case.is_some_and(Case::is_comparable) && !is_unequal;
             cell.number().filter(|_| is_compared)
         });
-        let is_best = best_of(&numbers.collect::<Vec<_>>(), measure.better);
-        let cells = cells.into_iter().zip(is_best).zip(&cases).map(|((cell, is_best), case)| {
+        let is_best = best_of_ways(&numbers.collect::<Vec<_>>(), &ways, measure.better);
+        let cells = cells.into_iter().zip(is_best).zip(cases).map(|((cell, is_best), case)| {
             let missed = case.and_then(Case::missed).filter(|_| cell != Cell::Empty);
             PivotCell { cell, is_best, missed }
         });
-        PivotRow { names: results.row_names(&row), cells: cells.collect(), is_unequal }
+        PivotRow { names: results.row_names(at), cells: cells.collect(), is_unequal }
     };
-    let mut rows: Vec<PivotRow> = results.rows().into_iter().map(row).collect();
+    let mut rows: Vec<PivotRow> = results.rows().iter().map(|(at, cases)| row(at, cases)).collect();
     let mut columns: Vec<Vec<String>> =
         results.series.iter().map(|series| results.series_names(series)).collect();
     // What holds something else with some series, or in some rows, says nothing there.
@@ -91,6 +100,8 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
     let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
     let mut kept = full.iter();
     columns.retain(|_| kept.next().copied().unwrap_or(false));
+    let mut kept = full.iter();
+    ways.retain(|_| kept.next().copied().unwrap_or(false));
     for row in &mut rows {
         let mut kept = full.iter();
         row.cells.retain(|_| kept.next().copied().unwrap_or(false));
@@ -109,6 +120,7 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
         row_axes: row_axes(results),
         column_axes: results.series_axes().iter().map(|axis| axis.title.clone()).collect(),
         columns,
+        ways,
         rows,
         means,
         n_best,
@@ -134,6 +146,7 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
         row_axes: row_axes(results),
         column_axes: Vec::new(),
         columns: measures.iter().map(|measure| vec![measure.title_with_unit()]).collect(),
+        ways: Vec::new(),
         rows: results.rows().into_iter().map(row).collect(),
         means: None,
         n_best: None,
@@ -154,6 +167,15 @@ pub fn best_of(numbers: &[Option<f64>], better: Better) -> Vec<bool> {
     let marked: Vec<bool> = numbers.iter().map(is_best).collect();
     let n_marked = marked.iter().filter(|is| **is).count();
     if n_marked == all().count() { vec![false; numbers.len()] } else { marked }
+}
+
+/// The same of each way to measure alone.
+fn best_of_ways(numbers: &[Option<f64>], ways: &[Vec<usize>], better: Better) -> Vec<bool> {
+    let marked = |(place, way): (usize, &Vec<usize>)| {
+        let own = numbers.iter().zip(ways).map(|(number, other)| number.filter(|_| other == way));
+        best_of(&own.collect::<Vec<_>>(), better)[place]
+    };
+    ways.iter().enumerate().map(marked).collect()
 }
 
 fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
@@ -191,7 +213,7 @@ impl Pivot {
             let n_rows = self.rows.len();
             let of = if *n == n_rows { String::new() } else { format!(" of {n} comparable rows") };
             let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
-            let cells = means.iter().zip(best_of(&numbers, self.better));
+            let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
             let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
             rows.push(sum(format!("Geometric mean{of}"), cells.collect()));
         }
@@ -221,6 +243,9 @@ impl Pivot {
             notes.push(
                 "‡ the results differ in size by more than 1 %, so none is the best.".to_owned(),
             );
+        }
+        if self.better != Better::Neither && self.ways.iter().any(|way| *way != self.ways[0]) {
+            notes.push("Columns that are measured in different ways are not compared.".to_owned());
         }
         notes
     }

@@ -191,6 +191,105 @@ fn a_column_of_two_metrics_is_two_measures() {
     assert!(!markdown.contains("**1e-4**") && !markdown.contains("**2.86**"), "{markdown}");
 }
 
+/// A store of one model by six ratios and some values of another parameter.
+fn by_ratio(path: &str, values: &Json, report: &Json, error: impl Fn(f64, usize) -> f64) -> Maker {
+    let ratios = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1];
+    let axes = json!([{ "cut.ratio": ratios }, { path: values }]);
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
+    for ratio in ratios {
+        for (place, value) in values.as_array().unwrap().iter().enumerate() {
+            let outputs = json!({ "err": error(ratio, place), "faces": (1000.0 * ratio) as u32 });
+            maker.step(json!({ "cut.ratio": ratio, path: value }), 0, Some(outputs));
+        }
+    }
+    maker
+}
+
+#[test]
+fn a_bare_entry_beside_its_settings_is_paired_with_itself_alone() {
+    let costs = json!([{ "Quadric": { "weight": 0 } }, "Quadric", { "Quadric": { "weight": 9 } }]);
+    for asked in [json!({}), json!({ "measures": [{ "column": "compare.err" }] })] {
+        // Half, and a quarter, of the first in each of six pairs: 2 of 64 signs are as one-sided.
+        let maker =
+            by_ratio("cut.cost", &costs, &asked, |ratio, place| ratio / f64::from(1 << place));
+        let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+        let words = |n: usize| answers[n].1.join(" ").replace('\u{a0}', " ");
+        assert_eq!(answers.len(), 2);
+        assert!(words(0).contains("is 50 % lower with Quadric than with "), "{}", words(0));
+        assert!(words(1).contains("is 75 % lower with "), "{}", words(1));
+        for n in 0..2 {
+            let counts = "it is lower in 6 of 6; p = 0.031 by";
+            assert!(words(n).contains(counts) && !words(n).contains("partner"), "{}", words(n));
+            assert!(words(n).contains("geometric mean of 6 pairs"), "{}", words(n));
+        }
+    }
+}
+
+#[test]
+fn several_settings_may_have_one_partner_and_none_is_alone() {
+    let costs = json!(["Plain", { "Mse": { "size": 1 } }, { "Mse": { "size": 2 } }]);
+    let asked = json!({ "questions": [{ "text": "?", "measure": "compare.err",
+        "compare": { "cut.cost": ["Mse", "Plain"] } }] });
+    let maker = by_ratio("cut.cost", &costs, &asked, |ratio, place| ratio + place as f64);
+    let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ");
+    assert!(words.contains("geometric mean of 12 pairs") && !words.contains("partner"), "{words}");
+}
+
+#[test]
+fn ways_to_measure_are_not_ranked() {
+    let metrics = json!(["Far", { "Far": { "samples": 9 } }]);
+    let store = |report: Json| {
+        let mut maker =
+            by_ratio("compare.metric", &metrics, &report, |r, place| r / (1.0 + place as f64));
+        maker.plan["map"]["links"] =
+            json!(["model.mesh -> compare.original", "cut.mesh -> compare.simplified"]);
+        maker.finish()
+    };
+    let folder = store(json!({}));
+    assert!(Report::read(folder.path()).unwrap().answers_in_words().is_empty());
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| 0.5 | 0.25 |") && !markdown.contains("**"), "{markdown}");
+    assert!(markdown.contains("Columns that are measured in different ways are not compared."));
+    let page = text(folder.path(), Format::Html);
+    assert!(!page.contains("class=\"best\"") && !page.contains("Pareto front</span>"), "{page}");
+    // Who asks gets the numbers, and no winner.
+    let asked = json!({ "questions": [{ "text": "?", "measure": "compare.err",
+        "compare": { "compare.metric": [metrics[1], "Far"] } }] });
+    let answers = Report::read(store(asked).path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ").replace('\u{a0}', " ");
+    assert!(words.contains("is 50 % lower with") && !words.contains("By this measure"), "{words}");
+    assert!(words.contains("ways to measure it, so none of them is the better one"), "{words}");
+}
+
+#[test]
+fn costs_are_ranked_among_those_measured_alike() {
+    let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] },
+        { "compare.metric": ["Near", "Far"] }]);
+    let report = json!({ "series": ["cut.cost", "compare.metric"] });
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
+    for (model, cost, metric, error) in [
+        ("Box", "A", "Near", 4.0),
+        ("Box", "A", "Far", 1.0),
+        ("Box", "B", "Near", 3.0),
+        ("Box", "B", "Far", 2.0),
+        ("Vase", "A", "Near", 4.0),
+        ("Vase", "A", "Far", 1.0),
+        ("Vase", "B", "Near", 5.0),
+        ("Vase", "B", "Far", 2.0),
+    ] {
+        let params = json!({ "model.module": model, "cut.cost": cost, "compare.metric": metric });
+        maker.step(params, 0, Some(json!({ "err": error, "faces": 100 })));
+    }
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | 4 | **1** | **3** | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Vase | **4** | **1** | 5 | 2 |"), "{markdown}");
+    let answers = Report::read(folder.path()).unwrap().answers_in_words();
+    assert_eq!(answers.len(), 1);
+    assert_eq!(answers[0].0, "Is “Error” lower with B than with A?");
+}
+
 /// Compiles tables inside of an article; `None`, after a line that says so, where there is no
 /// pdflatex or it lacks a package.
 fn compiled(tables: &str) -> Option<String> {
