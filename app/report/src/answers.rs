@@ -245,14 +245,16 @@ impl Answer {
 
     /// Whether the data show a difference, by the interval and by the test.
     pub fn is_shown(&self) -> bool {
-        let is_off = |estimate: RatioEstimate| {
-            estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
-        };
-        let p = self.p_ranks.unwrap_or(self.p_signs);
         // Where the pairs of one group are not independent, their averages must show it as well.
         let is_off_over_groups =
             self.over_groups.is_none_or(|over| over.interval.is_none() || is_off(over));
-        self.overall.is_some_and(is_off) && is_off_over_groups && p < SHOWN
+        self.is_shown_by_pairs() && is_off_over_groups
+    }
+
+    /// The same, were all pairs independent.
+    fn is_shown_by_pairs(&self) -> bool {
+        let p = self.p_ranks.unwrap_or(self.p_signs);
+        self.overall.is_some_and(is_off) && p < SHOWN
     }
 
     fn in_words(&self, results: &Results) -> Vec<String> {
@@ -266,6 +268,17 @@ impl Answer {
             _ if n == 0 => {
                 sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
             }
+            None if self.n_lower + self.n_higher == 0 => {
+                let pairs = match n {
+                    1 => "the only pair".to_owned(),
+                    2 => "both pairs".to_owned(),
+                    _ => format!("all {n} pairs"),
+                };
+                sentences.push(format!(
+                    "“{}” is equal with {a} and with {b} in {pairs}.",
+                    self.measure
+                ));
+            }
             None => sentences.push(format!(
                 "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by \
                  the sign test); values of 0 have no ratio, so there is no average.",
@@ -274,9 +287,9 @@ impl Answer {
                 labels::probability(self.p_signs),
                 m = self.measure
             )),
-            Some(overall) => sentences.push(self.lead(overall)),
+            Some(overall) => sentences.push(self.lead(results, overall)),
         }
-        let n_ratios = self.pairs.iter().filter(|pair| pair.ratio.is_some()).count();
+        let n_ratios = self.n_ratios();
         if self.overall.is_some() && n_ratios < n {
             let left = n - n_ratios;
             sentences.push(format!(
@@ -285,17 +298,14 @@ impl Answer {
                 if left == 1 { "1 pair is".to_owned() } else { format!("{left} pairs are") }
             ));
         }
-        if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
-            let axis = results.group_axis().map_or("group", |axis| axis.title.as_str());
-            let form = ChangeForm::of_estimate(over);
-            let interval = over.interval.map_or(String::new(), |(low, high)| {
-                format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
-            });
+        if let Some(over) = self.averaged().filter(|over| !self.is_by_groups_alone(*over)) {
             sentences.push(format!(
-                "With the pairs of each {axis} averaged first, since they are not independent: {} \
-                 (geometric mean of {}{interval}).",
-                form.change(over.ratio),
-                over.n
+                "With the pairs of each {} averaged first, since they are not independent: {} \
+                 (geometric mean of {}{}).",
+                group_name(results),
+                self.form().change(over.ratio),
+                over.n,
+                self.interval(over)
             ));
         }
         if self.is_instrument {
@@ -322,21 +332,60 @@ impl Answer {
         sentences
     }
 
-    fn lead(&self, overall: RatioEstimate) -> String {
-        let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
-        let (n_side, side) = match overall.ratio > 1.0 {
-            true => (self.n_higher, "higher"),
-            false => (self.n_lower, "lower"),
-        };
+    fn n_ratios(&self) -> usize {
+        self.pairs.iter().filter(|pair| pair.ratio.is_some()).count()
+    }
+
+    /// The mean over the groups, where it is not that of the pairs.
+    fn averaged(&self) -> Option<RatioEstimate> {
+        self.over_groups.filter(|_| self.by_group.len() < self.n_ratios())
+    }
+
+    /// How all changes of this answer are said.
+    fn form(&self) -> ChangeForm {
+        let all = self.overall.into_iter().chain(self.averaged());
+        ChangeForm::of_estimates(&all.collect::<Vec<_>>())
+    }
+
+    /// The interval of a mean, to stand behind it.
+    fn interval(&self, estimate: RatioEstimate) -> String {
+        estimate.interval.map_or(String::new(), |(low, high)| {
+            format!(", 95\u{a0}% confidence interval {}", self.form().span(low, high))
+        })
+    }
+
+    /// Whether the pairs show a difference that the averages of the groups do not.
+    fn is_by_groups_alone(&self, over: RatioEstimate) -> bool {
+        let over_groups = over.interval.is_some() && !is_off(over);
+        over_groups && self.is_shown_by_pairs() && self.overall.is_some()
+    }
+
+    /// The most important sentence. Why nothing is shown stands first, where nothing is.
+    fn lead(&self, results: &Results, overall: RatioEstimate) -> String {
+        let ([a, b], m) = (&self.names, &self.measure);
         let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
-        let form = ChangeForm::of_estimate(overall);
-        let interval = overall.interval.map_or(String::new(), |(low, high)| {
-            format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
-        });
-        let test = match self.p_ranks {
-            Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
-            None => "no pair differs".to_owned(),
-        };
+        let change = self.form().change(overall.ratio);
+        let (interval, counts) = (self.interval(overall), self.counts(overall));
+        if let Some(over) = self.averaged().filter(|over| self.is_by_groups_alone(*over)) {
+            let group = group_name(results);
+            let reason = match over.n {
+                2..=5 => format!(
+                    "{} {} are too few to tell",
+                    ["Two", "Three", "Four", "Five"][over.n - 2],
+                    plural(&group)
+                ),
+                _ => "The data do not show a difference".to_owned(),
+            };
+            let interval = interval.trim_start_matches(", ");
+            return format!(
+                "{reason}: with the pairs of each {group} averaged first, since they are not \
+                 independent, “{m}” is {} with {a} than with {b} (geometric mean of {}{}). Over all \
+                 {pairs} it is {change} ({interval}), and {counts}.",
+                self.form().change(over.ratio),
+                over.n,
+                self.interval(over)
+            );
+        }
         let start = match (overall.n, self.is_shown()) {
             (1, _) => "One pair alone shows little:",
             (_, true) => "On average",
@@ -344,11 +393,6 @@ impl Answer {
             (2..=5, false) => "Too few pairs to tell: on average",
             (_, false) => "The data do not show a difference: on average",
         };
-        let ties = match n.saturating_sub(self.n_lower + self.n_higher) {
-            0 => String::new(),
-            n_equal => format!(", equal in {n_equal}"),
-        };
-        let change = form.change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
             (false, ..) | (_, Better::Neither, _) => String::new(),
             (_, Better::Lower, false) | (_, Better::Higher, true) => {
@@ -358,8 +402,26 @@ impl Answer {
         };
         format!(
             "{start} “{m}” is {change} with {a} than with {b} (geometric mean of {pairs}{interval}); it is \
-             {side} in {n_side} of {n}{ties}; {test}.{verdict}"
+             {counts}.{verdict}"
         )
+    }
+
+    /// In how many pairs the values differ as the average does, and how likely that is.
+    fn counts(&self, overall: RatioEstimate) -> String {
+        let n = self.pairs.len();
+        let (n_side, side) = match overall.ratio > 1.0 {
+            true => (self.n_higher, "higher"),
+            false => (self.n_lower, "lower"),
+        };
+        let ties = match n.saturating_sub(self.n_lower + self.n_higher) {
+            0 => String::new(),
+            n_equal => format!(", equal in {n_equal}"),
+        };
+        let test = match self.p_ranks {
+            Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
+            None => "no pair differs".to_owned(),
+        };
+        format!("{side} in {n_side} of {n}{ties}; {test}")
     }
 
     fn same_in_words(&self) -> Vec<String> {
@@ -385,7 +447,22 @@ impl Answer {
     }
 }
 
-/// How the changes of one sentence are said, so that they compare.
+/// Whether an interval leaves out that nothing differs.
+fn is_off(estimate: RatioEstimate) -> bool {
+    estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
+}
+
+/// What the pairs of one row have in common.
+fn group_name(results: &Results) -> String {
+    results.group_axis().map_or("group", |axis| axis.title.as_str()).to_owned()
+}
+
+/// Several of what an axis is named for.
+fn plural(name: &str) -> String {
+    if name.ends_with('s') { format!("values of {name}") } else { format!("{name}s") }
+}
+
+/// How the changes of one answer are said, so that they compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeForm {
     /// `12 % lower`.
@@ -404,7 +481,7 @@ impl ChangeForm {
     }
 
     /// A ratio as a change.
-    fn change(self, ratio: f64) -> String {
+    pub fn change(self, ratio: f64) -> String {
         let side = if ratio < 1.0 { "lower" } else { "higher" };
         match self.amount(ratio) {
             None => "no different".to_owned(),
@@ -442,16 +519,14 @@ impl ChangeForm {
         }
     }
 
-    /// That of a mean and its interval, which one sentence says.
-    fn of_estimate(estimate: RatioEstimate) -> Self {
-        let (low, high) = estimate.interval.unwrap_or((estimate.ratio, estimate.ratio));
-        Self::of(&[low, estimate.ratio, high])
+    /// That of means and their intervals, which one answer says.
+    fn of_estimates(estimates: &[RatioEstimate]) -> Self {
+        let all = estimates.iter().flat_map(|estimate| {
+            let (low, high) = estimate.interval.unwrap_or((estimate.ratio, estimate.ratio));
+            [low, estimate.ratio, high]
+        });
+        Self::of(&all.collect::<Vec<_>>())
     }
-}
-
-/// A ratio as a change: `12 % lower`, `3.1 times higher`.
-pub fn change(ratio: f64) -> String {
-    ChangeForm::of(&[ratio]).change(ratio)
 }
 
 #[cfg(test)]
@@ -468,10 +543,11 @@ mod tests {
         assert_eq!(said(0.05, 0.24), "4.2 to 20 times lower");
         assert_eq!(said(0.05, 1.2), "20 times lower to 1.2 times higher");
         assert_eq!(said(1.0, 3.0), "no different to 3 times higher");
+        let change = |ratio: f64| ChangeForm::of(&[ratio]).change(ratio);
         assert_eq!([change(0.05), change(0.5)], ["20 times lower", "50\u{a0}% lower"]);
         assert_eq!([change(1.0), change(31.0)], ["no different", "31 times higher"]);
         let estimate = RatioEstimate { ratio: 0.2, interval: Some((0.05, 0.8)), n: 9 };
-        let form = ChangeForm::of_estimate(estimate);
+        let form = ChangeForm::of_estimates(&[estimate]);
         assert_eq!(form.change(estimate.ratio), "5 times lower");
         assert_eq!(form.span(0.05, 0.8), "1.25 to 20 times lower");
     }

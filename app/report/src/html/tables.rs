@@ -41,8 +41,8 @@ pub(super) fn pivots(page: &Page) -> String {
     let columns: Vec<&str> = page.measures.iter().map(|m| m.column.as_str()).collect();
     if page.results.has_rounding(&columns) {
         text.push_str(
-            "<p class=\"note\">Values of a measure below 10⁻¹² of its largest are rounding and \
-             count as 0.</p>\n",
+            "<p class=\"note\">Values of a measure below 10⁻¹² of its largest, of 1 where it has no \
+             unit, or of the size of the model are rounding and count as 0.</p>\n",
         );
     }
     text.push_str("<div class=\"tables\">\n");
