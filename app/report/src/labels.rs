@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 /// Longest name of a value, in characters.
 const LONGEST: usize = 60;
 
-/// A value in few words: `ImageMse 256`, `cow.obj`, `off`.
+/// A value in few words: `ImageMse (resolution 256)`, `cow.obj`, `off`.
 pub fn of_value(value: &Json) -> String {
     shortened(&mve_core::brief_value(value))
 }
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn values_are_short() {
-        assert_eq!(of_value(&json!({ "ImageMse": { "resolution": 256 } })), "ImageMse 256");
+        assert_eq!(of_value(&json!({ "ImageMse": { "resolution": 256 } })), "ImageMse (resolution 256)");
         let two = json!({ "Msdm2": { "scales": 3, "mode": "fast" } });
         assert_eq!(of_value(&two), "Msdm2 (scales 3, mode fast)");
         assert_eq!(of_value(&json!("Quadric")), "Quadric");

@@ -219,7 +219,10 @@ impl Pivot {
         }
         if let Some(counts) = &self.n_best {
             let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
-            rows.push(sum(format!("Best in, of {}", self.rows.len()), cells));
+            // Rows that cannot be compared have no best.
+            let n = self.rows.iter().filter(|row| !row.is_unequal).count();
+            let what = if n == self.rows.len() { "" } else { " comparable rows" };
+            rows.push(sum(format!("Best in, of {n}{what}"), cells));
         }
         rows
     }

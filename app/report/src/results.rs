@@ -356,7 +356,8 @@ impl Results {
         if parts.is_empty() {
             return String::new();
         }
-        format!("{done} of {n} steps are done, {}: what follows is without those.", {
+        let are = if done == 1 { "is" } else { "are" };
+        format!("{done} of {n} steps {are} done, {}: what follows is without those.", {
             parts.join(", ")
         })
     }

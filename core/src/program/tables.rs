@@ -363,7 +363,6 @@ fn brief_entry(id: &str, params: &Json) -> String {
     let is_path = |text: &str| text.contains('/') && Path::new(text).extension().is_some();
     match params.iter().collect::<Vec<_>>().as_slice() {
         [] => id.to_owned(),
-        [(_, value)] if value.is_number() => format!("{id} {value}"),
         [(_, Json::String(text))] if is_path(text) => {
             let name = Path::new(text).file_name().unwrap_or_default();
             name.to_string_lossy().into_owned()

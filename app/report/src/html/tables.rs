@@ -209,8 +209,13 @@ impl ShownColumns {
         for (place, path) in self.varied.iter().enumerate() {
             let _ = write!(text, "<th class=\"text h{place}\">{}</th>", escape(path));
         }
-        for column in &self.columns {
-            let title = escape(&columns::title(page.results, page.measures, column));
+        let title = |column: &String| columns::title(page.results, page.measures, column);
+        let titles: Vec<String> = self.columns.iter().map(title).collect();
+        for (column, title) in self.columns.iter().zip(&titles) {
+            let title = match titles.iter().filter(|other| *other == title).count() {
+                1 => escape(title),
+                _ => escape(&format!("{title}, {column}")),
+            };
             let _ = write!(text, "<th title=\"{}\">{title}</th>", escape(column));
         }
         if self.has_missed {

@@ -31,7 +31,7 @@ fn pictures_that_are_the_same_are_shown_once() {
     let page = text(maker.finish().path(), Format::Html);
     assert_eq!(page.matches("data:image/png;base64,").count(), 1 + 5);
     assert!(page.contains("alt=\"Box · the same for all · original\""));
-    assert!(page.contains("alt=\"Box · Ssim 2 · result\""));
+    assert!(page.contains("alt=\"Box · Ssim (size 2) · result\""));
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn tables_mark_the_best_of_each_row() {
     let latex = text(folder.path(), Format::Latex);
     let row = "Vase & 0.125 & 0.250 & 0.250 & \\textbf{0.500} & 0.250 \\\\";
     assert!(latex.contains(row), "{latex}");
-    assert!(latex.contains("model & Quadric & Mse 1 & Mse 2 & Ssim 1 & Ssim 2 \\\\"));
+    assert!(latex.contains("model & Quadric & Mse (size 1) & Mse (size 2) & Ssim (size 1) & Ssim (size 2) \\\\"));
     let caption =
         "\\caption{Error (lower is better). Columns: cost. The best of each row is bold.}";
     assert!(latex.contains(caption) && latex.contains("\\label{tab:compare-err}"), "{latex}");
