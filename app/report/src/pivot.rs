@@ -3,7 +3,7 @@
 
 use mve_core::{Better, brief};
 
-use crate::case::{Case, Cell};
+use crate::case::{Case, Cell, NumberForm};
 use crate::columns::MeasureColumn;
 use crate::results::Results;
 use crate::stats::{estimate, geometric_mean};
@@ -41,6 +41,8 @@ pub struct PivotRow {
     pub cells: Vec<PivotCell>,
     /// Whether its results are of different sizes, so that none is the best.
     pub is_unequal: bool,
+    /// Whether it counts rows, and is not of the measure.
+    is_count: bool,
 }
 
 /// A cell of a table.
@@ -90,7 +92,12 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
             let missed = case.and_then(Case::missed).filter(|_| cell != Cell::Empty);
             PivotCell { cell, is_best, missed }
         });
-        PivotRow { names: results.row_names(at), cells: cells.collect(), is_unequal }
+        PivotRow {
+            names: results.row_names(at),
+            cells: cells.collect(),
+            is_unequal,
+            is_count: false,
+        }
     };
     let mut rows: Vec<PivotRow> = results.rows().iter().map(|(at, cases)| row(at, cases)).collect();
     let mut columns: Vec<Vec<String>> =
@@ -137,7 +144,7 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
             missed: case.and_then(Case::missed),
         };
         let cells = measures.iter().map(cell).collect();
-        PivotRow { names: results.row_names(&row), cells, is_unequal: false }
+        PivotRow { names: results.row_names(&row), cells, is_unequal: false, is_count: false }
     };
     let table = Pivot {
         column: None,
@@ -204,10 +211,10 @@ impl Pivot {
     /// The rows, and behind them what sums them up.
     pub fn with_means(&self) -> Vec<PivotRow> {
         let mut rows = self.rows.clone();
-        let sum = |name: String, cells: Vec<PivotCell>| {
+        let sum = |name: String, cells: Vec<PivotCell>, is_count: bool| {
             let mut names = vec![name];
             names.resize(self.row_axes.len().max(1), String::new());
-            PivotRow { names, cells, is_unequal: false }
+            PivotRow { names, cells, is_unequal: false, is_count }
         };
         if let Some((means, n)) = &self.means {
             let n_rows = self.rows.len();
@@ -215,16 +222,28 @@ impl Pivot {
             let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
             let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
             let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
-            rows.push(sum(format!("Geometric mean{of}"), cells.collect()));
+            rows.push(sum(format!("Geometric mean{of}"), cells.collect(), false));
         }
         if let Some(counts) = &self.n_best {
             let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
             // Rows that cannot be compared have no best.
             let n = self.rows.iter().filter(|row| !row.is_unequal).count();
             let what = if n == self.rows.len() { "" } else { " comparable rows" };
-            rows.push(sum(format!("Best in, of {n}{what}"), cells));
+            rows.push(sum(format!("Best in, of {n}{what}"), cells, true));
         }
         rows
+    }
+
+    /// How the numbers of each column are written: those of one measure in one way.
+    pub fn forms(&self) -> Vec<NumberForm> {
+        let rows = self.with_means();
+        let rows = || rows.iter().filter(|row| !row.is_count);
+        let of_column = |column: usize| NumberForm::of(rows().map(|row| &row.cells[column].cell));
+        let of_all = || NumberForm::of(rows().flat_map(|row| &row.cells).map(|cell| &cell.cell));
+        match self.column {
+            None => (0..self.columns.len()).map(of_column).collect(),
+            Some(_) => vec![of_all(); self.columns.len()],
+        }
     }
 
     /// What stands over a table: the measure and its direction.
@@ -261,6 +280,16 @@ impl Pivot {
     /// Whether some step did not reach its target.
     pub fn has_missed(&self) -> bool {
         self.rows.iter().flat_map(|row| &row.cells).any(|cell| cell.missed.is_some())
+    }
+}
+
+impl PivotRow {
+    /// Its cells for reading, by the forms of the table's columns.
+    pub fn shown(&self, forms: &[NumberForm]) -> Vec<String> {
+        let shown = |(cell, form): (&PivotCell, &NumberForm)| {
+            cell.cell.shown(if self.is_count { NumberForm::Plain } else { *form })
+        };
+        self.cells.iter().zip(forms).map(shown).collect()
     }
 }
 

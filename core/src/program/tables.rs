@@ -344,8 +344,8 @@ fn trimmed(number: &str) -> String {
     }
 }
 
-/// A parameter's value for a person: `ImageMse 256`, `cow.obj`, `off`. A lone number of an entry
-/// needs no name, and a file is named for itself.
+/// A parameter's value for a person: `ImageMse (resolution 256)`, `cow.obj`, `off`. A file is named
+/// for itself.
 pub fn brief_value(value: &Json) -> String {
     match value {
         Json::Null => "off".to_owned(),

@@ -45,7 +45,7 @@ fn the_readme_shows_what_the_program_says() {
     let (question, answer) = quoted.trim_start_matches("**").split_once("** ").unwrap();
     let folder = Folder::new();
     let map = root.join("maps/placements.json");
-    let args = ["program", map.to_str().unwrap(), "--out", "out", "--no-report"];
+    let args = ["program", map.to_str().unwrap(), "--out", "out"];
     let said = folder.mve(&args).succeeds().out.replace('\u{a0}', " ");
     assert!(said.contains(&format!("{question}\n  {answer}\n")), "{said}");
 }

@@ -37,7 +37,9 @@ fn tables_mark_the_best_of_each_row() {
     let latex = text(folder.path(), Format::Latex);
     let row = "Vase & 0.125 & 0.250 & 0.250 & \\textbf{0.500} & 0.250 \\\\";
     assert!(latex.contains(row), "{latex}");
-    assert!(latex.contains("model & Quadric & Mse (size 1) & Mse (size 2) & Ssim (size 1) & Ssim (size 2) \\\\"));
+    assert!(latex.contains(
+        "model & Quadric & Mse (size 1) & Mse (size 2) & Ssim (size 1) & Ssim (size 2) \\\\"
+    ));
     let caption =
         "\\caption{Error (lower is better). Columns: cost. The best of each row is bold.}";
     assert!(latex.contains(caption) && latex.contains("\\label{tab:compare-err}"), "{latex}");
@@ -185,6 +187,7 @@ fn results_of_different_sizes_are_not_ranked() {
     let markdown = text(folder.path(), Format::Markdown);
     assert!(markdown.contains("| Box | **1** | 2 |"), "{markdown}");
     assert!(markdown.contains("| Tube‡ | 1 | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Best in, of 2 comparable rows | 2 | 0 |"), "{markdown}");
     assert!(markdown.contains("| Geometric mean of 2 comparable rows | **1** | 2 |"));
     assert!(markdown.contains("1 pair is left out, as the results differ in size by more than 1"));
 }
