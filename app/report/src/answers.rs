@@ -268,25 +268,7 @@ impl Answer {
             _ if n == 0 => {
                 sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
             }
-            None if self.n_lower + self.n_higher == 0 => {
-                let pairs = match n {
-                    1 => "the only pair".to_owned(),
-                    2 => "both pairs".to_owned(),
-                    _ => format!("all {n} pairs"),
-                };
-                sentences.push(format!(
-                    "“{}” is equal with {a} and with {b} in {pairs}.",
-                    self.measure
-                ));
-            }
-            None => sentences.push(format!(
-                "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by \
-                 the sign test); values of 0 have no ratio, so there is no average.",
-                self.n_lower,
-                self.n_higher,
-                labels::probability(self.p_signs),
-                m = self.measure
-            )),
+            None => sentences.push(self.without_average()),
             Some(overall) => sentences.push(self.lead(results, overall)),
         }
         let n_ratios = self.n_ratios();
@@ -314,6 +296,33 @@ impl Answer {
             ));
         }
         sentences.extend(self.same_in_words());
+        sentences.extend(self.left_out_in_words());
+        sentences
+    }
+
+    /// The most important sentence where no pair has a ratio.
+    fn without_average(&self) -> String {
+        let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
+        if self.n_lower + self.n_higher == 0 {
+            let pairs = match n {
+                1 => "the only pair".to_owned(),
+                2 => "both pairs".to_owned(),
+                _ => format!("all {n} pairs"),
+            };
+            return format!("“{m}” is equal with {a} and with {b} in {pairs}.");
+        }
+        format!(
+            "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by the \
+             sign test); values of 0 have no ratio, so there is no average.",
+            self.n_lower,
+            self.n_higher,
+            labels::probability(self.p_signs)
+        )
+    }
+
+    /// What does not count, and why.
+    fn left_out_in_words(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
         let left_out = [
             (self.n_missed, "a step did not reach its target"),
             (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),

@@ -69,14 +69,19 @@ fn row_axes(results: &Results) -> Vec<String> {
     results.row_axes().into_iter().map(|place| results.axes[place].title.clone()).collect()
 }
 
-fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
-    let instruments = results.series_axes().iter().map(|axis| measure.is_made_by(results, axis));
-    let instruments: Vec<bool> = instruments.collect();
+/// How the column of each series is measured.
+fn ways(results: &Results, measure: &MeasureColumn) -> Vec<Vec<usize>> {
+    let axes = results.series_axes().iter();
+    let instruments: Vec<bool> = axes.map(|axis| measure.is_made_by(results, axis)).collect();
     let way = |series: &Vec<usize>| {
         let set = series.iter().zip(&instruments).filter(|(_, is_instrument)| **is_instrument);
         set.map(|(place, _)| *place).collect()
     };
-    let mut ways: Vec<Vec<usize>> = results.series.iter().map(way).collect();
+    results.series.iter().map(way).collect()
+}
+
+fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
+    let mut ways = ways(results, measure);
     let row = |at: &[usize], cases: &[Option<&Case>]| {
         let is_unequal = !results.are_alike(cases);
         let cells: Vec<Cell> = cases

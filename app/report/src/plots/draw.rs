@@ -273,3 +273,19 @@ fn marks(style: &SeriesStyle, points: &[&Point], look: Look) -> ScatterPlot {
     }
     marks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_below_each_other_begin_at_one_place() {
+        let panel =
+            |high: f64| Layout::new((0.0, 1.0), (0.0, high)).with_width(SIZE.0).with_height(SIZE.1);
+        let left = |layout: &Layout| ComputedLayout::from_layout(layout).margin_left;
+        let (narrow, wide) = (left(&panel(9.0)), left(&panel(123_456.0)));
+        assert!(narrow < wide, "labels of ticks are what makes them differ");
+        let all = aligned(vec![panel(9.0), panel(123_456.0)]);
+        assert_eq!([left(&all[0]), left(&all[1])], [wide; 2]);
+    }
+}

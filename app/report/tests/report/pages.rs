@@ -82,14 +82,14 @@ fn textures_beside_a_mesh_are_no_pictures() {
             "files": files });
     }
     maker.put(&format!("{:016x}", 1), &record);
-    for file in ["a-textures/t.png", "d/p.png"] {
+    for file in ["a.obj", "a.mtl", "a-textures/t.png", "d/p.png"] {
         let path = folder.join("outputs").join(file);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, png()).unwrap();
     }
     maker.plan["nodes"] = json!(["cut", "save", "draw"]);
     let page = text(maker.finish().path(), Format::Html);
-    assert_eq!(page.matches("data:image/png;base64,").count(), 1, "{page}");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 1);
     assert!(page.contains("· draw\"") && !page.contains("t.png"), "{page}");
 }
 
@@ -308,6 +308,7 @@ fn plots_of(report: &Json) {
     assert_eq!(plots[0].name(), "compare.err-by-cut.faces");
     let svg = String::from_utf8(plots[0].svg().unwrap()).unwrap();
     assert!(svg.starts_with("<svg") && !svg.contains("var(--"), "{svg:.2000}");
+    assert!(svg.contains(">Pareto front<"), "the legend names the grey band: {svg:.2000}");
     assert!(svg.contains(">Error<") && svg.contains(">faces<") && svg.contains(">B<"));
     match plots[0].pdf() {
         Ok(pdf) => assert!(cfg!(feature = "pdf") && pdf.starts_with(b"%PDF-")),
