@@ -37,6 +37,20 @@ fn a_program_leaves_a_page_and_answers() {
 }
 
 #[test]
+fn the_readme_shows_what_the_program_says() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let lines = readme.lines().skip_while(|line| !line.starts_with("> **Is “"));
+    let quoted = lines.map_while(|line| line.strip_prefix("> ")).collect::<Vec<_>>().join(" ");
+    let (question, answer) = quoted.trim_start_matches("**").split_once("** ").unwrap();
+    let folder = Folder::new();
+    let map = root.join("maps/placements.json");
+    let args = ["program", map.to_str().unwrap(), "--out", "out"];
+    let said = folder.mve(&args).succeeds().out.replace('\u{a0}', " ");
+    assert!(said.contains(&format!("{question}\n  {answer}\n")), "{said}");
+}
+
+#[test]
 fn the_page_is_left_out_on_demand() {
     let folder = folder();
     folder.mve(&["program", "box.json", "--no-report"]).succeeds();
