@@ -43,10 +43,11 @@ impl Program {
         };
         let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
         let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
-        let (bare, files) = (map.without_programs(), FileHashes::new());
+        let (mut bare, files) = (map.without_programs(), FileHashes::new());
+        bare.forget_other_programs(name);
         let options = plan_options(map_folder, &files);
         let of_map = (&bare, registry, options);
-        let steps = Steps::plan(of_map, name, (&assignments, spec.repeats.unwrap_or(1)));
+        let steps = Steps::plan(of_map, (&assignments, spec.repeats.unwrap_or(1)));
         if steps.problems.iter().any(Problem::is_error) {
             return Err(steps.problems.into_iter().map(in_program).collect());
         }

@@ -380,3 +380,45 @@ fn step_status(
     let reason = format!("{at}: not done within the time limit of {limit} s");
     cancel.is_overdue().then_some(StepStatus::TimedOut { reason, limit })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::map::Map;
+    use crate::testing::{program_options, registry};
+
+    const MAP: &str = r#"{"mve": 1, "nodes": {"add": {"module": "Add"}},
+        "programs": {"p": {"axes": [{"add.amount": [1, 2, 3]}]}}}"#;
+
+    /// Another process ends a step between any two readings.
+    #[test]
+    fn numbers_of_the_end_are_of_one_reading() {
+        let map = Map::parse(MAP).unwrap();
+        let program = Program::new(&map, "p", &registry(), Path::new("/")).map_err(|_| ()).unwrap();
+        let cancel = CancelToken::new();
+        let options = program_options(&cancel);
+        let n_readings = Cell::new(0);
+        let read = |id: &str| {
+            n_readings.set(n_readings.get() + 1);
+            (n_readings.get() > 1).then(|| {
+                Arc::new(StepRecord {
+                    id: id.to_owned(),
+                    repeat: 0,
+                    params: IndexMap::new(),
+                    status: StepStatus::Done,
+                    seconds: 1.0,
+                    is_timed: false,
+                    timings: Vec::new(),
+                    version: String::new(),
+                    nodes: IndexMap::new(),
+                })
+            })
+        };
+        let wanted = Wanted::of(&program, &options);
+        let outcome = counted(&program, &[0, 1, 2], &wanted, &read);
+        assert_eq!((outcome.steps, outcome.missing, outcome.missing_of_part), (3, 1, 1));
+        assert_eq!(n_readings.get(), 3);
+    }
+}

@@ -120,10 +120,9 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
         &common::map().replace("\"params\": {\"value\"", "\"parms\": {\"value\""),
     );
     folder.write("bad.json", &common::map().replace("2.5", "\"2.5\""));
-    let answer = folder.mve(&["check", "slip.json", "map.json"]).succeeds();
-    let answer =
-        answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");
-    answer.says("slip.json: no errors, 1 warning").says("map.json: no problems");
+    let answer = folder.mve(&["check", "slip.json", "map.json"]).fails(3, "slip.json: 1 problem");
+    let answer = answer.says("level.parms: \"parms\" means nothing in a node; did you mean");
+    answer.says("map.json: no problems");
     let answer = folder.mve(&["check", "bad.json", "map.json", "--json"]).fails(3, "");
     let lines = answer.json();
     assert_eq!((&lines[0]["event"], &lines[0]["line"]), (&"problem".into(), &3.into()));
@@ -133,6 +132,21 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
     let map = std::fs::File::open(folder.path().join("map.json")).unwrap();
     let answer = Answer::new(folder.command(&["check", "-"]).stdin(map).output().unwrap());
     answer.succeeds().says("stdin: no problems");
+}
+
+#[test]
+fn a_slip_in_a_key_of_the_format_runs_nothing() {
+    let folder = Folder::new();
+    folder.write("map.json", &common::map().replace("\"sweep\": {\"axes\"", "\"sweep\": {\"axis\""));
+    let meant = "\"axis\" means nothing in a program; did you mean \"axes\"?";
+    folder.mve(&["check", "map.json"]).fails(3, "map.json: 1 problem").says(meant);
+    folder.mve(&["program", "map.json", "sweep"]).fails(3, meant);
+    folder.mve(&["run", "map.json"]).fails(3, meant);
+    // It is none of the other program, which does what it says.
+    folder.mve(&["program", "map.json", "long", "--dry-run"]).succeeds().says("400 steps: 0 done");
+    // What is near to no key is kept for others to read.
+    folder.write("map.json", &common::map().replace("\"sweep\": {", "\"sweep\": {\"color\": 3, "));
+    folder.mve(&["check", "map.json"]).succeeds().says("no errors, 1 warning");
 }
 
 #[test]
