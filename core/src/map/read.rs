@@ -24,9 +24,9 @@ impl Map {
         let unknown = |key: &str, known: &[&str], of: &str| {
             let is_remark = key.starts_with(['_', '$']);
             let problem = match did_you_mean(key, known.iter().copied()) {
-                hint if hint.is_empty() => Problem::warning(format!(
-                    "\"{key}\" means nothing in {of} and is left out"
-                )),
+                hint if hint.is_empty() => {
+                    Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
+                }
                 hint => Problem::error(format!(
                     "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
                 )),

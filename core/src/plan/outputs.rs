@@ -7,7 +7,7 @@ use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
 use crate::param::{MODULE, OutputFileSpec, ParamSpec, Setting};
-use crate::problem::Problem;
+use crate::problem::{Problem, is_steering};
 use crate::template::{Piece, as_name, pieces};
 
 /// Stands for the id of the step until it is known; no name in a file system holds it.
@@ -80,8 +80,10 @@ fn expand<'a>(
     let mut text = String::new();
     for piece in pieces(template)? {
         match piece {
-            Piece::Literal(literal) if literal.contains(char::is_control) => {
-                return Err("a path cannot hold control characters".to_owned());
+            Piece::Literal(literal) if literal.contains(is_steering) => {
+                return Err("a path cannot hold control characters, nor signs that turn the \
+                            direction of a text"
+                    .to_owned());
             }
             Piece::Literal(literal) => text.push_str(literal),
             Piece::Reference("step") => text.push(STEP),
@@ -188,9 +190,12 @@ pub(super) fn fill(
         let port = || PortRef { node: name.node.clone(), port: name.param.clone() };
         let problem = |message: String| Problem::error(message).at(&name.node).port(&name.param);
         let Some(path) = tidy(&text, options.output_scope) else {
+            let advice = match options.output_scope {
+                OutputScope::Step => "the files of a program's steps stay in its store",
+                _ => "or run the map with --allow-outside if you trust it",
+            };
             problems.push(problem(format!(
-                "\"{text}\" leaves the output folder; name a file inside it, or run the map with \
-                 --allow-outside if you trust it"
+                "\"{text}\" leaves the output folder; name a file inside it, {advice}"
             )));
             continue;
         };

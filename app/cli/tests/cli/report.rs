@@ -73,9 +73,8 @@ fn pipes_and_links_are_not_replaced() {
     assert!(std::process::Command::new("mkfifo").arg(path("pipe")).status().unwrap().success());
     folder.write("kept.tex", "kept");
     std::os::unix::fs::symlink("kept.tex", path("link")).unwrap();
-    let to = |out: &str| {
-        folder.mve(&["report", "mve-out/box-costs", "--format", "latex", "--out", out])
-    };
+    let to =
+        |out: &str| folder.mve(&["report", "mve-out/box-costs", "--format", "latex", "--out", out]);
     to("pipe").fails(4, "pipe is a device or a pipe, and a file would take its place");
     to("link").fails(4, "link is a symbolic link, and a file would take its place");
     let kind = |name: &str| std::fs::symlink_metadata(path(name)).unwrap().file_type();

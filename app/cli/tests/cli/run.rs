@@ -135,9 +135,50 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
 }
 
 #[test]
+fn what_every_program_sets_is_no_fault_of_the_map() {
+    let folder = Folder::new();
+    let map = |programs: &str| {
+        let text = format!(
+            "{{\"mve\": 1, \"nodes\": {{\"load\": {{\"module\": \"ObjLoader\"}}}}, \
+             \"programs\": {{{programs}}}}}"
+        );
+        folder.write("glob.json", &text);
+    };
+    folder.write("scans/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let glob = "\"p\": {\"axes\": [{\"load.path\": {\"glob\": \"scans/*.obj\"}}]}";
+    map(glob);
+    let answer = folder.mve(&["check", "glob.json"]).succeeds();
+    answer.says("only programs, which set it, can run this map").says("(p: 1 step)");
+    folder.mve(&["program", "glob.json"]).succeeds();
+    folder.mve(&["run", "glob.json"]).fails(3, "load.path: ");
+    map(&format!("{glob}, \"q\": {{\"repeats\": 2}}"));
+    folder.mve(&["check", "glob.json"]).fails(3, "");
+}
+
+#[test]
+fn a_program_is_not_told_of_an_option_that_it_lacks() {
+    let folder = Folder::new();
+    let text = "{\"mve\": 1, \"nodes\": {\"box\": {\"module\": \"Box\"}, \
+                \"save\": {\"module\": \"ObjSaver\", \"params\": {\"path\": \"NAME\"}}}, \
+                \"links\": [\"box.mesh -> save.mesh\"], \"programs\": {\"p\": {\"repeats\": 1}}}";
+    folder.write("map.json", &text.replace("NAME", "../a.obj"));
+    let answer = folder.mve(&["program", "map.json"]);
+    let answer = answer.fails(3, "the files of a program's steps stay in its store");
+    assert!(!answer.err.contains("--allow-outside"), "{}", answer.err);
+    folder.mve(&["run", "map.json"]).fails(3, "--allow-outside");
+    // What turns the direction of a text would show `jbo.exe` for this name.
+    folder.write("map.json", &text.replace("NAME", "\u{202e}exe.obj"));
+    folder.mve(&["check", "map.json"]).fails(3, "").says("a path cannot hold control characters");
+    folder.write("map.json", &text.replace("NAME", "a.obj").replace("\"p\"", "\"p\u{202e}\""));
+    let answer = folder.mve(&["check", "map.json"]).fails(3, "");
+    answer.says("the name of a program cannot hold control characters");
+}
+
+#[test]
 fn a_slip_in_a_key_of_the_format_runs_nothing() {
     let folder = Folder::new();
-    folder.write("map.json", &common::map().replace("\"sweep\": {\"axes\"", "\"sweep\": {\"axis\""));
+    folder
+        .write("map.json", &common::map().replace("\"sweep\": {\"axes\"", "\"sweep\": {\"axis\""));
     let meant = "\"axis\" means nothing in a program; did you mean \"axes\"?";
     folder.mve(&["check", "map.json"]).fails(3, "map.json: 1 problem").says(meant);
     folder.mve(&["program", "map.json", "sweep"]).fails(3, meant);

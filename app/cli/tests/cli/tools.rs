@@ -37,7 +37,9 @@ fn modules_are_listed_and_described() {
     std::fs::create_dir(folder.path().join("docs")).unwrap();
     folder.mve(&["modules", "--write", "docs/modules.md"]).succeeds();
     assert!(folder.read("docs/modules.md").contains("### Constant"));
-    folder.mve(&["modules", "--write", "map.json/x"]).fails(4, "a file stands where a folder is needed");
+    folder
+        .mve(&["modules", "--write", "map.json/x"])
+        .fails(4, "a file stands where a folder is needed");
     let lines = folder.mve(&["modules", "Constant", "--json"]).succeeds().json();
     assert_eq!((lines.len(), &lines[0]["category"]), (1, &"generate".into()));
     assert_eq!(lines[0]["params"]["properties"]["value"]["default"], 0.0);
