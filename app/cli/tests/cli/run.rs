@@ -175,6 +175,39 @@ fn a_program_is_not_told_of_an_option_that_it_lacks() {
 }
 
 #[test]
+fn one_fault_is_one_problem_and_a_long_name_is_cut() {
+    let folder = Folder::new();
+    let check = |a: &str, b: &str| {
+        let saver = |name: &str| {
+            format!("{{\"module\": \"ObjSaver\", \"params\": {{\"path\": \"{name}\"}}}}")
+        };
+        let text = format!(
+            "{{\"mve\": 1, \"nodes\": {{\"box\": {{\"module\": \"Box\"}}, \"a\": {}, \"b\": {}}}, \
+             \"links\": [\"box.mesh -> a.mesh\", \"box.mesh -> b.mesh\"]}}",
+            saver(a),
+            saver(b)
+        );
+        folder.write("map.json", &text);
+        folder.mve(&["check", "map.json"]).fails(3, "map.json: 1 problem\n")
+    };
+    // A mesh, its materials and the folder of its textures.
+    check("a.obj", "a.obj").says("a.path writes \"a.obj\" too").says("(the first of 3 such files)");
+    check("a.obj", "a.obj/b.obj").says("which b.path needs as a folder");
+    let id = "M".repeat(5000);
+    folder.write(
+        "map.json",
+        &format!("{{\"mve\": 1, \"nodes\": {{\"a\": {{\"module\": \"{id}\"}}}}}}"),
+    );
+    let answer = folder.mve(&["check", "map.json"]).fails(3, "1 problem");
+    assert!(answer.says("MMM…\"; `mve modules` lists them").out.len() < 300);
+    let axis = |values: &str| {
+        folder.write("map.json", &common::map().replace("[1, 2, 3]", values));
+        folder.mve(&["check", "map.json"]).fails(3, "1 problem")
+    };
+    axis("{\"lgo\": [1, 2, 3]}").says("{\"range\": [0.1, 0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or");
+}
+
+#[test]
 fn a_slip_in_a_key_of_the_format_runs_nothing() {
     let folder = Folder::new();
     folder
