@@ -2,9 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use mve_core::CancelToken;
 use mve_core::testing::Trial;
+use mve_core::{CancelToken, Control};
 use mve_modules::data::{Image, Images, PixelKind};
+use mve_modules::formats::obj;
 use mve_modules::geometry::generate::{VaseOptions, vase};
 use mve_modules::registry;
 
@@ -78,6 +79,35 @@ fn a_perceptual_metric_stops() {
         let trial = Trial::of(module).input("original", mesh.clone());
         trial.input("simplified", mesh.clone()).set("metric", "Msdm2")
     });
+}
+
+/// From the bytes to the layers, with polygons that are cut.
+#[test]
+fn loading_a_large_file_stops() {
+    let fine = VaseOptions { segments: 512, profile_segments: 512, ..VaseOptions::DEFAULT };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.obj");
+    obj::save(&vase(&fine), &path, Control::none()).expect("a file");
+    let mut text = std::fs::read(&path).expect("the file");
+    text.extend(b"f ");
+    (1..=100_000).for_each(|corner| text.extend(format!("{corner} ").into_bytes()));
+    std::fs::write(&path, text).expect("the file");
+    let module = registry().find("ObjLoader").expect("the module").module;
+    stops(|| Trial::of(module).set("path", path.to_str().expect("a path")));
+}
+
+/// Pictures of the largest size, and what is computed of them.
+#[test]
+fn a_metric_on_large_pictures_stops() {
+    let mesh = vase(&VaseOptions::DEFAULT);
+    let module = registry().find("MeshComparer").expect("the module").module;
+    for metric in ["ImageRms", "ImageSsim"] {
+        let large = serde_json::json!({ metric: { "cameras": "Direction", "resolution": 4096 } });
+        stops(|| {
+            let trial = Trial::of(module).input("original", mesh.clone());
+            trial.input("simplified", mesh.clone()).set("metric", large.clone())
+        });
+    }
 }
 
 #[test]

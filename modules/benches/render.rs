@@ -75,7 +75,7 @@ fn benches(criterion: &mut Criterion) {
     let noise = |k: usize| (k.wrapping_mul(2_654_435_761) >> 13) as u8;
     let [a, b] = [1, 3].map(|n| (0..512 * 512).map(|k| noise(n * k)).collect::<Vec<u8>>());
     criterion.bench_function("ssim/512", |bench| {
-        bench.iter(|| ssim(black_box(&a), black_box(&b), [512, 512]));
+        bench.iter(|| ssim(black_box(&a), black_box(&b), [512, 512], Control::none()));
     });
 }
 

@@ -4,6 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
+use mve_core::Control;
+
+/// Bytes that are read between two looks whether the work was cancelled: some milliseconds.
+const PIECE: u64 = 1 << 23;
+
 /// Opens an ordinary file, and tells how many bytes it has.
 pub fn open_plain(path: &Path) -> io::Result<(File, u64)> {
     let about = fs::metadata(path)?;
@@ -18,11 +23,21 @@ pub fn open_plain(path: &Path) -> io::Result<(File, u64)> {
 
 /// Reads an ordinary file of at most so many bytes.
 pub fn read_plain(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+    read_long(path, max_bytes, Control::none())
+}
+
+/// The same of a file that may take long: fails with [`Cancelled`](mve_core::Cancelled) in it when
+/// `control` says so.
+pub fn read_long(path: &Path, max_bytes: u64, control: Control) -> io::Result<Vec<u8>> {
     let (mut file, n_bytes) = open_plain(path)?;
     if n_bytes > max_bytes {
         return Err(io::Error::other(format!("it is larger than {} MB", max_bytes >> 20)));
     }
     let mut bytes = Vec::with_capacity(n_bytes as usize);
-    file.read_to_end(&mut bytes)?;
-    Ok(bytes)
+    loop {
+        control.at(0.0).map_err(io::Error::other)?;
+        if (&mut file).take(PIECE).read_to_end(&mut bytes)? == 0 {
+            return Ok(bytes);
+        }
+    }
 }

@@ -73,11 +73,16 @@ impl Metric for ImageRmsMetric {
         control: Control,
     ) -> Result<Comparison, MetricError> {
         let (pair, warnings) = take_pair(&self.view, original, simplified, control)?;
-        let both = pair.original.0.iter().zip(&pair.simplified.0);
-        let differences: Vec<Image> = both.map(|(a, b)| difference(a, b)).collect();
+        let mut differences = Vec::with_capacity(pair.original.0.len());
+        let mut errors = Vec::with_capacity(pair.original.0.len());
+        for (a, b) in pair.original.0.iter().zip(&pair.simplified.0) {
+            control.at(1.0)?;
+            let difference = difference(a, b);
+            errors.push(sum_of_squares(&difference));
+            differences.push(difference);
+        }
         // Of one picture: pixels, or three times as many in color.
         let n_values = pair.original.0.first().map_or(1, |image| image.bytes.len()) as f64;
-        let errors: Vec<u64> = differences.iter().map(sum_of_squares).collect();
         let rms = (errors.iter().sum::<u64>() as f64 / (n_values * errors.len() as f64)).sqrt();
         let mut scalars =
             vec![Measure::of(&RMS, rms), Measure::of(&PSNR, 20.0 * (255.0 / rms).log10())];

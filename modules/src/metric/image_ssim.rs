@@ -13,7 +13,7 @@ use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
 use crate::data::{Image, Images, Measure, PixelKind};
 use crate::picture::render::{luma, to_byte};
-use crate::picture::ssim::{Ssim, ssim};
+use crate::picture::ssim::{Ssim, SsimError, ssim};
 use crate::picture::view::View;
 use crate::prelude::*;
 
@@ -84,7 +84,7 @@ impl Metric for ImageSsimMetric {
         let both = pair.original.0.par_iter().zip(&pair.simplified.0);
         let found: Result<Vec<Index>, MetricError> = both
             .map(|(a, b)| {
-                let index = compare(a, b)?;
+                let index = compare(a, b, &control.part(0.5, 0.5))?;
                 steps.step()?;
                 Ok(index)
             })
@@ -101,10 +101,13 @@ impl Metric for ImageSsimMetric {
     }
 }
 
-fn compare(a: &Image, b: &Image) -> Result<Index, MetricError> {
+fn compare(a: &Image, b: &Image, control: &Control) -> Result<Index, MetricError> {
     let size = [a.width, a.height];
     let index = |a: &[u8], b: &[u8]| {
-        ssim(a, b, size).map_err(|error| MetricError::Failed(error.to_string()))
+        ssim(a, b, size, *control).map_err(|error| match error {
+            SsimError::Cancelled(cancelled) => cancelled.into(),
+            other => MetricError::Failed(other.to_string()),
+        })
     };
     // Pictures have at least 16 pixels a side, so there is an interior.
     let inside = |found: &Ssim| found.interior.unwrap_or(f64::NAN);
@@ -178,7 +181,7 @@ mod tests {
     fn pictures_in_color_have_the_indices_of_scikit_image() {
         let a = color(|x, y| [x * 7 + y * 3, x * y, 200 - 5 * y]);
         let b = color(|x, y| [x * 7 + y * 3 + x / 8 * 9, x * y + 13, 190 - 5 * y + x]);
-        let found = compare(&a, &b).unwrap();
+        let found = compare(&a, &b, &Control::none()).unwrap();
         // scikit-image 0.26.0: structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
         // use_sample_covariance=False, data_range=255), of (299 r + 587 g + 114 b + 500) // 1000,
         // the mean of its full map, and with channel_axis=2.
@@ -193,7 +196,7 @@ mod tests {
     fn hues_of_one_luminance_differ_by_channel_alone() {
         // 299 · 100 is 587 · 51 but for 37 thousandths: both are 30.
         let (red, green) = (color(|_, _| [100, 0, 0]), color(|_, _| [0, 51, 0]));
-        let found = compare(&red, &green).unwrap();
+        let found = compare(&red, &green, &Control::none()).unwrap();
         assert_eq!(found.interior, 1.0);
         // Without variance only the means count: 6.5025 / (100² + 6.5025), 6.5025 / (51² + 6.5025)
         // and 1.

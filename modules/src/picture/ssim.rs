@@ -11,6 +11,7 @@
 //! squares and their product; variances are needed only in sum. Sums have a fixed order, so a value
 //! is the same on any machine, and of equal pictures it is exactly 1.
 
+use mve_core::{Cancelled, Control};
 use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
 
@@ -33,6 +34,9 @@ const WEIGHTS: [f64; RADIUS + 1] = [
 
 /// (K₁ L)² and (K₂ L)².
 const STABILIZERS: [f64; 2] = [6.5025, 58.5225];
+
+/// Pixels between two looks whether the work was cancelled: a few milliseconds.
+const STRIDE: usize = 1 << 16;
 
 /// How many pictures are smoothed.
 const N_MAPS: usize = 4;
@@ -64,13 +68,22 @@ pub enum SsimError {
     /// No pixel.
     #[error("a picture without pixels has no similarity")]
     Empty,
+    /// The caller ended it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Compares two gray pictures of `width × height` pixels. O(pixels); see `benches/render.rs`.
 ///
 /// # Errors
-/// [`SsimError`] for pictures without pixels, or whose bytes do not fit the size.
-pub fn ssim(a: &[u8], b: &[u8], [width, height]: [usize; 2]) -> Result<Ssim, SsimError> {
+/// [`SsimError`] for pictures without pixels, or whose bytes do not fit the size, and when `control`
+/// ends it.
+pub fn ssim(
+    a: &[u8],
+    b: &[u8],
+    [width, height]: [usize; 2],
+    control: Control,
+) -> Result<Ssim, SsimError> {
     let n = width.saturating_mul(height);
     if let Some(bad) = [a, b].iter().find(|bytes| bytes.len() != n) {
         return Err(SsimError::Length { width, height, found: bad.len() });
@@ -79,7 +92,7 @@ pub fn ssim(a: &[u8], b: &[u8], [width, height]: [usize; 2]) -> Result<Ssim, Ssi
         return Err(SsimError::Empty);
     }
     let mut map = vec![0.0; n];
-    Arch::new().dispatch(Fill { pictures: [a, b], width, map: &mut map });
+    Arch::new().dispatch(Fill { pictures: [a, b], width, map: &mut map, control })?;
     let whole = map.chunks_exact(width).map(sum).sum::<f64>() / n as f64;
     let inside = [width, height].map(|side| side.saturating_sub(2 * RADIUS));
     let interior = (inside[0] > 0 && inside[1] > 0).then(|| {
@@ -113,26 +126,37 @@ struct Fill<'a> {
     pictures: [&'a [u8]; 2],
     width: usize,
     map: &'a mut [f64],
+    control: Control<'a>,
 }
 
 impl WithSimd for Fill<'_> {
-    type Output = ();
+    type Output = Result<(), Cancelled>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        fill(self.pictures, self.width, self.map);
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        fill(self.pictures, self.width, self.map, self.control)
     }
 }
 
 /// Fills the map, row by row; the last eleven rows, smoothed along themselves, are at hand in a
 /// ring.
 #[inline(always)]
-fn fill(pictures: [&[u8]; 2], width: usize, map: &mut [f64]) {
+fn fill(
+    pictures: [&[u8]; 2],
+    width: usize,
+    map: &mut [f64],
+    control: Control,
+) -> Result<(), Cancelled> {
     let height = map.len() / width;
     let mut padded = vec![0.0; N_MAPS * (width + 2 * RADIUS)];
     let mut ring = vec![0.0; WINDOW * N_MAPS * width];
     let mut smooth = vec![0.0; N_MAPS * width];
-    for step in 0..height + 2 * RADIUS {
+    let n_steps = height + 2 * RADIUS;
+    let pause = STRIDE.div_ceil(width);
+    for step in 0..n_steps {
+        if step.is_multiple_of(pause) {
+            control.at(step as f64 / n_steps as f64)?;
+        }
         let from = mirror(step as isize - RADIUS as isize, height) * width;
         let rows = pictures.map(|picture| &picture[from..from + width]);
         pad(rows, &mut padded);
@@ -150,6 +174,7 @@ fn fill(pictures: [&[u8]; 2], width: usize, map: &mut [f64]) {
             compare(&smooth, &mut map[y * width..(y + 1) * width]);
         }
     }
+    Ok(())
 }
 
 /// A row of each of the four pictures, with its mirrored ends.

@@ -1,5 +1,8 @@
 //! SSIM against reference values of scikit-image and against its definition.
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use proptest::prelude::*;
 
 use super::*;
@@ -27,19 +30,34 @@ fn by_definition(a: &[u8], b: &[u8], [width, height]: [usize; 2], [x, y]: [usize
 #[test]
 fn flat_pictures_by_hand() {
     // Without variance only the means count: (2 · 100 · 50 + 6.5025) / (100² + 50² + 6.5025).
-    let found = ssim(&[100; 400], &[50; 400], [20, 20]).unwrap();
+    let found = ssim(&[100; 400], &[50; 400], [20, 20], Control::none()).unwrap();
     let expected = 10_006.502_5 / 12_506.502_5;
     assert!((found.whole - expected).abs() < 1e-10);
     assert!((found.interior.unwrap() - expected).abs() < 1e-10);
 }
 
 #[test]
+fn a_cancel_is_heard_within_a_picture() {
+    let picture = vec![7; 1 << 20];
+    for last in 0..16 {
+        let n_looks = AtomicUsize::new(0);
+        let look = |_| match n_looks.fetch_add(1, Ordering::Relaxed) {
+            n if n < last => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        };
+        let found = ssim(&picture, &picture, [1 << 10; 2], Control::new(&look));
+        assert_eq!(found, Err(SsimError::Cancelled(Cancelled)), "{last}");
+        assert_eq!(n_looks.into_inner(), last + 1);
+    }
+}
+
+#[test]
 fn pictures_smaller_than_the_window_have_no_interior() {
-    let found = ssim(&[1, 2, 3], &[1, 2, 3], [3, 1]).unwrap();
+    let found = ssim(&[1, 2, 3], &[1, 2, 3], [3, 1], Control::none()).unwrap();
     assert_eq!((found.whole, found.interior), (1.0, None));
-    assert_eq!(ssim(&[7; 121], &[7; 121], [11, 11]).unwrap().interior, Some(1.0));
-    assert_eq!(ssim(&[], &[], [0, 3]), Err(SsimError::Empty));
-    let message = ssim(&[1, 2], &[1, 2, 3], [3, 1]).unwrap_err().to_string();
+    assert_eq!(ssim(&[7; 121], &[7; 121], [11, 11], Control::none()).unwrap().interior, Some(1.0));
+    assert_eq!(ssim(&[], &[], [0, 3], Control::none()), Err(SsimError::Empty));
+    let message = ssim(&[1, 2], &[1, 2, 3], [3, 1], Control::none()).unwrap_err().to_string();
     assert_eq!(message, "a picture of 3 × 1 gray pixels cannot have 2 bytes");
 }
 
@@ -57,7 +75,7 @@ fn references_of_scikit_image() {
     for (pair, values) in pairs {
         let (a, b) = pair.split_once('|').unwrap();
         let ((size, a), (_, b)) = (read(a), read(b));
-        let found = ssim(&a, &b, size).unwrap();
+        let found = ssim(&a, &b, size, Control::none()).unwrap();
         let near = |found: f64, name: &str| {
             let expected = values[name].as_f64().unwrap();
             assert!((found - expected).abs() < 1e-12, "{pair} {name}: {found} {expected}");
@@ -81,7 +99,7 @@ proptest! {
     ) {
         let n = size[0] * size[1];
         let (a, b): (Vec<u8>, Vec<u8>) = bytes[..n].iter().copied().unzip();
-        let found = ssim(&a, &b, size).unwrap();
+        let found = ssim(&a, &b, size, Control::none()).unwrap();
         for y in 0..size[1] {
             for x in 0..size[0] {
                 let expected = by_definition(&a, &b, size, [x, y]);
@@ -89,8 +107,8 @@ proptest! {
             }
         }
         prop_assert!(found.map.iter().all(|value| value.abs() <= 1.0 + 1e-12));
-        prop_assert_eq!(&ssim(&b, &a, size).unwrap().map, &found.map, "symmetric");
-        let same = ssim(&a, &a, size).unwrap();
+        prop_assert_eq!(&ssim(&b, &a, size, Control::none()).unwrap().map, &found.map, "symmetric");
+        let same = ssim(&a, &a, size, Control::none()).unwrap();
         prop_assert!(same.map.iter().all(|value| *value == 1.0) && same.whole == 1.0);
     }
 }

@@ -62,8 +62,8 @@ pub(super) struct Triangulator {
 
 impl Triangulator {
     /// Cuts the polygon with these corner points and appends its triangles, as indices into
-    /// `points`, to `triangles`, in about O(n log n) where they do not cross. Fewer than three
-    /// points give no triangle.
+    /// `points`, to `triangles`. Mostly that takes about O(n log n) where they do not cross; the
+    /// head of [`constrained`] says where not. Fewer than three points give no triangle.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.

@@ -7,13 +7,18 @@ use glam::{DVec3, Vec3A, Vec4};
 pub(super) const EMPTY: u32 = u32::MAX;
 /// Set in a child that is a triangle.
 pub(super) const LEAF: u32 = 1 << 31;
+/// Marks a frame that is not that of the tree.
+pub(super) const TURNED: f32 = 1.0;
 /// Coordinates of a query beyond this are brought there: their squares are finite in `f32`.
 const MOST_LOCAL: f64 = 1e15;
 
 /// Up to four boxes, one a lane, and what is in them.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Node {
-    /// The frame of the boxes in that of the tree: where x, y, z and the origin go.
+    /// The frame of the boxes in that of the tree: where x, y, z and the origin go. The last number
+    /// is [`TURNED`] where that changes anything: it lies beside the boxes, and most nodes over
+    /// small faces need no more of it.
     pub columns: [Vec4; 4],
     /// Lowest x, y, z of the four boxes.
     pub low: [Vec4; 3],
@@ -35,17 +40,30 @@ impl Node {
     /// Squared distances from the point to the four boxes.
     #[inline(always)]
     pub fn distances_sq(&self, query: &QueryPoint) -> Vec4 {
+        if !self.is_turned() {
+            return self.gaps_sq(query.low, query.high);
+        }
         let center = self.turned(&query.center);
-        self.gaps_sq(center, center, query.margin)
+        self.gaps_sq(axes(center - query.margin), axes(center + query.margin))
     }
 
     /// The same from a box.
     #[inline(always)]
     pub fn distances_sq_to_box(&self, query: &QueryBox) -> Vec4 {
-        let center = self.turned(&query.center);
+        let QueryBox { center, half } = query;
+        if !self.is_turned() {
+            let [low, high] = [-1.0, 1.0].map(|sign| [0, 1, 2].map(|k| center[k] + half[k] * sign));
+            return self.gaps_sq(low, high);
+        }
+        let center = self.turned(center);
         let [x, y, z, _] = self.columns;
-        let half = x.abs() * query.half[0] + y.abs() * query.half[1] + z.abs() * query.half[2];
-        self.gaps_sq(center - half, center + half, Vec4::ZERO)
+        let half = x.abs() * half[0] + y.abs() * half[1] + z.abs() * half[2];
+        self.gaps_sq(axes(center - half), axes(center + half))
+    }
+
+    #[inline(always)]
+    fn is_turned(&self) -> bool {
+        self.columns[3].w == TURNED
     }
 
     /// A point in the frame of the boxes.
@@ -55,13 +73,14 @@ impl Node {
         x * point[0] + y * point[1] + z * point[2] + origin
     }
 
+    /// From a box whose corners have each coordinate in all lanes.
     #[inline(always)]
-    fn gaps_sq(&self, low: Vec4, high: Vec4, margin: Vec4) -> Vec4 {
+    fn gaps_sq(&self, low: [Vec4; 3], high: [Vec4; 3]) -> Vec4 {
         let mut sum = Vec4::ZERO;
         for axis in 0..3 {
-            let below = self.low[axis] - Vec4::splat(high[axis]);
-            let above = Vec4::splat(low[axis]) - self.high[axis];
-            let gap = (below.max(above) - margin).max(Vec4::ZERO);
+            let below = self.low[axis] - high[axis];
+            let above = low[axis] - self.high[axis];
+            let gap = below.max(above).max(Vec4::ZERO);
             sum += gap * gap;
         }
         sum
@@ -113,6 +132,12 @@ fn brought_near(point: DVec3) -> DVec3 {
     point.clamp(DVec3::splat(-MOST_LOCAL), DVec3::splat(MOST_LOCAL))
 }
 
+/// Each coordinate in all lanes.
+#[inline(always)]
+fn axes(point: Vec4) -> [Vec4; 3] {
+    [0, 1, 2].map(|axis| Vec4::splat(point[axis]))
+}
+
 fn in_all_lanes(point: DVec3) -> [Vec4; 3] {
     point.as_vec3a().to_array().map(Vec4::splat)
 }
@@ -121,13 +146,19 @@ fn in_all_lanes(point: DVec3) -> [Vec4; 3] {
 pub(super) struct QueryPoint {
     center: [Vec4; 3],
     margin: Vec4,
+    /// The center less and more the margin.
+    low: [Vec4; 3],
+    high: [Vec4; 3],
 }
 
 impl QueryPoint {
     #[inline]
     pub fn new(center: DVec3) -> Self {
         let center = brought_near(center);
-        Self { center: in_all_lanes(center), margin: Vec4::splat(margin(center) as f32) }
+        let margin = Vec4::splat(margin(center) as f32);
+        let center = in_all_lanes(center);
+        let [low, high] = [center.map(|c| c - margin), center.map(|c| c + margin)];
+        Self { center, margin, low, high }
     }
 }
 

@@ -8,7 +8,7 @@
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
 
-use super::boxes::{BoxFrame, EMPTY, LEAF, Node};
+use super::boxes::{BoxFrame, EMPTY, LEAF, Node, TURNED};
 use super::bvh::{Bvh, is_usable};
 use super::pieces::{Bounds, Item, Piece, one_a_face};
 use super::point_triangle::PreparedTriangle;
@@ -248,7 +248,8 @@ impl Builder<'_> {
         let column = |pick: fn(&DVec3) -> f64| DVec3::from(rows.each_ref().map(pick)).as_vec3();
         let [of_x, of_y, of_z] = [column(|row| row.x), column(|row| row.y), column(|row| row.z)];
         let moved = DVec3::from(rows.map(|row| -row.dot(origin))).as_vec3();
-        Some([of_x, of_y, of_z, moved].map(|column| column.extend(0.0)))
+        let [of_x, of_y, of_z] = [of_x, of_y, of_z].map(|column| column.extend(0.0));
+        Some([of_x, of_y, of_z, moved.extend(TURNED)])
     }
 
     /// Splits a part in up to four, always the largest in area next; says how many there are.

@@ -26,6 +26,9 @@ const PATIENCE: usize = 8;
 /// Hard points that are taken together: more share more work, fewer leave some for other threads.
 const CHUNK: usize = 8192;
 
+/// Chunks whose boxes have diagonals of so much of that of all, on average, need no order.
+const CLOSE: f64 = 0.25;
+
 /// Many queries of one tree, in bounded time wherever the points are.
 #[derive(Debug)]
 pub struct ManyQueries<'a> {
@@ -132,7 +135,11 @@ impl<'a> ManyQueries<'a> {
             let _ = self.panorama.set(Panorama::new(self.bvh, self.center, control)?);
         }
         let Some(all) = self.panorama.get() else { return Ok(vec![None; points.len()]) };
-        let order = coarse_order(points, control.part(0.0, 0.0))?;
+        let order = if follow_each_other(points, control)? {
+            (0..points.len() as u32).collect()
+        } else {
+            coarse_order(points, control.part(0.0, 0.0))?
+        };
         let chunks: Vec<Vec<Option<Hit>>> = order
             .par_chunks(CHUNK)
             .map(|chunk| {
@@ -149,6 +156,25 @@ impl<'a> ManyQueries<'a> {
         }
         Ok(hits)
     }
+}
+
+/// Whether chunks of the points as they are lie so close together that sorting them costs more than
+/// it saves: their boxes are at most [`CLOSE`] of the box around all, on average.
+fn follow_each_other(points: &[DVec3], control: &Control) -> Result<bool, Cancelled> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut sum = 0.0;
+    for chunk in points.chunks(CHUNK) {
+        control.at(0.0)?;
+        let (mut low_there, mut high_there) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &point in chunk {
+            low_there = low_there.min(point);
+            high_there = high_there.max(point);
+        }
+        sum += low_there.distance(high_there);
+        (low, high) = (low.min(low_there), high.max(high_there));
+    }
+    let n_chunks = points.len().div_ceil(CHUNK);
+    Ok(n_chunks == 1 || sum <= CLOSE * n_chunks as f64 * low.distance(high))
 }
 
 /// The points that are not asked one by one.

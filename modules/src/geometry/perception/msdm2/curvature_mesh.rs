@@ -1,7 +1,7 @@
 //! A mesh made ready for walks: clean faces, half-edges around each vertex, the bend of each edge.
 
 use glam::DVec3;
-use mve_core::Control;
+use mve_core::{Cancelled, Control};
 
 use super::bend::{Bend, bends};
 use super::{Msdm2Error, Variant};
@@ -77,8 +77,8 @@ impl CurvatureMesh {
             || Adjacency::new(&mesh, control.part(0.0, 0.3)),
         );
         let (bvh, adjacency) = (bvh?, adjacency?);
-        let (starts, half_edges) = half_edges(&adjacency, mesh.positions.len());
-        control.at(0.6)?;
+        let (starts, half_edges) =
+            half_edges(&adjacency, mesh.positions.len(), control.part(0.6, 0.6))?;
         let (bends, disc_shares) = bends(&mesh, &adjacency, variant, control.part(0.6, 1.0))?;
         Ok(Self { mesh, bvh, starts, half_edges, bends, disc_shares, longest_side, n_left_out })
     }
@@ -103,9 +103,14 @@ impl CurvatureMesh {
 }
 
 /// The half-edges of each vertex, by edge.
-fn half_edges(adjacency: &Adjacency, n_vertices: usize) -> (Vec<u32>, Vec<HalfEdge>) {
+fn half_edges(
+    adjacency: &Adjacency,
+    n_vertices: usize,
+    control: Control,
+) -> Result<(Vec<u32>, Vec<HalfEdge>), Cancelled> {
     let mut starts = vec![0u32; n_vertices + 1];
-    for v in adjacency.edges().iter().flatten() {
+    for (end, v) in adjacency.edges().iter().flatten().enumerate() {
+        control.item(end, usize::MAX)?;
         starts[v.idx() + 1] += 1;
     }
     for v in 0..n_vertices {
@@ -114,12 +119,13 @@ fn half_edges(adjacency: &Adjacency, n_vertices: usize) -> (Vec<u32>, Vec<HalfEd
     let mut next = starts.clone();
     let mut half_edges = vec![HalfEdge { other: 0, edge: 0 }; 2 * adjacency.edges().len()];
     for (edge, &[a, b]) in (0u32..).zip(adjacency.edges()) {
+        control.item(edge as usize, usize::MAX)?;
         for (from, to) in [(a, b), (b, a)] {
             half_edges[next[from.idx()] as usize] = HalfEdge { other: to.0, edge };
             next[from.idx()] += 1;
         }
     }
-    (starts, half_edges)
+    Ok((starts, half_edges))
 }
 
 /// The power of two that brings the largest finite coordinate of the meshes to between 1/2 and 1,

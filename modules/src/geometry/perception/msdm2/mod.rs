@@ -205,11 +205,11 @@ pub fn msdm2(
 ) -> Result<Msdm2, Msdm2Error> {
     let pair = Pair::new(original, simplified, options.variant, control.part(0.0, 0.2))?;
     let (a, b) = (&pair.original, &pair.simplified);
-    let levels_of = |surface: &CurvatureMesh| match options.variant {
-        Variant::Published => Levels::new(surface.longest_side, options.n_levels),
-        Variant::Mended => Levels::new(rod_length(&a.mesh), options.n_levels),
+    let sizes = match options.variant {
+        Variant::Published => [a, b].map(|surface| surface.longest_side),
+        Variant::Mended => [rod_length(&a.mesh, control.part(0.2, 0.2))?; 2],
     };
-    let (of_original, of_simplified) = (levels_of(a), levels_of(b));
+    let [of_original, of_simplified] = sizes.map(|size| Levels::new(size, options.n_levels));
     let both_curvatures = |levels: &Levels, part: Control| {
         let (a, b) = rayon::join(
             || curvature::curvatures(a, levels, part.part(0.0, 0.5)),
@@ -312,22 +312,33 @@ pub(super) fn one_sided_of(
 /// √(12 λ) for the largest variance λ of the points of the surface in a direction. No rotation and
 /// no refinement changes it; for a sphere and for a rod it is the longest side of the box.
 /// Surfaces without area: of the vertices of the faces.
-fn rod_length(mesh: &TriMesh) -> f64 {
-    let triangles = || (0..mesh.faces.len()).map(|face| mesh.corners(FaceId(face as u32)));
+fn rod_length(mesh: &TriMesh, control: Control) -> Result<f64, Cancelled> {
+    let over_faces = |visit: &mut dyn FnMut([DVec3; 3])| {
+        for face in 0..mesh.faces.len() {
+            control.item(face, usize::MAX)?;
+            visit(mesh.corners(FaceId(face as u32)));
+        }
+        Ok::<_, Cancelled>(())
+    };
     let doubled = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
-    let total: f64 = triangles().map(doubled).sum();
+    let mut total = 0.0;
+    over_faces(&mut |corners| total += doubled(corners))?;
     let weight = |corners| if total > 0.0 { doubled(corners) / total } else { 1.0 };
-    let sum: f64 = triangles().map(weight).sum();
-    let center = triangles().map(|t| (t[0] + t[1] + t[2]) * (weight(t) / 3.0)).sum::<DVec3>() / sum;
+    let (mut sum, mut center) = (0.0, DVec3::ZERO);
+    over_faces(&mut |corners| {
+        sum += weight(corners);
+        center += corners.iter().sum::<DVec3>() * (weight(corners) / 3.0);
+    })?;
+    center /= sum;
     // The mean of x xᵀ over a triangle: of the corners' and of nine times the middle's, over 12.
     let mut spread = DMat3::ZERO;
-    for corners in triangles() {
+    over_faces(&mut |corners| {
         let [a, b, c] = corners.map(|p| p - center);
         let dyad = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
         let of_face = dyad(a) + dyad(b) + dyad(c) + dyad(a + b + c);
         spread += of_face * (weight(corners) / (12.0 * sum));
-    }
-    (12.0 * largest_eigenvalue(spread)).sqrt()
+    })?;
+    Ok((12.0 * largest_eigenvalue(spread)).sqrt())
 }
 
 /// Of a symmetric matrix without negative eigenvalues, by squaring: each time the others shrink
