@@ -47,7 +47,7 @@ pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
 pub use error::ModuleError;
-pub use files::{FileHashes, is_below};
+pub use files::{FileHashes, is_below, refuse_special};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
