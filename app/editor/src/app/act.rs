@@ -27,6 +27,7 @@ impl Editor {
             }
             Wish::Program(action) => self.act_on_program(ctx, action),
             Wish::Command(command) => self.command(ctx, command),
+            Wish::Say(text) => self.toast(text),
         }
     }
 

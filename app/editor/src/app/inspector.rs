@@ -244,12 +244,13 @@ pub fn port_table(
         for output in module.outputs {
             let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
             let is_pinned = session.pinned.contains(&port);
+            let value = session.value_out_of(&port);
             let toggle = ui.selectable_label(is_pinned, format!("out: {}", output.name));
             if toggle.on_hover_text(format!("{}\nClick to look at it.", output.doc)).clicked() {
                 wishes.push(Wish::Canvas(Action::Pin(port)));
             }
             ui.weak(output.data_type.id);
-            match session.runner.value(name, output.name) {
+            match value {
                 Some(value) if session.viewer.is_empty(&value) => ui.weak(value.summary()),
                 Some(value) => value_label(ui, &value, is_whole),
                 None => ui.weak("no value yet"),
@@ -262,7 +263,10 @@ pub fn port_table(
 /// What the node's module said when it ran last, and its files.
 fn said(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, status: &Status) {
     let Some(ended) = session.runner.ended(name) else { return };
-    if matches!(status, Status::Running(_) | Status::Waiting) {
+    // What a node that does not run said once is of no use now.
+    let node = session.document.map().nodes.get(name);
+    let is_active = node.is_some_and(|node| node.mode.is_active());
+    if !is_active || matches!(status, Status::Running(_) | Status::Waiting) {
         return;
     }
     for (phase, seconds) in &ended.record.phases {

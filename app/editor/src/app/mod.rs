@@ -67,6 +67,8 @@ pub enum Wish {
     Program(ProgramAction),
     /// A command of a menu or a key.
     Command(Command),
+    /// To read this sentence.
+    Say(String),
 }
 
 /// What menus and keys ask for.

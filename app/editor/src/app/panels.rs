@@ -105,8 +105,12 @@ impl Editor {
     }
 
     fn viewer(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        // A panel remembers the size of what is in it, and keeps the one that a hand gave it.
-        ui.expand_to_include_rect(ui.max_rect());
+        // A panel remembers the size of what is in it: that is what a hand gave it, however much
+        // there is to be seen.
+        let rect = ui.max_rect();
+        ui.expand_to_include_rect(rect);
+        let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect));
+        ui.set_clip_rect(ui.clip_rect().intersect(rect));
         let render = self.render.clone();
         let session = &mut self.sessions[self.active];
         let pinned = session.pinned_values();
@@ -125,6 +129,7 @@ impl Editor {
                     ViewerAction::Keep(edit) => {
                         wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
                     }
+                    ViewerAction::Say(text) => wishes.push(Wish::Say(text)),
                     // The viewer has done that.
                     ViewerAction::Pick(_) => {}
                     ViewerAction::TakePicture => wishes.push(Wish::Command(Command::Picture)),

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use indexmap::IndexSet;
-use mve_core::{MapError, Node, NodeMode, PortRef, Registry};
+use mve_core::{MapError, Node, NodeMode, PortRef, Registry, Value};
+use mve_modules::data::TriMesh;
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
@@ -203,10 +204,14 @@ impl Session {
                 values.push((port, value));
             }
         }
-        // The kind of the largest value, and of that kind what was made last.
+        // Meshes, which the work is about, else the kind of the largest value; and of that kind what
+        // was made last. So pictures that compare pictures are not what is seen first.
+        let mesh = values.iter().find(|(_, value)| value.get::<TriMesh>().is_some());
         let largest = values.iter().max_by_key(|(_, value)| value.byte_size());
-        let kind =
-            largest.filter(|(_, value)| value.scalar().is_none()).map(|(_, v)| v.data_type());
+        let kind = mesh
+            .or(largest)
+            .filter(|(_, value)| value.scalar().is_none())
+            .map(|(_, v)| v.data_type());
         let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
         let best = best.map(|(port, _)| port.clone());
         if best.is_some() {
@@ -240,6 +245,12 @@ impl Session {
             Pinned { title, value: value_of(&from), state: state_of(&from) }
         };
         self.pinned.iter().map(pinned).collect()
+    }
+
+    /// The value that goes out of a port: what passes through where its node is bypassed.
+    pub fn value_out_of(&self, port: &PortRef) -> Option<Value> {
+        let from = self.behind_bypass(port)?;
+        self.runner.value(&from.node, &from.port)
     }
 
     /// The output whose value is that of this one: another where its node is bypassed, none where

@@ -51,6 +51,15 @@ fn an_axis_of_counts_halves_what_comes_in() {
     let programs = json!({"old": {"axes": [{"cut.target_faces": [34_726, 17_363, 8_681]}]}});
     let (_, spec) = vary(&map(programs), "cut", "target_faces");
     assert_eq!(spec.axes[0]["cut.target_faces"][3], json!(4_340));
+    // One that is given is halved too: twice as many as 34,726 are more than there are.
+    let mut given = Map::clone(&map(json!({})));
+    let cut = given.nodes.get_mut("cut").unwrap();
+    cut.params.insert("target_faces".to_owned(), json!(34_726));
+    let (_, spec) = vary(&Arc::new(given), "cut", "target_faces");
+    assert_eq!(json!(spec), json!({"axes": [{"cut.target_faces": [34_726, 17_363, 8_682]}]}));
+    let programs = json!({"old": {"axes": [{"cut.target_faces": [34_726]}]}});
+    let (_, spec) = vary(&map(programs), "cut", "target_faces");
+    assert_eq!(spec.axes[0]["cut.target_faces"][1], json!(17_363));
 }
 
 #[test]

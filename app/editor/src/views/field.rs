@@ -97,17 +97,20 @@ impl ValueView for FieldsView {
         let mut actions = Vec::new();
         let is_shown = |title: &str| shown.values.iter().any(|(_, pinned)| pinned.title == title);
         self.fields.retain(|(title, _)| is_shown(title));
-        for (place, title, field) in shown.of::<Field>() {
-            if heading(ui, title) {
-                actions.push(ViewerAction::Unpin(place));
+        // Where the panel is too low for the tables, they are scrolled to.
+        egui::ScrollArea::vertical().id_salt("fields").auto_shrink([false, true]).show(ui, |ui| {
+            for (place, title, field) in shown.of::<Field>() {
+                if heading(ui, title) {
+                    actions.push(ViewerAction::Unpin(place));
+                }
+                let known = self.fields.iter().position(|(known, _)| known == title);
+                let known = known.unwrap_or_else(|| {
+                    self.fields.push((title.to_owned(), FieldView::default()));
+                    self.fields.len() - 1
+                });
+                self.fields[known].1.show(ui, title, &field, shown.height);
             }
-            let known = self.fields.iter().position(|(known, _)| known == title);
-            let known = known.unwrap_or_else(|| {
-                self.fields.push((title.to_owned(), FieldView::default()));
-                self.fields.len() - 1
-            });
-            self.fields[known].1.show(ui, title, &field, shown.height);
-        }
+        });
         actions
     }
 
@@ -137,7 +140,7 @@ impl FieldView {
             ui.weak("counting…");
             return;
         };
-        table(ui, &statistics);
+        table(ui, title, &statistics);
         let plot = Plot::new(("field histogram", title))
             .x_axis_label(format!("{}{unit}", field.name))
             .y_axis_label(elements)
@@ -146,7 +149,7 @@ impl FieldView {
     }
 }
 
-fn table(ui: &mut egui::Ui, statistics: &Statistics) {
+fn table(ui: &mut egui::Ui, title: &str, statistics: &Statistics) {
     let mut rows = Vec::new();
     if let Some(quartiles) = statistics.quartiles {
         let names = ["lowest", "lower quartile", "median", "upper quartile", "highest"];
@@ -158,7 +161,7 @@ fn table(ui: &mut egui::Ui, statistics: &Statistics) {
     if statistics.n_other > 0 {
         rows.push(("not finite", count_text(statistics.n_other)));
     }
-    egui::Grid::new("statistics").striped(true).show(ui, |ui| {
+    egui::Grid::new(("statistics", title)).striped(true).show(ui, |ui| {
         for (name, value) in rows {
             ui.label(name);
             ui.monospace(value);

@@ -28,6 +28,11 @@ impl ValueView for FieldTitlesView {
                 if heading(ui, &pinned.title) {
                     actions.push(ViewerAction::Unpin(place));
                 }
+                // Its mesh is new already, and it is on its way: nothing jumps meanwhile.
+                let field = pinned.value.as_ref().and_then(Value::get::<Field>);
+                if field.is_some_and(|field| !colors_a_mesh(&field, shown.all)) {
+                    ui.weak("from an earlier run");
+                }
             }
         });
         actions

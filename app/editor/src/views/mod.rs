@@ -31,6 +31,7 @@ mod tests;
 #[path = "../../templates/view.rs"]
 mod template;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -87,6 +88,8 @@ pub enum ViewerAction {
     Pick(Option<PickedElement>),
     /// To keep something with the map, or no longer.
     Keep(KeptEdit),
+    /// To read this sentence.
+    Say(String),
     /// A picture of the meshes in a file.
     TakePicture,
 }
@@ -174,6 +177,8 @@ macro_rules! views {
             sheet: sheet::SheetView,
             /// The element of a mesh that is looked at.
             pub picked: Option<PickedElement>,
+            /// The view of each value, by title, as it was when the value was last fresh.
+            places: HashMap<String, usize>,
             /// Since when some value is of an earlier run.
             outdated_since: Option<Instant>,
         }
@@ -313,19 +318,28 @@ impl Viewer {
     }
 
     /// The places of the values of each view, and of those that no view takes; without those that
-    /// have nothing to be seen.
-    fn sorted(&self, pinned: &[Pinned]) -> (Vec<Vec<usize>>, Vec<usize>) {
+    /// have nothing to be seen. A value of an earlier run stays with its view: while a run gives
+    /// new values one by one, what colored a mesh is not to become a picture of its own.
+    fn sorted(&mut self, pinned: &[Pinned]) -> (Vec<Vec<usize>>, Vec<usize>) {
         let views = self.views();
+        let mut places = HashMap::new();
         let (mut sorted, mut others) = (vec![Vec::new(); views.len()], Vec::new());
-        for (place, value) in pinned.iter().enumerate() {
-            let Some(value) = value.value.as_ref().filter(|value| !self.is_empty(value)) else {
+        for (place, pin) in pinned.iter().enumerate() {
+            let known = self.places.get(&pin.title).copied();
+            let Some(value) = pin.value.as_ref().filter(|value| !self.is_empty(value)) else {
+                places.extend(known.map(|view| (pin.title.clone(), view)));
                 continue;
             };
-            match views.iter().position(|view| view.takes(value, pinned)) {
-                Some(view) => sorted[view].push(place),
+            let kept = known.filter(|_| pin.state == PortState::Outdated);
+            match kept.or_else(|| views.iter().position(|view| view.takes(value, pinned))) {
+                Some(view) => {
+                    sorted[view].push(place);
+                    places.insert(pin.title.clone(), view);
+                }
                 None => others.push(place),
             }
         }
+        self.places = places;
         (sorted, others)
     }
 

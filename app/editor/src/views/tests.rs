@@ -182,6 +182,48 @@ fn a_pinned_field_colors_its_mesh_and_has_a_bar() {
 }
 
 #[test]
+fn a_field_that_waits_for_its_new_values_stays_beside_its_new_mesh() {
+    let domain = Domain::Vertex;
+    let (name, unit, values) = ("depth".to_owned(), String::new(), vec![0.5; 8]);
+    let field = Value::new(Field { name, unit, domain, values });
+    let list = vec![pinned("a.mesh", Value::new(cube(DVec3::ONE))), pinned("a.field", field)];
+    let mut harness = harness(list);
+    settle(&mut harness);
+    let is_table = |harness: &Harness<Shown>| harness.query_all_by_label("median").next().is_some();
+    let waits = |harness: &Harness<Shown>| {
+        harness.query_all_by_label("from an earlier run").next().is_some()
+    };
+    assert!(!is_table(&harness) && !waits(&harness));
+    // A mesh of other counts is there, the field is on its way.
+    let pinned = &mut harness.state_mut().pinned;
+    let triangle = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    pinned[0].value = Some(Value::new(triangle));
+    pinned[1].state = PortState::Outdated;
+    settle(&mut harness);
+    assert!(!is_table(&harness) && waits(&harness));
+    // The run has ended, and the field is of no mesh here.
+    harness.state_mut().pinned[1].state = PortState::Ready;
+    settle(&mut harness);
+    assert!(is_table(&harness) && !waits(&harness));
+}
+
+#[test]
+fn tables_of_two_fields_have_ids_of_their_own() {
+    let field = |name: &str| {
+        let (name, unit, domain) = (name.to_owned(), String::new(), Domain::Vertex);
+        Value::new(Field { name, unit, domain, values: vec![1.0, 2.0, 4.0] })
+    };
+    let list = vec![pinned("a.one", field("one")), pinned("a.two", field("two"))];
+    let mut harness = harness(list);
+    settle(&mut harness);
+    assert_eq!(harness.query_all_by_label("median").count(), 2);
+    let image = picture(&mut harness);
+    // Bars have a red of their own.
+    let is_red = |pixel: &&image::Rgba<u8>| matches!(pixel.0, [240..=255, 0..=20, 0..=20, _]);
+    assert_eq!(image.pixels().filter(is_red).count(), 0, "egui warns of ids in red");
+}
+
+#[test]
 fn nothing_is_drawn_anew_while_nothing_changes() {
     let mut harness = harness(vec![pinned("box.mesh", Value::new(cube(DVec3::ONE)))]);
     settle(&mut harness);

@@ -130,7 +130,7 @@ fn a_section_shows_the_outlines_of_two_meshes() {
         meshes.settings.arrangement = Arrangement::Wipe;
         (meshes.settings.section.is_on, meshes.settings.section.normal) = (true, glam::DVec3::Z);
         let ends = [[3.0, 0.0, 0.0], [-3.0, 0.0, 0.0]].map(glam::DVec3::from);
-        let distance = Distance { name: "distance 1".to_owned(), ends };
+        let distance = Distance { name: "distance 1".to_owned(), of: None, ends };
         meshes.settings.distances = vec![distance];
         meshes.camera.look_from(StandardView::Top);
         meshes.camera.pitch_rad = 1.0;

@@ -224,6 +224,12 @@ fn colors_of_a_field_leave_out_extremes_and_their_ends_can_be_typed() {
     hand.type_last_number("maximum of the colors", "1.5");
     assert!(is_open(&hand), "so does typing");
     assert_eq!(high(&hand), Some(1.5));
+    // One that crosses the other given end is refused in words, and so the ends stay.
+    hand.click("Minimum");
+    let ends = hand.editor().session().viewer.meshes.range();
+    hand.type_last_number("maximum of the colors", "-50");
+    assert!(hand.sees_beginning("maximum of the colors: -50 is not above the minimum"));
+    assert_eq!(hand.editor().session().viewer.meshes.range(), ends);
     hand.press(Key::Escape);
     assert!(!is_open(&hand));
 }
@@ -256,6 +262,43 @@ fn meshes_are_opened_by_path_and_looked_at_side_by_side() {
 }
 
 #[test]
+fn a_viewer_keeps_its_height_whatever_is_in_it() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "bend": {"module": "Curvature"}},
+        "links": ["box.mesh -> bend.mesh"]}"#;
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    hand.press(Key::F5);
+    hand.wait_until_up_to_date();
+    hand.unpin_all();
+    // More than half of the window has room for.
+    hand.pin("bend", "mean");
+    hand.pin("bend", "gaussian");
+    hand.step();
+    let top = hand.place_of("Unpin bend.mean").y;
+    for _ in 0..3 {
+        hand.wait_for_the_views();
+        hand.press(Key::F5);
+        hand.wait_until_up_to_date();
+    }
+    assert!(hand.sees("median"));
+    assert_eq!(hand.place_of("Unpin bend.mean").y, top);
+}
+
+#[test]
+fn a_mesh_is_looked_at_first_and_no_picture_of_differences() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
+        "render": {"module": "Render"}},
+        "links": ["box.mesh -> render.mesh"]}"#;
+    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    hand.press(Key::F5);
+    hand.wait_until_up_to_date();
+    hand.step();
+    assert!(hand.sees("Unpin box.mesh"));
+    assert!(!hand.sees("Unpin render.images"));
+}
+
+#[test]
 fn a_bypassed_node_shows_what_passes_through_and_a_muted_one_nothing() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
@@ -278,9 +321,13 @@ fn a_bypassed_node_shows_what_passes_through_and_a_muted_one_nothing() {
     hand.press(Key::B);
     hand.problems();
     assert_eq!(n_shown(&hand), Some(768));
+    // The inspector says the same of both ports, and nothing of what the node once made.
+    let of_faces = |hand: &Hand, n: &str| hand.names_beginning(&format!("{n} faces, ")).len();
+    assert_eq!((of_faces(&hand, "768"), of_faces(&hand, "12")), (2, 0));
     hand.press(Key::M);
     hand.problems();
     assert_eq!(n_shown(&hand), None);
+    assert_eq!((of_faces(&hand, "768"), of_faces(&hand, "12")), (1, 0));
     assert_eq!(hand.description("node cut"), "does not run: it is muted");
 }
 

@@ -44,15 +44,28 @@ pub fn vary(path: &str, scene: &ProgramScene, spec: &ProgramSpec) -> ProgramEdit
         None => {
             let first = current(scene.map, scene.registry, path);
             let counts = scene.counts_at(path);
-            let halves = declared.spec().map_or(Vec::new(), |spec| halves(spec, counts, N_HALVES));
-            if first.is_null() && !halves.is_empty() {
-                return ProgramEdit::AddAxis { path: path.to_owned(), values: halves };
+            let values = declared.spec().map_or(Vec::new(), |spec| fewer(spec, &first, counts));
+            if !values.is_empty() {
+                return ProgramEdit::AddAxis { path: path.to_owned(), values };
             }
             let other = second(&declared, &first, &scene.folder);
             let values = if first == other { vec![first] } else { vec![first, other] };
             ProgramEdit::AddAxis { path: path.to_owned(), values }
         }
     }
+}
+
+/// Ever fewer of what a parameter counts, from its value on, or from half of what is there where
+/// it is off or asks for more than that; none where it is not known what is there.
+fn fewer(spec: &ParamSpec, first: &Json, counts: &[(&str, usize)]) -> Vec<Json> {
+    let Some(n) = known_count(spec, counts) else { return Vec::new() };
+    let Some(given) = first.as_f64().filter(|given| *given >= 1.0 && *given < n as f64) else {
+        return halves(spec, counts, N_HALVES);
+    };
+    let mut values = vec![first.clone()];
+    values.extend(halves(spec, &[(spec.unit, given as usize)], N_HALVES - 1));
+    values.dedup();
+    values
 }
 
 /// The edit that adds a row to an axis: a value that goes on from the last ones where that makes
@@ -62,13 +75,18 @@ pub fn add_value(scene: &ProgramScene, place: usize, axis: &Axis) -> ProgramEdit
     let again = ProgramEdit::AddRow { axis: place, row };
     let Some((path, list)) = axis.first().filter(|_| axis.len() == 1) else { return again };
     let declared = declared(scene.map, scene.registry, path);
-    let Some(value) = next_value(scene, &declared, list) else { return again };
+    let counts = scene.counts_at(path);
+    let Some(value) = next_value(scene, (&declared, counts), list) else { return again };
     let values = list.iter().cloned().chain([value]).collect();
     ProgramEdit::SetList { axis: place, path: path.clone(), values }
 }
 
 /// A value that goes on from a list and is not in it.
-fn next_value(scene: &ProgramScene, declared: &Declared, list: &[Json]) -> Option<Json> {
+fn next_value(
+    scene: &ProgramScene,
+    (declared, counts): (&Declared, &[(&str, usize)]),
+    list: &[Json],
+) -> Option<Json> {
     let options = declared.options();
     if !options.is_empty() {
         let is_free = |id: &Json| list.iter().all(|known| !names(known, id));
@@ -83,7 +101,11 @@ fn next_value(scene: &ProgramScene, declared: &Declared, list: &[Json]) -> Optio
             let range = Range { from: next, to: next, count: 1, spacing: Progression::Arithmetic };
             range.values(spec).pop()?
         }
-        _ => second(declared, last, &scene.folder),
+        (_, spec) => {
+            let fewer = spec.map_or(Vec::new(), |spec| fewer(spec, last, counts));
+            let next = fewer.into_iter().find(|value| !list.contains(value));
+            next.unwrap_or_else(|| second(declared, last, &scene.folder))
+        }
     };
     (!list.contains(&next)).then_some(next)
 }

@@ -203,6 +203,7 @@ impl MeshView {
         self.gpu = Some(gpu);
         actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
         actions.extend(wishes.kept.into_iter().map(ViewerAction::Keep));
+        actions.extend(wishes.faults.into_iter().map(ViewerAction::Say));
         actions
     }
 

@@ -227,7 +227,9 @@ fn distances_are_measured_by_two_clicks_and_stay() {
         panic!("{edit:?}")
     };
     assert_eq!(name, "distance 1");
-    assert_eq!(content.to_string(), "[[-1.0,-1.0,0.0],[1.0,1.0,0.0]]");
+    let expected = r#"{"ends":[[-1.0,-1.0,0.0],[1.0,1.0,0.0]],"of":"a.mesh"}"#;
+    let expected: serde_json::Value = serde_json::from_str(expected).unwrap();
+    assert_eq!(content, &expected);
     assert_eq!(harness.state().viewer.picked, None, "the tool takes the clicks");
     let mut kept = Kept::default();
     kept.edit(&edit).unwrap();
@@ -238,6 +240,12 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     let image = picture(&mut harness);
     let yellow = count(&image, |r, g, b| r > 220 && (160..220).contains(&g) && b < 90);
     assert!(yellow > 60, "a line from corner to corner: {yellow}");
+    // Another mesh has but a pale line.
+    let title = std::mem::replace(&mut harness.state_mut().pinned[0].title, "b.mesh".to_owned());
+    let image = picture(&mut harness);
+    let yellow = count(&image, |r, g, b| r > 220 && (160..220).contains(&g) && b < 90);
+    assert_eq!(yellow, 0);
+    harness.state_mut().pinned[0].title = title;
     harness.get_by_label("Distances").click();
     settle(&mut harness);
     // Two by two.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
 use mve_modules::picture::color_map::{
-    ColorMap, ColorMapOptions, Outside, bytes_of, range_of, share,
+    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
 };
 use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
@@ -403,15 +403,40 @@ impl ScaleSettings {
         }
     }
 
-    /// The range over all of some values, in numbers that colors follow; the data's own where the
-    /// given ends make none.
+    /// The ends of the colors, as the numbers that colors follow. An end that was not given is from
+    /// the data without rare extremes; where that leaves nothing beside a given one, it is the
+    /// extreme itself, and where that leaves nothing either, it lies as far away as the values
+    /// reach, so that they have the color of the given end. Given ends of which the low one is not
+    /// below the other are passed over.
     pub fn range<'a>(&self, all: impl IntoIterator<Item = &'a Values>) -> [f64; 2] {
+        let all: Vec<&Values> = all.into_iter().collect();
         let clip = CLIP_PERCENTS.iter().position(|percent| *percent == self.clip_percent);
-        let ends = all.into_iter().flat_map(|values| values.clipped[clip.unwrap_or(0)]);
-        let ends: Vec<f64> = ends.collect();
+        let ends =
+            |clip: usize| -> Vec<f64> { all.iter().flat_map(|one| one.clipped[clip]).collect() };
+        let clipped = ends(clip.unwrap_or(0));
         let options = self.options();
         let of_data = ColorMapOptions { low: None, high: None, ..options };
-        range_of(&ends, &options).or_else(|_| range_of(&ends, &of_data)).unwrap_or([0.0, 1.0])
+        let given = match (options.low, options.high) {
+            (Some(_), None) | (None, Some(_)) => options.low.or(options.high),
+            _ => None,
+        };
+        let Some(given) = given else {
+            let range = range_of(&clipped, &options).or_else(|_| range_of(&clipped, &of_data));
+            return range.unwrap_or([0.0, 1.0]);
+        };
+        let extremes = ends(0);
+        let ranges = [&clipped, &extremes].map(|ends| range_of(ends, &options).ok());
+        let is_some_length = |[low, high]: &[f64; 2]| low < high;
+        ranges.into_iter().flatten().find(is_some_length).unwrap_or_else(|| {
+            let [low, high] = extent_of(&extremes);
+            let length = if low < high { high - low } else { 1.0 };
+            // So long that the ends differ, so short that both are numbers.
+            let length = length.max(1e-6 * given.abs()).min(f64::MAX / 4.0);
+            match options.low {
+                Some(_) => [given, (given + length).min(f64::MAX)],
+                None => [(given - length).max(-f64::MAX), given],
+            }
+        })
     }
 
     /// Factor and offset from a value as the GPU has it to its place in the table, 0 to 1.

@@ -115,6 +115,37 @@ fn a_range_leaves_out_rare_extremes_and_vertices_that_nobody_sees() {
 }
 
 #[test]
+fn beside_a_given_end_the_other_leaves_room_for_colors() {
+    let name = (String::new(), String::new());
+    // 0, 1, …, 100 and two that are far away: without one percent of them from 0 to 100.
+    let all = (0..=100).map(f64::from).chain([-1000.0, 3000.0]).collect();
+    let values = Values::new(name, Domain::Vertex, all, Spacing::Linear);
+    let base = ScaleSettings::default();
+    let high = |high: f64| ScaleSettings { high: Some(high), ..base };
+    let low = |low: f64| ScaleSettings { low: Some(low), ..base };
+    assert_eq!(high(50.0).range([&values]), [0.0, 50.0]);
+    // Below all but the rare ones: down to the lowest.
+    assert_eq!(high(-5.0).range([&values]), [-1000.0, -5.0]);
+    assert_eq!(low(150.0).range([&values]), [150.0, 3000.0]);
+    // Beyond all: what lies above has the last color, what lies below the first.
+    let [first, last] = [base.table()[0], base.table()[TABLE_LENGTH - 1]];
+    for (settings, expected) in [(high(-2000.0), last), (low(4000.0), first)] {
+        let range = settings.range([&values]);
+        assert!(range[0] < range[1] && range.contains(&settings.high.or(settings.low).unwrap()));
+        for value in [-1000.0, 50.0, 3000.0] {
+            let found = drawn_color(&settings, value, values.extent, range);
+            assert_eq!(found, expected[..3], "{settings:?} {value}");
+        }
+    }
+    for given in [f64::MAX, -f64::MAX, 0.0, 1e300] {
+        for settings in [high(given), low(given)] {
+            let range = settings.range([&values]);
+            assert!(range.iter().all(|end| end.is_finite()) && range[0] <= range[1], "{given}");
+        }
+    }
+}
+
+#[test]
 fn layers_with_holes_and_numbers_that_are_none_are_marked() {
     let mut mesh = tetrahedron();
     mesh.layers.push(number_layer("quality"));

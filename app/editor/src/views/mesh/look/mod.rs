@@ -4,6 +4,7 @@ pub mod coloring;
 pub mod controls;
 pub mod named;
 mod palette;
+pub mod range_end;
 pub mod settings;
 pub mod stored;
 pub mod texture;

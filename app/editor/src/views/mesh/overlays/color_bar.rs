@@ -7,8 +7,10 @@ use mve_modules::data::Domain;
 
 use super::Overlay;
 use crate::views::mesh::look::coloring::ScaleSettings;
+use crate::views::mesh::look::range_end::RangeEnd;
 use crate::views::mesh::look::values::{Spacing, Values};
 use crate::views::mesh::scene::MeshScene;
+use crate::views::ViewerAction;
 use crate::views::number::{number_text, round_numbers};
 use crate::views::spread::histogram;
 
@@ -71,7 +73,8 @@ impl Overlay for ColorBar {
         let scale = &mut scene.settings.scale;
         let bar = paint_color_bar(ui, rect, scale, range, first, &known.histogram);
         if let Some(bar) = bar {
-            show_ends(ui, (rect, bar), scale, range);
+            let faults = show_ends(ui, (rect, bar), scale, range);
+            scene.actions.extend(faults.into_iter().map(ViewerAction::Say));
             show_beyond(ui, (rect, bar), known.beyond, scale.spacing);
         }
     }
@@ -80,38 +83,31 @@ impl Overlay for ColorBar {
 /// Height of a field at an end of the bar.
 const FIELD: f32 = 18.0;
 
-/// The values at the ends of the bar, to be dragged or typed.
+/// The values at the ends of the bar, to be dragged or typed; also why some of those were not taken.
 fn show_ends(
     ui: &mut egui::Ui,
     (rect, bar): (Rect, Rect),
     scale: &mut ScaleSettings,
     range: [f64; 2],
-) {
+) -> Vec<String> {
     let [low, high] = range.map(|number| scale.spacing.back(number));
     let speed = ((high - low) / 200.0).max(f64::MIN_POSITIVE);
-    let ends = [
-        ("minimum of the colors", bar.bottom() + 2.0, low, f64::NEG_INFINITY..=high),
-        ("maximum of the colors", bar.top() - 2.0 - FIELD, high, low..=f64::INFINITY),
-    ];
-    for ((name, top, present, allowed), end) in
-        ends.into_iter().zip([&mut scale.low, &mut scale.high])
-    {
+    let tops = [bar.bottom() + 2.0, bar.top() - 2.0 - FIELD];
+    let mut faults = Vec::new();
+    for ((end, top), present) in RangeEnd::ALL.into_iter().zip(tops).zip([low, high]) {
         let place =
             Rect::from_min_max(pos2(rect.left() + 6.0, top), pos2(rect.right() - 4.0, top + FIELD));
+        let name = egui::Id::new(("end of the colors", end == RangeEnd::Low));
         let mut child = ui.new_child(egui::UiBuilder::new().max_rect(place).id_salt(name));
-        let mut value = present;
-        let field = egui::DragValue::new(&mut value).speed(speed).range(allowed);
-        let field = field.update_while_editing(false);
-        let field = field.custom_formatter(|number, _| number_text(number));
-        let field = child.add(field);
-        ui.ctx().accesskit_node_builder(field.id, |node| node.set_label(name));
-        if value != present {
-            *end = Some(value);
-        }
+        let (field, fault) = end.show(&mut child, scale, present, |field| {
+            field.speed(speed).custom_formatter(|number, _| number_text(number))
+        });
+        faults.extend(fault);
         field.on_hover_text(
             "Drag or type the value; Range ▸ Minimum and Maximum give it back to the data",
         );
     }
+    faults
 }
 
 /// Says up to where values lie beyond the ends, and how many of them.

@@ -15,13 +15,21 @@ const SHADOW: Color32 = Color32::from_black_alpha(170);
 
 impl Overlay for Distances {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
-        for response in scene.responses {
+        // Two pictures over each other are one, with the distances of both.
+        let is_each_its_own = scene.responses.len() == scene.tiles.len();
+        for (at, response) in scene.responses.iter().enumerate() {
+            let tiles = if is_each_its_own { &scene.tiles[at..=at] } else { scene.tiles };
+            let titles = || tiles.iter().map(|tile| scene.meshes[tile.item].title.as_str());
             let screen = Screen { rect: response.rect };
             let painter = ui.painter_at(screen.rect);
             let place = |point| Some(screen.place(scene.camera.project(point, screen.aspect())?));
             for distance in &scene.settings.distances {
-                if let [Some(a), Some(b)] = distance.ends.map(place) {
+                let [Some(a), Some(b)] = distance.ends.map(place) else { continue };
+                if titles().any(|title| distance.is_of(title)) {
                     paint_distance(&painter, [a, b], Some(&number_text(distance.length())));
+                } else {
+                    // On another mesh: a length there would be one that nobody has measured.
+                    painter.line_segment([a, b], Stroke::new(1.0, LINE.gamma_multiply(0.35)));
                 }
             }
         }

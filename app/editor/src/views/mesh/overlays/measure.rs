@@ -17,7 +17,8 @@ use crate::views::mesh::scene::{MeshScene, Screen};
 #[derive(Default)]
 pub struct Measure {
     search: ClickSearch,
-    first: Option<DVec3>,
+    /// The first point, and the mesh that it is on.
+    first: Option<(DVec3, String)>,
     /// The frame in which it was shown last.
     frame: u64,
 }
@@ -49,12 +50,14 @@ impl Overlay for Measure {
             scene.settings.is_measuring = false;
         }
         let clicked = self.search.take_in(ui, scene);
-        if let Some(clicked) = clicked.filter(|clicked| clicked.element.is_some()) {
+        let met = clicked.and_then(|clicked| Some((clicked.point, clicked.element?.title)));
+        if let Some((point, title)) = met {
             self.first = match self.first.take() {
-                None => Some(clicked.point),
-                Some(first) => {
+                None => Some((point, title)),
+                Some((first, of)) => {
                     let (shelf, name) = (Shelf::Distances, scene.kept.free_name(Shelf::Distances));
-                    let content = Distance::content([first, clicked.point]);
+                    let of = (of == title).then_some(of);
+                    let content = Distance::content([first, point], of.as_deref());
                     let edit = KeptEdit::Put { shelf, name, content };
                     scene.actions.push(ViewerAction::Keep(edit));
                     None
@@ -71,7 +74,8 @@ impl Measure {
             let screen = Screen { rect: response.rect };
             let painter = ui.painter_at(screen.rect);
             let seen = |point| scene.camera.project(point, screen.aspect());
-            let from = self.first.and_then(|point| Some(screen.place(seen(point)?)));
+            let from = self.first.as_ref();
+            let from = from.and_then(|(point, _)| Some(screen.place(seen(*point)?)));
             if let Some(from) = from {
                 paint_end(&painter, from);
                 if let Some(to) = response.hover_pos() {

@@ -4,8 +4,6 @@ mod distances_menu;
 mod section_menu;
 mod view_menu;
 
-use std::ops::RangeInclusive;
-
 use eframe::egui;
 use mve_core::Enumeration;
 use mve_modules::picture::color_map::Outside;
@@ -17,6 +15,7 @@ use crate::views::make_room;
 use crate::views::mesh::arrays::Shading;
 use crate::views::mesh::look::coloring::{ColorBy, ScaleSettings};
 use crate::views::mesh::look::named::NamedView;
+use crate::views::mesh::look::range_end::RangeEnd;
 use crate::views::mesh::look::settings::{
     Arrangement, BackFaces, MeshSettings, Switch, SwitchHome,
 };
@@ -64,6 +63,8 @@ pub struct Wishes {
     pub is_number: bool,
     /// To keep something, or no longer.
     pub kept: Vec<KeptEdit>,
+    /// What was typed and is not taken, and why.
+    pub faults: Vec<String>,
 }
 
 /// What the row of controls remembers.
@@ -98,7 +99,7 @@ pub fn controls(
         distances_menu(ui, &settings.distances, &mut wishes);
         color_by_box(ui, settings, offers);
         if let Some(range) = offers.range {
-            menu(ui, "Range", |ui| scale_menu(ui, &mut settings.scale, range))
+            menu(ui, "Range", |ui| scale_menu(ui, &mut settings.scale, range, &mut wishes))
                 .on_hover_text("The color scale and the values at its ends");
         }
         if offers.titles.len() > 1 {
@@ -165,7 +166,12 @@ fn color_by_box(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers)
 }
 
 /// The scale and the ends of its range.
-fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings, [low, high]: [f64; 2]) {
+fn scale_menu(
+    ui: &mut egui::Ui,
+    scale: &mut ScaleSettings,
+    range: [f64; 2],
+    wishes: &mut Wishes,
+) {
     ui.label("Colors");
     ui.horizontal_wrapped(|ui| {
         for (&value, (name, doc)) in Scale::VALUES.iter().zip(Scale::NAMES) {
@@ -183,8 +189,9 @@ fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings, [low, high]: [f64; 2
             ui.selectable_value(&mut scale.clip_percent, percent, format!("{percent} %"));
         }
     });
-    end_of_range(ui, &mut scale.low, "Minimum", low, f64::NEG_INFINITY..=high);
-    end_of_range(ui, &mut scale.high, "Maximum", high, low..=f64::INFINITY);
+    for ((end, label), present) in RangeEnd::ALL.into_iter().zip(["Minimum", "Maximum"]).zip(range) {
+        end_of_range(ui, scale, (end, label), present, wishes);
+    }
     ui.checkbox(&mut scale.is_symmetric, "Symmetric around 0");
     let mut is_log = scale.spacing == Spacing::Logarithmic;
     if ui.checkbox(&mut is_log, "Logarithmic").on_hover_text("Values above 0 only").changed() {
@@ -199,25 +206,23 @@ fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings, [low, high]: [f64; 2
 /// An end that is from the data or given by hand, which begins with the one that is there.
 fn end_of_range(
     ui: &mut egui::Ui,
-    end: &mut Option<f64>,
-    label: &str,
+    scale: &mut ScaleSettings,
+    (end, label): (RangeEnd, &str),
     present: f64,
-    allowed: RangeInclusive<f64>,
+    wishes: &mut Wishes,
 ) {
     ui.horizontal(|ui| {
-        let mut is_given = end.is_some();
+        let mut is_given = end.given(scale).is_some();
         if ui.checkbox(&mut is_given, label).changed() {
-            *end = is_given.then_some(present);
+            *end.given(scale) = is_given.then_some(present);
         }
-        if let Some(value) = end {
-            let speed = (0.01 * value.abs()).max(1e-6);
-            let field = egui::DragValue::new(value).speed(speed).range(allowed).max_decimals(9);
-            let field = ui.add(field.update_while_editing(false));
-            let name = format!("{} of the colors", label.to_lowercase());
-            ui.ctx().accesskit_node_builder(field.id, |node| node.set_label(name));
-        } else {
+        if end.given(scale).is_none() {
             ui.weak(number_text(present));
+            return;
         }
+        let speed = (0.01 * present.abs()).max(1e-6);
+        let (_, fault) = end.show(ui, scale, present, |field| field.speed(speed).max_decimals(9));
+        wishes.faults.extend(fault);
     });
 }
 
