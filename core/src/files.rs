@@ -41,7 +41,7 @@ pub(crate) fn refuse_links(base: &Path, below: &Path) -> Result<(), String> {
 }
 
 /// Refuses to write where something else than a file or folder lies, which would be gone.
-pub(crate) fn refuse_special(path: &Path) -> Result<(), String> {
+pub fn refuse_special(path: &Path) -> Result<(), String> {
     let Ok(about) = std::fs::symlink_metadata(path) else { return Ok(()) };
     let what = match about.file_type() {
         kind if kind.is_file() || kind.is_dir() => return Ok(()),

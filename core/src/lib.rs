@@ -47,7 +47,7 @@ pub use data::{Data, DataType, DecodeError, Scalar, Value};
 pub use describe::{describe_all, describe_module};
 pub use disk_cache::DiskCache;
 pub use error::ModuleError;
-pub use files::{FileHashes, is_below};
+pub use files::{FileHashes, is_below, refuse_special};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
@@ -64,7 +64,7 @@ pub use program::{
     ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,
     ProgramOptions, ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step,
     StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, Unneeded, are_alike, brief,
-    brief_value, exact, median, run_program, stands_for,
+    brief_value, exact, meant, median, run_program,
 };
 pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};

@@ -92,7 +92,7 @@ pub(crate) const LONGEST_NAME: usize = 100;
 const LONGEST_MESSAGE: usize = 2000;
 
 /// A text from a file as a terminal can show it, cut where it is very long.
-fn plain(text: &str, longest: usize) -> String {
+pub(crate) fn plain(text: &str, longest: usize) -> String {
     match text.char_indices().nth(longest) {
         Some((end, _)) => printable(&text[..end]).into_owned() + "…",
         None => printable(text).into_owned(),

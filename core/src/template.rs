@@ -7,6 +7,8 @@
 //! the id of the step and `{repeat}` its repeat. What is put in never
 //! adds a folder: slashes in it become dashes.
 
+use crate::problem::is_steering;
+
 /// A piece of a template.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Piece<'a> {
@@ -40,7 +42,7 @@ pub(crate) fn pieces(template: &str) -> Result<Vec<Piece<'_>>, String> {
 
 /// A value as a part of a file name: without slashes, control characters and the like.
 pub(crate) fn as_name(word: &str) -> String {
-    let is_bad = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
+    let is_bad = |c: char| is_steering(c) || "/\\:*?\"<>|".contains(c);
     let name: String = word.chars().map(|c| if is_bad(c) { '-' } else { c }).collect();
     if name.chars().all(|c| c == '.') { "-".repeat(name.len().max(1)) } else { name }
 }

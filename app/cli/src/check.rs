@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use mve_core::{OutputScope, Problem, Program};
+use mve_core::{Map, OutputScope, Place, Problem, Program, ProgramSpec, Severity};
 
 use crate::exit::{Exit, Stop};
 use crate::load::{Loaded, SetArgs};
@@ -60,6 +60,8 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
 fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
     let problems = loaded.plan(None, scope).map_or_else(|problems| problems, |plan| plan.warnings);
+    let problems: Vec<_> =
+        problems.into_iter().map(|problem| of_programs_alone(&loaded.map, problem)).collect();
     let known = problems.clone();
     let (mut own, of_programs): (Vec<_>, Vec<_>) =
         problems.into_iter().partition(|problem| problem.place.program.is_none());
@@ -104,6 +106,30 @@ fn report_json(loaded: &Loaded, groups: &[Group]) -> Result<Exit, Stop> {
         "warnings": warnings
     }))?;
     if errors == 0 { Ok(Exit::Done) } else { Err(Stop::refused("")) }
+}
+
+/// A problem as a warning where it is of a parameter that the map leaves open and every program
+/// sets: that is no fault, as long as it is a program that runs.
+fn of_programs_alone(map: &Map, problem: Problem) -> Problem {
+    let Place { node: Some(node), port: Some(port), program: None } = &problem.place else {
+        return problem;
+    };
+    let first = port.split('.').next().unwrap_or_default();
+    if map.nodes.get(node).is_none_or(|node| node.params.contains_key(first)) {
+        return problem;
+    }
+    let path = format!("{node}.{port}");
+    let sets = |program: &ProgramSpec| {
+        let (axes, steps) = (&program.axes, &program.steps);
+        (!axes.is_empty() || !steps.is_empty())
+            && (axes.is_empty() || axes.iter().any(|axis| axis.contains_key(&path)))
+            && steps.iter().all(|step| step.contains_key(&path))
+    };
+    if map.programs.is_empty() || !map.programs.values().all(sets) || !problem.is_error() {
+        return problem;
+    }
+    let message = format!("{}; only programs, which set it, can run this map", problem.message);
+    Problem { severity: Severity::Warning, message, ..problem }
 }
 
 /// Whether the map alone has this problem of a step. What a program adds to it stands behind it.

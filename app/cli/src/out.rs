@@ -10,7 +10,7 @@ use std::path::Path;
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use mve_core::is_steering;
+use mve_core::{is_steering, refuse_special};
 use serde::Serialize;
 use serde_json::Value as Json;
 
@@ -113,12 +113,20 @@ pub fn event(event: &impl Serialize) -> Result<Exit, Stop> {
     json(&value)
 }
 
-/// Writes a file so that readers see the old one or the new one.
-pub fn write_file(path: &Path, text: &str) -> Result<(), Stop> {
+/// Writes a file so that readers see the old one or the new one. Its folder must be there, and a
+/// device, a pipe or a link is not replaced.
+pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Stop> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let fail = |error| Stop::file(path, &error);
-    fs::create_dir_all(folder).map_err(fail)?;
+    let refuse = |message| Err(Stop { exit: Exit::Files, message });
+    if !folder.exists() {
+        let (path, folder) = (path.display(), folder.display());
+        return refuse(format!("{path}: there is no folder {folder}; create it first"));
+    }
+    if let Err(message) = refuse_special(path) {
+        return refuse(message);
+    }
     if path.is_dir() {
         return Err(Stop::file(path, &ErrorKind::IsADirectory.into()));
     }
@@ -130,7 +138,7 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Stop> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(fail)?;
-    file.write_all(text.as_bytes()).map_err(fail)?;
+    file.write_all(bytes.as_ref()).map_err(fail)?;
     file.as_file().sync_all().map_err(fail)?;
     file.persist(path).map_err(|error| fail(error.error))?;
     Ok(())

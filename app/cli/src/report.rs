@@ -37,8 +37,8 @@ pub struct Args {
     /// Folder of a program's results
     #[arg(value_name = "STORE")]
     store: PathBuf,
-    /// File to write, of plots the folder [default: STORE/report.html, STORE/plots; tables go to
-    /// standard output]
+    /// File to write, of plots the folder; - is standard output [default: STORE/report.html,
+    /// STORE/plots; tables go to standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Show what the program in this map says of its report now, not what it said when it ran
@@ -114,9 +114,12 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
         report.notes().iter().for_each(|note| out::tell(&format!("note: {note}")));
     }
     let page = (args.format == FormatName::Html).then(|| args.store.join(PAGE));
-    let Some(path) = args.out.clone().or(page) else {
-        return out::print(&report.text(format, None));
+    let file = match &args.out {
+        Some(path) if path == Path::new("-") => None,
+        Some(path) => Some(path.clone()),
+        None => page,
     };
+    let Some(path) = file else { return out::print(&report.text(format, None)) };
     write(&report, format, &path)?;
     let mut text = answers(&report);
     text.push_str(&format!("report   {}\n", path.display()));
@@ -144,6 +147,9 @@ fn report_in(map: &Path, store: &Path) -> Result<Json, Stop> {
 
 /// Writes each plot into a file of its own.
 fn plots(args: &Args, report: &Report) -> Result<Exit, Stop> {
+    if args.out.as_deref() == Some(Path::new("-")) {
+        return Err(Stop::usage("plots are files of their own; name a folder for them"));
+    }
     let folder = args.out.clone().unwrap_or_else(|| args.store.join("plots"));
     std::fs::create_dir_all(&folder).map_err(|error| Stop::file(&folder, &error))?;
     let mut text = String::new();
@@ -157,7 +163,7 @@ fn plots(args: &Args, report: &Report) -> Result<Exit, Stop> {
             exit: Exit::Failed,
             message: format!("{}: {why}", plot.name()),
         })?;
-        std::fs::write(&path, drawn).map_err(|error| Stop::file(&path, &error))?;
+        out::write_file(&path, drawn)?;
         text.push_str(&format!("plot     {}\n", path.display()));
     }
     if text.is_empty() {
@@ -176,9 +182,7 @@ pub fn write_page(store: &Path) -> Result<Report, Stop> {
 fn write(report: &Report, format: Format, path: &Path) -> Result<(), Stop> {
     let folder = path.parent().unwrap_or(Path::new(""));
     // The links of the page start from its folder.
-    std::fs::create_dir_all(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
-        .map_err(|error| Stop::file(folder, &error))?;
-    out::write_file(path, &report.text(format, Some(folder)))
+    out::write_file(path, report.text(format, Some(folder)))
 }
 
 /// The answers to a program's questions, for a terminal.

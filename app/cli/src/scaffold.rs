@@ -194,6 +194,8 @@ fn write(checkout: &Path, parts: &[Part], test: &str) -> Result<Exit, Stop> {
         files.push((list, entered));
     }
     for (path, text) in &files {
+        let folder = path.parent().unwrap_or(checkout);
+        fs::create_dir_all(folder).map_err(|error| Stop::file(folder, &error))?;
         out::write_file(path, text)?;
     }
     let then = match parts.iter().any(|part| part.file.starts_with("modules/")) {

@@ -3,8 +3,10 @@
 //! Of a pair the ratio of its two values counts, since models differ in scale; the average of
 //! ratios is their geometric mean.
 
+use std::collections::HashSet;
+
 use indexmap::IndexMap;
-use mve_core::{Better, Question, stands_for};
+use mve_core::{Better, Question, meant};
 use serde_json::{Map as JsonMap, Value as Json};
 
 use crate::case::Case;
@@ -42,6 +44,8 @@ pub struct Answer {
     pub measure: String,
     /// Which values of it are better.
     pub better: Better,
+    /// Whether the two are ways to measure, of which none is the better one.
+    is_instrument: bool,
     /// The two things that are compared.
     pub names: [String; 2],
     /// Titles of the columns that should be the same in both.
@@ -85,26 +89,33 @@ pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question
         Some((path, sides)) => (path.as_str(), sides.clone()),
         None => ("", [Json::Null, Json::Null]),
     };
-    let (found, n_alone) = pairs(results, path, &sides);
+    let sides_of = [side(results, path, &sides[0]), side(results, path, &sides[1])];
+    let found = pairs(path, &sides, &sides_of);
     let has_missed = |(a, b): &(&Case, &Case)| [a, b].iter().any(|case| case.missed().is_some());
     let (missed, found): (Vec<_>, Vec<_>) = found.into_iter().partition(has_missed);
     let (unequal, found): (Vec<_>, Vec<_>) = found.into_iter().partition(|(a, b)| {
         question.same.is_empty() && !same.is_empty() && !results.are_alike(&[Some(a), Some(b)])
     });
-    let pairs: Vec<Pair> = found
-        .into_iter()
-        .filter_map(|(a, b)| pair(results, [a, b], path, &measure, &same))
-        .collect();
-    let n_cases = results.cases.iter().filter(|case| {
-        let value = case.params.get(path);
-        value.is_some_and(|value| sides.iter().any(|side| stands_for(side, value)))
-    });
-    let n_left_out = missed.len() + unequal.len();
-    let n_alone = n_alone.max(n_cases.count().saturating_sub(2 * (pairs.len() + n_left_out)));
+    // A case may be the partner of several, so that cases are counted and not twice the pairs.
+    let place = |case: &Case| std::ptr::from_ref(case);
+    let mut used: HashSet<*const Case> =
+        missed.iter().chain(&unequal).flat_map(|(a, b)| [place(a), place(b)]).collect();
+    let mut pairs: Vec<Pair> = Vec::new();
+    for (a, b) in found {
+        if let Some(pair) = pair(results, [a, b], path, &measure, &same) {
+            pairs.push(pair);
+            used.extend([place(a), place(b)]);
+        }
+    }
+    let all: HashSet<*const Case> =
+        sides_of.iter().flatten().map(|case| std::ptr::from_ref(*case)).collect();
+    let n_alone = all.difference(&used).count();
+    let is_instrument = measure.is_set_by(results, path);
     let mut answer = Answer {
         text: question.text.clone(),
         measure: measure.title,
-        better: measure.better,
+        better: if is_instrument { Better::Neither } else { measure.better },
+        is_instrument,
         names: sides.map(|side| results.name_of(path, &side)),
         same_titles: same.iter().map(|column| columns::title(results, measures, column)).collect(),
         n_missed: missed.len(),
@@ -134,18 +145,20 @@ fn order(pair: &Pair) -> i32 {
     if a < b { -1 } else { 1 }
 }
 
-/// All pairs, and how many cases of either side are in none.
+/// The cases that a side means.
+fn side<'a>(results: &'a Results, path: &str, side: &Json) -> Vec<&'a Case> {
+    let value = |case: &'a Case| case.params.get(path);
+    let values = meant(side, results.cases.iter().filter_map(value));
+    let is_meant = |case: &&'a Case| value(case).is_some_and(|value| values.contains(&value));
+    results.cases.iter().filter(is_meant).collect()
+}
+
+/// All pairs of the cases of two sides.
 fn pairs<'a>(
-    results: &'a Results,
     path: &str,
     sides: &[Json; 2],
-) -> (Vec<(&'a Case, &'a Case)>, usize) {
-    let of_side = |side: &Json| -> Vec<&Case> {
-        let is_meant =
-            |case: &&Case| case.params.get(path).is_some_and(|value| stands_for(side, value));
-        results.cases.iter().filter(is_meant).collect()
-    };
-    let (first, second) = (of_side(&sides[0]), of_side(&sides[1]));
+    [first, second]: &[Vec<&'a Case>; 2],
+) -> Vec<(&'a Case, &'a Case)> {
     let rest = |case: &Case| {
         let mut params = case.params.clone();
         params.shift_remove(path);
@@ -155,8 +168,7 @@ fn pairs<'a>(
     second.iter().for_each(|case| partners.entry(rest(case)).or_default().push(case));
     let own = |case: &Case, side: &Json| own_params(side, &case.params[path]);
     let mut found = Vec::new();
-    let mut n_used = 0;
-    for a in &first {
+    for a in first {
         let Some(candidates) = partners.get(&rest(a)) else { continue };
         let params = own(a, &sides[0]);
         let exact = candidates.iter().find(|b| own(b, &sides[1]) == params);
@@ -168,10 +180,9 @@ fn pairs<'a>(
         let only = fitting.next().filter(|_| fitting.next().is_none());
         if let Some(b) = exact.or(only) {
             found.push((*a, *b));
-            n_used += 1;
         }
     }
-    (found, first.len() + second.len() - 2 * n_used.min(second.len()).min(first.len()))
+    found
 }
 
 /// The parameters of the entry that a value chooses, where a side names the entry alone.
@@ -234,14 +245,16 @@ impl Answer {
 
     /// Whether the data show a difference, by the interval and by the test.
     pub fn is_shown(&self) -> bool {
-        let is_off = |estimate: RatioEstimate| {
-            estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
-        };
-        let p = self.p_ranks.unwrap_or(self.p_signs);
         // Where the pairs of one group are not independent, their averages must show it as well.
         let is_off_over_groups =
             self.over_groups.is_none_or(|over| over.interval.is_none() || is_off(over));
-        self.overall.is_some_and(is_off) && is_off_over_groups && p < SHOWN
+        self.is_shown_by_pairs() && is_off_over_groups
+    }
+
+    /// The same, were all pairs independent.
+    fn is_shown_by_pairs(&self) -> bool {
+        let p = self.p_ranks.unwrap_or(self.p_signs);
+        self.overall.is_some_and(is_off) && p < SHOWN
     }
 
     fn in_words(&self, results: &Results) -> Vec<String> {
@@ -255,17 +268,10 @@ impl Answer {
             _ if n == 0 => {
                 sentences.push(format!("No two steps with {a} and with {b} can be paired yet."));
             }
-            None => sentences.push(format!(
-                "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by \
-                 the sign test); values of 0 have no ratio, so there is no average.",
-                self.n_lower,
-                self.n_higher,
-                labels::probability(self.p_signs),
-                m = self.measure
-            )),
-            Some(overall) => sentences.push(self.lead(overall)),
+            None => sentences.push(self.without_average()),
+            Some(overall) => sentences.push(self.lead(results, overall)),
         }
-        let n_ratios = self.pairs.iter().filter(|pair| pair.ratio.is_some()).count();
+        let n_ratios = self.n_ratios();
         if self.overall.is_some() && n_ratios < n {
             let left = n - n_ratios;
             sentences.push(format!(
@@ -274,20 +280,49 @@ impl Answer {
                 if left == 1 { "1 pair is".to_owned() } else { format!("{left} pairs are") }
             ));
         }
-        if let Some(over) = self.over_groups.filter(|_| self.by_group.len() < n_ratios) {
-            let axis = results.group_axis().map_or("group", |axis| axis.title.as_str());
-            let form = ChangeForm::of_estimate(over);
-            let interval = over.interval.map_or(String::new(), |(low, high)| {
-                format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
-            });
+        if let Some(over) = self.averaged().filter(|over| !self.is_by_groups_alone(*over)) {
             sentences.push(format!(
-                "With the pairs of each {axis} averaged first, since they are not independent: {} \
-                 (geometric mean of {}{interval}).",
-                form.change(over.ratio),
-                over.n
+                "With the pairs of each {} averaged first, since they are not independent: {} \
+                 (geometric mean of {}{}).",
+                group_name(results),
+                self.form().change(over.ratio),
+                over.n,
+                self.interval(over)
+            ));
+        }
+        if self.is_instrument {
+            sentences.push(format!(
+                "{a} and {b} are ways to measure it, so none of them is the better one."
             ));
         }
         sentences.extend(self.same_in_words());
+        sentences.extend(self.left_out_in_words());
+        sentences
+    }
+
+    /// The most important sentence where no pair has a ratio.
+    fn without_average(&self) -> String {
+        let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
+        if self.n_lower + self.n_higher == 0 {
+            let pairs = match n {
+                1 => "the only pair".to_owned(),
+                2 => "both pairs".to_owned(),
+                _ => format!("all {n} pairs"),
+            };
+            return format!("“{m}” is equal with {a} and with {b} in {pairs}.");
+        }
+        format!(
+            "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by the \
+             sign test); values of 0 have no ratio, so there is no average.",
+            self.n_lower,
+            self.n_higher,
+            labels::probability(self.p_signs)
+        )
+    }
+
+    /// What does not count, and why.
+    fn left_out_in_words(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
         let left_out = [
             (self.n_missed, "a step did not reach its target"),
             (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),
@@ -306,21 +341,60 @@ impl Answer {
         sentences
     }
 
-    fn lead(&self, overall: RatioEstimate) -> String {
-        let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
-        let (n_side, side) = match overall.ratio > 1.0 {
-            true => (self.n_higher, "higher"),
-            false => (self.n_lower, "lower"),
-        };
+    fn n_ratios(&self) -> usize {
+        self.pairs.iter().filter(|pair| pair.ratio.is_some()).count()
+    }
+
+    /// The mean over the groups, where it is not that of the pairs.
+    fn averaged(&self) -> Option<RatioEstimate> {
+        self.over_groups.filter(|_| self.by_group.len() < self.n_ratios())
+    }
+
+    /// How all changes of this answer are said.
+    fn form(&self) -> ChangeForm {
+        let all = self.overall.into_iter().chain(self.averaged());
+        ChangeForm::of_estimates(&all.collect::<Vec<_>>())
+    }
+
+    /// The interval of a mean, to stand behind it.
+    fn interval(&self, estimate: RatioEstimate) -> String {
+        estimate.interval.map_or(String::new(), |(low, high)| {
+            format!(", 95\u{a0}% confidence interval {}", self.form().span(low, high))
+        })
+    }
+
+    /// Whether the pairs show a difference that the averages of the groups do not.
+    fn is_by_groups_alone(&self, over: RatioEstimate) -> bool {
+        let over_groups = over.interval.is_some() && !is_off(over);
+        over_groups && self.is_shown_by_pairs() && self.overall.is_some()
+    }
+
+    /// The most important sentence. Why nothing is shown stands first, where nothing is.
+    fn lead(&self, results: &Results, overall: RatioEstimate) -> String {
+        let ([a, b], m) = (&self.names, &self.measure);
         let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
-        let form = ChangeForm::of_estimate(overall);
-        let interval = overall.interval.map_or(String::new(), |(low, high)| {
-            format!(", 95\u{a0}% confidence interval {}", form.span(low, high))
-        });
-        let test = match self.p_ranks {
-            Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
-            None => "no pair differs".to_owned(),
-        };
+        let change = self.form().change(overall.ratio);
+        let (interval, counts) = (self.interval(overall), self.counts(overall));
+        if let Some(over) = self.averaged().filter(|over| self.is_by_groups_alone(*over)) {
+            let group = group_name(results);
+            let reason = match over.n {
+                2..=5 => format!(
+                    "{} {} are too few to tell",
+                    ["Two", "Three", "Four", "Five"][over.n - 2],
+                    plural(&group)
+                ),
+                _ => "The data do not show a difference".to_owned(),
+            };
+            let interval = interval.trim_start_matches(", ");
+            return format!(
+                "{reason}: with the pairs of each {group} averaged first, since they are not \
+                 independent, “{m}” is {} with {a} than with {b} (geometric mean of {}{}). Over all \
+                 {pairs} it is {change} ({interval}), and {counts}.",
+                self.form().change(over.ratio),
+                over.n,
+                self.interval(over)
+            );
+        }
         let start = match (overall.n, self.is_shown()) {
             (1, _) => "One pair alone shows little:",
             (_, true) => "On average",
@@ -328,11 +402,6 @@ impl Answer {
             (2..=5, false) => "Too few pairs to tell: on average",
             (_, false) => "The data do not show a difference: on average",
         };
-        let ties = match n.saturating_sub(self.n_lower + self.n_higher) {
-            0 => String::new(),
-            n_equal => format!(", equal in {n_equal}"),
-        };
-        let change = form.change(overall.ratio);
         let verdict = match (self.is_shown(), self.better, overall.ratio > 1.0) {
             (false, ..) | (_, Better::Neither, _) => String::new(),
             (_, Better::Lower, false) | (_, Better::Higher, true) => {
@@ -342,8 +411,26 @@ impl Answer {
         };
         format!(
             "{start} “{m}” is {change} with {a} than with {b} (geometric mean of {pairs}{interval}); it is \
-             {side} in {n_side} of {n}{ties}; {test}.{verdict}"
+             {counts}.{verdict}"
         )
+    }
+
+    /// In how many pairs the values differ as the average does, and how likely that is.
+    fn counts(&self, overall: RatioEstimate) -> String {
+        let n = self.pairs.len();
+        let (n_side, side) = match overall.ratio > 1.0 {
+            true => (self.n_higher, "higher"),
+            false => (self.n_lower, "lower"),
+        };
+        let ties = match n.saturating_sub(self.n_lower + self.n_higher) {
+            0 => String::new(),
+            n_equal => format!(", equal in {n_equal}"),
+        };
+        let test = match self.p_ranks {
+            Some(p) => format!("p {} by the signed-rank test", labels::probability(p)),
+            None => "no pair differs".to_owned(),
+        };
+        format!("{side} in {n_side} of {n}{ties}; {test}")
     }
 
     fn same_in_words(&self) -> Vec<String> {
@@ -369,7 +456,22 @@ impl Answer {
     }
 }
 
-/// How the changes of one sentence are said, so that they compare.
+/// Whether an interval leaves out that nothing differs.
+fn is_off(estimate: RatioEstimate) -> bool {
+    estimate.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
+}
+
+/// What the pairs of one row have in common.
+fn group_name(results: &Results) -> String {
+    results.group_axis().map_or("group", |axis| axis.title.as_str()).to_owned()
+}
+
+/// Several of what an axis is named for.
+fn plural(name: &str) -> String {
+    if name.ends_with('s') { format!("values of {name}") } else { format!("{name}s") }
+}
+
+/// How the changes of one answer are said, so that they compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeForm {
     /// `12 % lower`.
@@ -388,7 +490,7 @@ impl ChangeForm {
     }
 
     /// A ratio as a change.
-    fn change(self, ratio: f64) -> String {
+    pub fn change(self, ratio: f64) -> String {
         let side = if ratio < 1.0 { "lower" } else { "higher" };
         match self.amount(ratio) {
             None => "no different".to_owned(),
@@ -426,16 +528,14 @@ impl ChangeForm {
         }
     }
 
-    /// That of a mean and its interval, which one sentence says.
-    fn of_estimate(estimate: RatioEstimate) -> Self {
-        let (low, high) = estimate.interval.unwrap_or((estimate.ratio, estimate.ratio));
-        Self::of(&[low, estimate.ratio, high])
+    /// That of means and their intervals, which one answer says.
+    fn of_estimates(estimates: &[RatioEstimate]) -> Self {
+        let all = estimates.iter().flat_map(|estimate| {
+            let (low, high) = estimate.interval.unwrap_or((estimate.ratio, estimate.ratio));
+            [low, estimate.ratio, high]
+        });
+        Self::of(&all.collect::<Vec<_>>())
     }
-}
-
-/// A ratio as a change: `12 % lower`, `3.1 times higher`.
-pub fn change(ratio: f64) -> String {
-    ChangeForm::of(&[ratio]).change(ratio)
 }
 
 #[cfg(test)]
@@ -452,10 +552,11 @@ mod tests {
         assert_eq!(said(0.05, 0.24), "4.2 to 20 times lower");
         assert_eq!(said(0.05, 1.2), "20 times lower to 1.2 times higher");
         assert_eq!(said(1.0, 3.0), "no different to 3 times higher");
+        let change = |ratio: f64| ChangeForm::of(&[ratio]).change(ratio);
         assert_eq!([change(0.05), change(0.5)], ["20 times lower", "50\u{a0}% lower"]);
         assert_eq!([change(1.0), change(31.0)], ["no different", "31 times higher"]);
         let estimate = RatioEstimate { ratio: 0.2, interval: Some((0.05, 0.8)), n: 9 };
-        let form = ChangeForm::of_estimate(estimate);
+        let form = ChangeForm::of_estimates(&[estimate]);
         assert_eq!(form.change(estimate.ratio), "5 times lower");
         assert_eq!(form.span(0.05, 0.8), "1.25 to 20 times lower");
     }

@@ -40,6 +40,28 @@ pub enum Cell {
     Text(String),
 }
 
+/// How all numbers of a column are written, so that they compare at a glance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberForm {
+    /// `0.0014`.
+    Plain,
+    /// `1.4e-3`.
+    Exponent,
+}
+
+impl NumberForm {
+    /// With exponents where one of the cells needs one.
+    pub fn of<'a>(mut cells: impl Iterator<Item = &'a Cell>) -> Self {
+        if cells.any(Cell::has_exponent) { Self::Exponent } else { Self::Plain }
+    }
+}
+
+/// How many digits of a mean its interval leaves.
+fn digits_beside(mean: f64, half: f64) -> usize {
+    let digits = mean.abs().log10().floor() - half.log10().floor() + 2.0;
+    if digits.is_finite() { digits.clamp(1.0, 17.0) as usize } else { 5 }
+}
+
 impl Cell {
     /// The number in it.
     pub fn number(&self) -> Option<f64> {
@@ -49,16 +71,24 @@ impl Cell {
         }
     }
 
+    /// Whether a number in it reads as `1.2e-4`.
+    fn has_exponent(&self) -> bool {
+        self.number().is_some_and(|number| brief(number).contains('e'))
+    }
+
     /// The cell for reading, with the interval where there is one.
-    pub fn shown(&self) -> String {
+    pub fn shown(&self, form: NumberForm) -> String {
         match self {
+            Self::Number(Estimate { mean, half_width, .. }) if form == NumberForm::Exponent => {
+                let half = half_width.filter(|half| *half > 0.0);
+                let digits = half.map_or(5, |half| digits_beside(*mean, half));
+                let half = half.map(|half| format!(" ± {}", labels::with_exponent(half, 2)));
+                labels::with_exponent(*mean, digits) + &half.unwrap_or_default()
+            }
             Self::Empty => String::new(),
             Self::Text(text) => text.clone(),
             Self::Number(Estimate { mean, half_width: Some(half), .. }) if *half > 0.0 => {
-                // No more digits than the interval leaves.
-                let digits = mean.abs().log10().floor() - half.log10().floor() + 2.0;
-                let digits = if digits.is_finite() { digits.clamp(1.0, 17.0) } else { 5.0 };
-                let mean = labels::rounded(*mean, digits as usize);
+                let mean = labels::rounded(*mean, digits_beside(*mean, *half));
                 format!("{mean} ± {}", labels::rounded(*half, 2))
             }
             Self::Number(estimate) => brief(estimate.mean),

@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use mve_core::{Better, ColumnRecord, Role, TIMES};
 use serde_json::Value as Json;
 
+use crate::axes::Axis;
 use crate::case::{Case, Cell};
 use crate::results::Results;
 use crate::stats::Estimate;
@@ -58,6 +59,29 @@ impl MeasureColumn {
         let value = case.params.get(path).or_else(of_map);
         let chosen = |value: &Json| mve_core::chosen(value).is_some_and(|(chosen, _)| chosen == id);
         value.is_some_and(chosen)
+    }
+
+    /// Whether an axis sets how it is measured: a parameter of the node that measures it. Values
+    /// measured in different ways are no contestants, as those of different inputs are none.
+    pub fn is_made_by(&self, results: &Results, axis: &Axis) -> bool {
+        axis.paths.iter().any(|path| self.is_set_by(results, path))
+    }
+
+    /// The same of a parameter.
+    pub fn is_set_by(&self, results: &Results, path: &str) -> bool {
+        let node = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+        if is_time(&self.column) || node(path) != node(&self.column) {
+            return false;
+        }
+        // What a node says of its own work, such as how much it rejected, may be compared.
+        results.plan.columns.role(&self.column) == Role::Chief
+            || comparing_nodes(results).contains(&node(path))
+    }
+
+    /// The axes that set how it is measured.
+    pub fn instruments(&self, results: &Results) -> Vec<usize> {
+        let axes = 0..results.axes.len();
+        axes.filter(|place| self.is_made_by(results, &results.axes[*place])).collect()
     }
 
     /// What a table shows of it.

@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 /// Longest name of a value, in characters.
 const LONGEST: usize = 60;
 
-/// A value in few words: `ImageMse 256`, `cow.obj`, `off`.
+/// A value in few words: `ImageMse (resolution 256)`, `cow.obj`, `off`.
 pub fn of_value(value: &Json) -> String {
     shortened(&mve_core::brief_value(value))
 }
@@ -99,6 +99,18 @@ pub fn rounded(value: f64, digits: usize) -> String {
     text.parse::<f64>().map_or(text, mve_core::brief)
 }
 
+/// A number to a few significant digits, with an exponent.
+pub fn with_exponent(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*e}", digits.saturating_sub(1));
+    match text.split_once('e') {
+        _ if value == 0.0 => "0".to_owned(),
+        Some((number, e)) if number.contains('.') => {
+            format!("{}e{e}", number.trim_end_matches('0').trim_end_matches('.'))
+        }
+        _ => text,
+    }
+}
+
 /// A probability: `0.031`, `< 0.001`.
 pub fn probability(p: f64) -> String {
     if p < 0.001 { "< 0.001".to_owned() } else { format!("= {}", rounded(p, 2)) }
@@ -122,7 +134,10 @@ mod tests {
 
     #[test]
     fn values_are_short() {
-        assert_eq!(of_value(&json!({ "ImageMse": { "resolution": 256 } })), "ImageMse 256");
+        assert_eq!(
+            of_value(&json!({ "ImageMse": { "resolution": 256 } })),
+            "ImageMse (resolution 256)"
+        );
         let two = json!({ "Msdm2": { "scales": 3, "mode": "fast" } });
         assert_eq!(of_value(&two), "Msdm2 (scales 3, mode fast)");
         assert_eq!(of_value(&json!("Quadric")), "Quadric");

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use mve_core::Better;
 
 use crate::answers::Answer;
-use crate::case::Cell;
+use crate::case::{Cell, NumberForm};
 use crate::labels;
 use crate::pivot::{Pivot, PivotCell, PivotRow};
 use crate::stats::Estimate;
@@ -213,7 +213,7 @@ enum Shown {
 
 fn number(cell: &PivotCell, digits: Digits) -> Shown {
     let Cell::Number(Estimate { mean, half_width, .. }) = cell.cell else {
-        return Shown::Text(escaped(&cell.cell.shown()));
+        return Shown::Text(escaped(&cell.cell.shown(NumberForm::Plain)));
     };
     let scale = match digits {
         Digits::Whole => 1.0,

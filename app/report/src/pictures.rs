@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::fs;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -99,10 +99,9 @@ fn of_case(results: &Results, case: &Case, n_left: &mut usize) -> (Vec<Picture>,
     for step in &case.steps {
         let Some(record) = &step.record else { continue };
         for (node, record) in &record.nodes {
-            let is_png = |file: &&std::path::PathBuf| {
-                file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) && is_below(file)
-            };
-            for (nth, file) in record.files.iter().filter(is_png).enumerate() {
+            let is_own =
+                |file: &&PathBuf| is_png(file) && is_below(file) && !is_part(file, &record.files);
+            for (nth, file) in record.files.iter().filter(is_own).enumerate() {
                 if nth >= MOST_OF_A_NODE || *n_left == 0 {
                     n_more += 1;
                     continue;
@@ -125,6 +124,18 @@ fn of_case(results: &Results, case: &Case, n_left: &mut usize) -> (Vec<Picture>,
         }
     }
     (own, n_more)
+}
+
+fn is_png(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+/// Whether a picture belongs to something else that its node wrote: it lies in a folder beside that,
+/// as the textures of a mesh do.
+fn is_part(picture: &Path, files: &[PathBuf]) -> bool {
+    let folder = picture.parent().and_then(Path::parent);
+    let is_owner = |file: &&PathBuf| !is_png(file) && file.parent() == folder;
+    folder.is_some() && files.iter().any(|file| is_owner(&file))
 }
 
 /// The content of a file that begins as a PNG does, and is not too large.

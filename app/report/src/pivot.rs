@@ -3,7 +3,7 @@
 
 use mve_core::{Better, brief};
 
-use crate::case::{Case, Cell};
+use crate::case::{Case, Cell, NumberForm};
 use crate::columns::MeasureColumn;
 use crate::results::Results;
 use crate::stats::{estimate, geometric_mean};
@@ -22,6 +22,8 @@ pub struct Pivot {
     pub column_axes: Vec<String>,
     /// Of each column its name on each of these axes.
     pub columns: Vec<Vec<String>>,
+    /// How each column is measured: only those measured in one way are compared.
+    ways: Vec<Vec<usize>>,
     /// The rows.
     pub rows: Vec<PivotRow>,
     /// Geometric means over the rows that are complete and can be compared, and of how many.
@@ -39,6 +41,8 @@ pub struct PivotRow {
     pub cells: Vec<PivotCell>,
     /// Whether its results are of different sizes, so that none is the best.
     pub is_unequal: bool,
+    /// Whether it counts rows, and is not of the measure.
+    is_count: bool,
 }
 
 /// A cell of a table.
@@ -65,9 +69,21 @@ fn row_axes(results: &Results) -> Vec<String> {
     results.row_axes().into_iter().map(|place| results.axes[place].title.clone()).collect()
 }
 
+/// How the column of each series is measured.
+fn ways(results: &Results, measure: &MeasureColumn) -> Vec<Vec<usize>> {
+    let axes = results.series_axes().iter();
+    let instruments: Vec<bool> = axes.map(|axis| measure.is_made_by(results, axis)).collect();
+    let way = |series: &Vec<usize>| {
+        let set = series.iter().zip(&instruments).filter(|(_, is_instrument)| **is_instrument);
+        set.map(|(place, _)| *place).collect()
+    };
+    results.series.iter().map(way).collect()
+}
+
 fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
-    let row = |(row, cases): (Vec<usize>, Vec<Option<&Case>>)| {
-        let is_unequal = !results.are_alike(&cases);
+    let mut ways = ways(results, measure);
+    let row = |at: &[usize], cases: &[Option<&Case>]| {
+        let is_unequal = !results.are_alike(cases);
         let cells: Vec<Cell> = cases
             .iter()
             .map(|case| case.map_or(Cell::Empty, |case| measure.cell(results, case)))
@@ -76,14 +92,19 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
             let is_compared = case.is_some_and(Case::is_comparable) && !is_unequal;
             cell.number().filter(|_| is_compared)
         });
-        let is_best = best_of(&numbers.collect::<Vec<_>>(), measure.better);
-        let cells = cells.into_iter().zip(is_best).zip(&cases).map(|((cell, is_best), case)| {
+        let is_best = best_of_ways(&numbers.collect::<Vec<_>>(), &ways, measure.better);
+        let cells = cells.into_iter().zip(is_best).zip(cases).map(|((cell, is_best), case)| {
             let missed = case.and_then(Case::missed).filter(|_| cell != Cell::Empty);
             PivotCell { cell, is_best, missed }
         });
-        PivotRow { names: results.row_names(&row), cells: cells.collect(), is_unequal }
+        PivotRow {
+            names: results.row_names(at),
+            cells: cells.collect(),
+            is_unequal,
+            is_count: false,
+        }
     };
-    let mut rows: Vec<PivotRow> = results.rows().into_iter().map(row).collect();
+    let mut rows: Vec<PivotRow> = results.rows().iter().map(|(at, cases)| row(at, cases)).collect();
     let mut columns: Vec<Vec<String>> =
         results.series.iter().map(|series| results.series_names(series)).collect();
     // What holds something else with some series, or in some rows, says nothing there.
@@ -91,6 +112,8 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
     let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
     let mut kept = full.iter();
     columns.retain(|_| kept.next().copied().unwrap_or(false));
+    let mut kept = full.iter();
+    ways.retain(|_| kept.next().copied().unwrap_or(false));
     for row in &mut rows {
         let mut kept = full.iter();
         row.cells.retain(|_| kept.next().copied().unwrap_or(false));
@@ -109,6 +132,7 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
         row_axes: row_axes(results),
         column_axes: results.series_axes().iter().map(|axis| axis.title.clone()).collect(),
         columns,
+        ways,
         rows,
         means,
         n_best,
@@ -125,7 +149,7 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
             missed: case.and_then(Case::missed),
         };
         let cells = measures.iter().map(cell).collect();
-        PivotRow { names: results.row_names(&row), cells, is_unequal: false }
+        PivotRow { names: results.row_names(&row), cells, is_unequal: false, is_count: false }
     };
     let table = Pivot {
         column: None,
@@ -134,6 +158,7 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
         row_axes: row_axes(results),
         column_axes: Vec::new(),
         columns: measures.iter().map(|measure| vec![measure.title_with_unit()]).collect(),
+        ways: Vec::new(),
         rows: results.rows().into_iter().map(row).collect(),
         means: None,
         n_best: None,
@@ -154,6 +179,15 @@ pub fn best_of(numbers: &[Option<f64>], better: Better) -> Vec<bool> {
     let marked: Vec<bool> = numbers.iter().map(is_best).collect();
     let n_marked = marked.iter().filter(|is| **is).count();
     if n_marked == all().count() { vec![false; numbers.len()] } else { marked }
+}
+
+/// The same of each way to measure alone.
+fn best_of_ways(numbers: &[Option<f64>], ways: &[Vec<usize>], better: Better) -> Vec<bool> {
+    let marked = |(place, way): (usize, &Vec<usize>)| {
+        let own = numbers.iter().zip(ways).map(|(number, other)| number.filter(|_| other == way));
+        best_of(&own.collect::<Vec<_>>(), better)[place]
+    };
+    ways.iter().enumerate().map(marked).collect()
 }
 
 fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
@@ -182,24 +216,39 @@ impl Pivot {
     /// The rows, and behind them what sums them up.
     pub fn with_means(&self) -> Vec<PivotRow> {
         let mut rows = self.rows.clone();
-        let sum = |name: String, cells: Vec<PivotCell>| {
+        let sum = |name: String, cells: Vec<PivotCell>, is_count: bool| {
             let mut names = vec![name];
             names.resize(self.row_axes.len().max(1), String::new());
-            PivotRow { names, cells, is_unequal: false }
+            PivotRow { names, cells, is_unequal: false, is_count }
         };
         if let Some((means, n)) = &self.means {
             let n_rows = self.rows.len();
             let of = if *n == n_rows { String::new() } else { format!(" of {n} comparable rows") };
             let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
-            let cells = means.iter().zip(best_of(&numbers, self.better));
+            let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
             let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
-            rows.push(sum(format!("Geometric mean{of}"), cells.collect()));
+            rows.push(sum(format!("Geometric mean{of}"), cells.collect(), false));
         }
         if let Some(counts) = &self.n_best {
             let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
-            rows.push(sum(format!("Best in, of {}", self.rows.len()), cells));
+            // Rows that cannot be compared have no best.
+            let n = self.rows.iter().filter(|row| !row.is_unequal).count();
+            let what = if n == self.rows.len() { "" } else { " comparable rows" };
+            rows.push(sum(format!("Best in, of {n}{what}"), cells, true));
         }
         rows
+    }
+
+    /// How the numbers of each column are written: those of one measure in one way.
+    pub fn forms(&self) -> Vec<NumberForm> {
+        let rows = self.with_means();
+        let rows = || rows.iter().filter(|row| !row.is_count);
+        let of_column = |column: usize| NumberForm::of(rows().map(|row| &row.cells[column].cell));
+        let of_all = || NumberForm::of(rows().flat_map(|row| &row.cells).map(|cell| &cell.cell));
+        match self.column {
+            None => (0..self.columns.len()).map(of_column).collect(),
+            Some(_) => vec![of_all(); self.columns.len()],
+        }
     }
 
     /// What stands over a table: the measure and its direction.
@@ -222,6 +271,9 @@ impl Pivot {
                 "‡ the results differ in size by more than 1 %, so none is the best.".to_owned(),
             );
         }
+        if self.better != Better::Neither && self.ways.iter().any(|way| *way != self.ways[0]) {
+            notes.push("Columns that are measured in different ways are not compared.".to_owned());
+        }
         notes
     }
 
@@ -233,6 +285,16 @@ impl Pivot {
     /// Whether some step did not reach its target.
     pub fn has_missed(&self) -> bool {
         self.rows.iter().flat_map(|row| &row.cells).any(|cell| cell.missed.is_some())
+    }
+}
+
+impl PivotRow {
+    /// Its cells for reading, by the forms of the table's columns.
+    pub fn shown(&self, forms: &[NumberForm]) -> Vec<String> {
+        let shown = |(cell, form): (&PivotCell, &NumberForm)| {
+            cell.cell.shown(if self.is_count { NumberForm::Plain } else { *form })
+        };
+        self.cells.iter().zip(forms).map(shown).collect()
     }
 }
 

@@ -23,6 +23,7 @@ pub fn questions(results: &Results, measures: &[MeasureColumn]) -> Vec<Question>
         |axis: &&Axis| axis.paths.len() == 1 && axis.varies() && axis.values.len() <= MOST_VALUES;
     // Numbers are something to plot against, and models are not compared with each other.
     let all = results.series_axes().iter().filter(is_few).filter(|axis| !axis.is_scale());
+    let all = all.filter(|axis| !measure.is_made_by(results, axis));
     let all = all.flat_map(|axis| of_axis(results, axis, measure));
     all.take(MOST_QUESTIONS).collect()
 }

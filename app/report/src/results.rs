@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use indexmap::{IndexMap, IndexSet};
-use mve_core::{PlanFile, ReportSpec, Role, StepRecord, StepStatus, Store};
+use mve_core::{Better, PlanFile, ReportSpec, Role, StepRecord, StepStatus, Store};
 
 use serde_json::Value as Json;
 
@@ -38,8 +38,8 @@ pub struct Results {
     pub size: Option<String>,
 }
 
-/// The part of the largest value of a measure below which a value is rounding and counts as 0: else
-/// distances of 10⁻¹⁶ and 10⁻¹⁷ would be ranked, averaged and plotted.
+/// The part of the largest value of a measure, and of its scale, below which a value is rounding and
+/// counts as 0: else distances of 10⁻¹⁶ and 10⁻¹⁷ would be ranked, averaged and plotted.
 const ROUNDING: f64 = 1e-12;
 
 impl Results {
@@ -112,11 +112,40 @@ impl Results {
             let all = self.cases.iter().flat_map(|case| case.exact_numbers(column));
             all.fold(0.0, |largest: f64, number| largest.max(number.abs()))
         };
-        let outputs = self.outputs().into_iter();
-        let rounding: IndexMap<String, f64> =
-            outputs.map(|column| (column.clone(), ROUNDING * largest(&column))).collect();
+        let outputs = self.outputs();
+        let rounding = outputs.iter().map(|column| {
+            let largest = largest(column).max(self.scale(column, &outputs));
+            (column.clone(), ROUNDING * largest)
+        });
+        let rounding: IndexMap<String, f64> = rounding.collect();
         let rounding = Arc::new(rounding);
         self.cases.iter_mut().for_each(|case| case.rounding = rounding.clone());
+    }
+
+    /// What the values of a measure are small or large against: 1 where it has no unit; for one in
+    /// a unit that the model brings the least of what its node says of the model in that unit, such
+    /// as a diagonal; else nothing that is known.
+    fn scale(&self, column: &str, outputs: &[String]) -> f64 {
+        let declared = |column: &str| self.plan.columns.find(column).into_iter().next();
+        let Some(own) = declared(column).filter(|own| own.better != Better::Neither) else {
+            return 0.0;
+        };
+        if !own.is_of_model {
+            return if own.unit.is_empty() { 1.0 } else { 0.0 };
+        }
+        let node = |column: &str| column.split('.').next().unwrap_or_default().to_owned();
+        let is_yardstick = |other: &&String| {
+            let declared = declared(other).filter(|_| node(other) == node(column));
+            declared.is_some_and(|other| {
+                other.better == Better::Neither && other.is_of_model && other.unit == own.unit
+            })
+        };
+        let sizes = outputs
+            .iter()
+            .filter(is_yardstick)
+            .flat_map(|other| self.cases.iter().flat_map(move |case| case.exact_numbers(other)));
+        let least = sizes.filter(|size| *size > 0.0).reduce(f64::min);
+        least.unwrap_or(0.0)
     }
 
     /// The column that says how large a result is: of the node whose parameter gives the series, or
@@ -327,7 +356,8 @@ impl Results {
         if parts.is_empty() {
             return String::new();
         }
-        format!("{done} of {n} steps are done, {}: what follows is without those.", {
+        let are = if done == 1 { "is" } else { "are" };
+        format!("{done} of {n} steps {are} done, {}: what follows is without those.", {
             parts.join(", ")
         })
     }

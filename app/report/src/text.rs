@@ -80,9 +80,11 @@ pub fn markdown(title: &str, notes: &[String], answers: &[Answer], tables: &[Piv
         let n_names = table.row_axes.len().max(1);
         let _ = writeln!(text, "| {} | {} |", names(&table.row_axes), columns.join(" | "));
         let _ = writeln!(text, "|{}{}", "---|".repeat(n_names), "---:|".repeat(columns.len()));
+        let forms = table.forms();
         for row in table.with_means() {
             let mark = if row.is_unequal && table.better != Better::Neither { "‡" } else { "" };
-            let cells: Vec<String> = row.cells.iter().map(in_markdown).collect();
+            let shown = row.shown(&forms);
+            let cells: Vec<String> = row.cells.iter().zip(&shown).map(in_markdown).collect();
             let _ = writeln!(text, "| {}{mark} | {} |", names(&row.names), cells.join(" | "));
         }
         for note in table.marks() {
@@ -92,8 +94,8 @@ pub fn markdown(title: &str, notes: &[String], answers: &[Answer], tables: &[Piv
     text
 }
 
-fn in_markdown(cell: &PivotCell) -> String {
-    let shown = plain(&cell.cell.shown());
+fn in_markdown((cell, shown): (&PivotCell, &String)) -> String {
+    let shown = plain(shown);
     let mark = if cell.missed.is_some() { "†" } else { "" };
     if cell.is_best { format!("**{shown}**") } else { format!("{shown}{mark}") }
 }

@@ -205,7 +205,7 @@ impl Map {
             }
         }
         map.fill(object);
-        map.warn_of_unknown_keys();
+        map.tell_of_unknown_keys();
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
@@ -231,6 +231,12 @@ impl Map {
             Some(source) if self.says_the_same_as(&source.map) => source.text.clone(),
             _ => text::canonical(&self.to_json()),
         }
+    }
+
+    /// Leaves out the problems of all programs but one, which are none of its own.
+    pub(crate) fn forget_other_programs(&mut self, name: &str) {
+        let is_own = |problem: &Problem| problem.place.program.as_ref().is_none_or(|p| p == name);
+        self.problems.retain(is_own);
     }
 
     /// The map alone: what one step of a program needs, and cheap to copy.
@@ -345,11 +351,11 @@ mod tests {
     }
 
     #[test]
-    fn keys_that_mean_nothing_are_warned_of_with_their_place() {
+    fn keys_that_mean_nothing_are_told_of_with_their_place() {
         let map = Map::parse(
             "{\"mve\": 1, \"titel\": \"x\", \"_why\": \"a remark\",\n\
              \"nodes\": {\"a\": {\"module\": \"X\",\n  \"parms\": {\"ratio\": 0.1}}},\n\
-             \"programs\": {\"p\": {\"axis\": []},\n \"q\": {\"repeat\": 5}}}",
+             \"programs\": {\"p\": {\"axis\": []},\n \"q\": {\"repeat\": 5, \"color\": 3}}}",
         );
         let map = map.unwrap();
         let said: Vec<_> = map
@@ -357,21 +363,23 @@ mod tests {
             .iter()
             .map(|problem| {
                 let Position { line, column } = map.position_of(problem).unwrap();
-                assert!(!problem.is_error());
+                assert_eq!(problem.is_error(), problem.message.contains("did you mean"));
                 format!("{line}:{column} {problem}")
             })
             .collect();
-        let warning = |place: &str, key: &str, of: &str, meant: &str| {
-            let what = format!("\"{key}\" means nothing in a {of} and is left out");
-            format!("{place}{what}; did you mean \"{meant}\"?")
+        let error = |place: &str, key: &str, of: &str, meant: &str| {
+            let what = format!("\"{key}\" means nothing in a {of}; did you mean \"{meant}\"?");
+            format!("{place}{what} Begin it with _ if it is a remark")
         };
         assert_eq!(
             said,
             [
-                warning("1:12 ", "titel", "map", "title"),
-                warning("3:3 a.parms: ", "parms", "node", "params"),
-                warning("4:20 program \"p\": ", "axis", "program", "axes"),
-                warning("5:8 program \"q\": ", "repeat", "program", "repeats"),
+                error("1:12 ", "titel", "map", "title"),
+                error("3:3 a.parms: ", "parms", "node", "params"),
+                error("4:20 program \"p\": ", "axis", "program", "axes"),
+                error("5:8 program \"q\": ", "repeat", "program", "repeats"),
+                "5:21 program \"q\": \"color\" means nothing in a program and is left out"
+                    .to_owned(),
             ]
         );
     }

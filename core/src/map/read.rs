@@ -17,14 +17,21 @@ const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
 const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
 impl Map {
-    /// Keys that nothing reads are kept, and told of: they are mostly slips of the pen, and what
-    /// they were meant to say is not done. A key that begins with `_` or `$` is a remark.
-    pub(super) fn warn_of_unknown_keys(&mut self) {
+    /// Keys that nothing reads are kept, and told of. One that is near to a known one is a slip of
+    /// the pen, and what it was meant to say would not be done: nothing runs. A key that begins
+    /// with `_` or `$` is a remark.
+    pub(super) fn tell_of_unknown_keys(&mut self) {
         let unknown = |key: &str, known: &[&str], of: &str| {
             let is_remark = key.starts_with(['_', '$']);
-            let hint = did_you_mean(key, known.iter().copied());
-            let message = format!("\"{key}\" means nothing in {of} and is left out{hint}");
-            (!is_remark).then(|| Problem::warning(message).port(key))
+            let problem = match did_you_mean(key, known.iter().copied()) {
+                hint if hint.is_empty() => {
+                    Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
+                }
+                hint => Problem::error(format!(
+                    "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
+                )),
+            };
+            (!is_remark).then(|| problem.port(key))
         };
         let root = self.extra.keys().filter(|key| !KEYS.contains(&key.as_str()));
         let mut warnings: Vec<_> = root.filter_map(|key| unknown(key, &KEYS, "a map")).collect();

@@ -77,8 +77,9 @@ pub(super) fn of_form(section: &str, field: Option<&str>) -> &'static str {
         ("layout", _) => "two numbers, such as [240, 80]",
         (_, None) => "an object with \"axes\" or \"steps\"",
         (_, Some("axes")) => {
-            "a list of axes, such as [{\"simplify.ratio\": [0.5, 0.2]}] or \
-             [{\"load.path\": {\"glob\": \"scans/*.obj\"}}]"
+            "a list of axes, such as [{\"simplify.ratio\": [0.5, 0.2]}], or with what stands for \
+             many values: {\"range\": [0.1, 0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or \
+             {\"glob\": \"scans/*.obj\"}"
         }
         (_, Some("steps")) => "a list of steps, such as [{\"simplify.ratio\": 0.5}]",
         (_, Some("repeats")) => "a whole number above 0",

@@ -41,6 +41,8 @@ pub struct PlanOptions<'a> {
 pub enum OutputScope {
     /// Within the output folder only.
     Folder,
+    /// Within the folder of a program's step only, which nobody can allow to leave.
+    Step,
     /// Wherever the map says: for the maps of people that one trusts.
     Anywhere,
 }

@@ -7,7 +7,7 @@ use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
 use crate::param::{MODULE, OutputFileSpec, ParamSpec, Setting};
-use crate::problem::Problem;
+use crate::problem::{Problem, is_steering};
 use crate::template::{Piece, as_name, pieces};
 
 /// Stands for the id of the step until it is known; no name in a file system holds it.
@@ -80,8 +80,10 @@ fn expand<'a>(
     let mut text = String::new();
     for piece in pieces(template)? {
         match piece {
-            Piece::Literal(literal) if literal.contains(char::is_control) => {
-                return Err("a path cannot hold control characters".to_owned());
+            Piece::Literal(literal) if literal.contains(is_steering) => {
+                return Err("a path cannot hold control characters, nor signs that turn the \
+                            direction of a text"
+                    .to_owned());
             }
             Piece::Literal(literal) => text.push_str(literal),
             Piece::Reference("step") => text.push(STEP),
@@ -188,9 +190,12 @@ pub(super) fn fill(
         let port = || PortRef { node: name.node.clone(), port: name.param.clone() };
         let problem = |message: String| Problem::error(message).at(&name.node).port(&name.param);
         let Some(path) = tidy(&text, options.output_scope) else {
+            let advice = match options.output_scope {
+                OutputScope::Step => "the files of a program's steps stay in its store",
+                _ => "or run the map with --allow-outside if you trust it",
+            };
             problems.push(problem(format!(
-                "\"{text}\" leaves the output folder; name a file inside it, or run the map with \
-                 --allow-outside if you trust it"
+                "\"{text}\" leaves the output folder; name a file inside it, {advice}"
             )));
             continue;
         };
@@ -199,21 +204,24 @@ pub(super) fn fill(
         }
         let beside = name.also_writes.iter().map(|ending| beside(&path, ending));
         let all: Vec<PathBuf> = std::iter::once(path.clone()).chain(beside).collect();
+        let mut clashes = Vec::new();
         for written in &all {
             let own = port().to_string();
             match writers.insert(one_case(written), own.clone()) {
-                Some(other) if other == own => problems.push(problem(format!(
+                Some(other) if other == own => clashes.push(format!(
                     "\"{}\" is the name of a file that is written beside it; give it another \
                      extension",
                     written.display()
-                ))),
-                Some(other) => problems.push(problem(format!(
+                )),
+                Some(other) => clashes.push(format!(
                     "{other} writes \"{}\" too; give each a name of its own",
                     written.display()
-                ))),
+                )),
                 None => {}
             }
         }
+        // A file beside another one, such as the materials of a mesh, is no second fault.
+        problems.extend(clashes.first().map(|first| problem(and_more(first, clashes.len()))));
         if let Some(node) = nodes.iter_mut().find(|node| node.name == name.node) {
             let specs = node.info.module.params;
             node.settings.each_mut(specs, &mut |param, _, setting| {
@@ -279,15 +287,27 @@ fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
 
 /// A path that one saver has for itself, as a file or a folder, and another needs as a folder.
 fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem>) {
+    // Of each two parameters, the first such folder, and how often they meet.
+    let mut clashes: BTreeMap<(&str, &str), (&Path, usize)> = BTreeMap::new();
     for (path, writer) in writers {
         for folder in path.ancestors().skip(1) {
             if let Some(other) = writers.get(folder) {
-                problems.push(Problem::error(format!(
-                    "{other} writes \"{}\" alone, which {writer} needs as a folder",
-                    folder.display()
-                )));
+                clashes.entry((other, writer)).or_insert((folder, 0)).1 += 1;
             }
         }
+    }
+    problems.extend(clashes.into_iter().map(|((other, writer), (folder, n))| {
+        let folder = folder.display();
+        let first = format!("{other} writes \"{folder}\" alone, which {writer} needs as a folder");
+        Problem::error(and_more(&first, n))
+    }));
+}
+
+/// A sentence that stands for `n` of its kind.
+fn and_more(first: &str, n: usize) -> String {
+    match n {
+        1 => first.to_owned(),
+        n => format!("{first} (the first of {n} such files)"),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::data::DataType;
 use crate::map::{Link, Map};
 use crate::module::Module;
 use crate::port::ANY;
-use crate::problem::{LONGEST_NAME, Problem, did_you_mean};
+use crate::problem::{LONGEST_NAME, Problem, did_you_mean, plain};
 use crate::registry::{ModuleInfo, Registry};
 
 /// An output of a node of the map, by place.
@@ -35,7 +35,8 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
                 let ids = registry.modules().iter().map(|info| info.module.id);
                 let hint = did_you_mean(&node.module, ids);
                 let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
-                let message = format!("there is no module \"{}\"{hint}", node.module);
+                let module = plain(&node.module, LONGEST_NAME);
+                let message = format!("there is no module \"{module}\"{hint}");
                 problems.push(Problem::error(message).at(name));
             }
             info

@@ -14,7 +14,7 @@ use super::{Program, ReportSpec};
 use crate::files::FileHashes;
 use crate::map::{Axis, Map, ProgramSpec};
 use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
-use crate::problem::{Problem, did_you_mean};
+use crate::problem::{Problem, did_you_mean, is_steering};
 use crate::registry::Registry;
 
 impl Program {
@@ -34,6 +34,11 @@ impl Program {
             return Err(vec![Problem::error(message).in_program(name)]);
         };
         let in_program = |problem: Problem| problem.in_program(name);
+        if name.contains(is_steering) {
+            let message = "the name of a program cannot hold control characters, nor signs that \
+                           turn the direction of a text; give it another one";
+            return Err(vec![in_program(Problem::error(message))]);
+        }
         let assignments = assignments(spec, map_folder)
             .map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
         let values = values_of(&assignments);
@@ -43,10 +48,11 @@ impl Program {
         };
         let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
         let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
-        let (bare, files) = (map.without_programs(), FileHashes::new());
+        let (mut bare, files) = (map.without_programs(), FileHashes::new());
+        bare.forget_other_programs(name);
         let options = plan_options(map_folder, &files);
         let of_map = (&bare, registry, options);
-        let steps = Steps::plan(of_map, name, (&assignments, spec.repeats.unwrap_or(1)));
+        let steps = Steps::plan(of_map, (&assignments, spec.repeats.unwrap_or(1)));
         if steps.problems.iter().any(Problem::is_error) {
             return Err(steps.problems.into_iter().map(in_program).collect());
         }
@@ -104,7 +110,7 @@ fn plan_options<'a>(map_folder: &'a Path, files: &'a FileHashes) -> PlanOptions<
     PlanOptions {
         map_folder,
         output_folder: None,
-        output_scope: OutputScope::Folder,
+        output_scope: OutputScope::Step,
         repeat: 0,
         files,
     }

@@ -19,7 +19,7 @@ mod work;
 pub use columns::{ColumnRecord, Columns, are_alike};
 pub use plan_file::{PlanFile, RunNote};
 pub use record::{StepRecord, StepStatus};
-pub use report_spec::{Measure, Question, ReportSpec, TIMES, stands_for};
+pub use report_spec::{Measure, Question, ReportSpec, TIMES, meant};
 pub use rounds::TIMINGS;
 pub use store::{Store, StoreError};
 pub use tables::{brief, brief_value, exact};
@@ -316,9 +316,14 @@ impl Program {
     /// Places of the steps of a part, each step once.
     pub fn places(&self, part: &Part) -> Vec<usize> {
         let Shard { index, count } = part.shard;
+        let meant_of = |(path, side): &'_ (String, Json)| {
+            let values = self.steps.iter().filter_map(|step: &Step| step.params.get(path));
+            (path.clone(), meant(side, values))
+        };
+        let only: Vec<(String, Vec<&Json>)> = part.only.iter().map(meant_of).collect();
         let is_meant = |step: &Step| {
-            part.only.iter().all(|(path, side)| {
-                step.params.get(path).is_some_and(|value| stands_for(side, value))
+            only.iter().all(|(path, values)| {
+                step.params.get(path).is_some_and(|value| values.contains(&value))
             })
         };
         let mut seen = HashSet::new();

@@ -71,7 +71,8 @@ pub struct Question {
     /// The column that is compared.
     pub measure: String,
     /// One varied parameter and its two values. An entry of a choice may be named by its id alone:
-    /// it then stands for all its settings, which are paired by their own parameters.
+    /// it then stands for all its settings, which are paired by their own parameters, unless the
+    /// axis holds the bare id as a value of its own.
     pub compare: IndexMap<String, [Json; 2]>,
     /// Columns that should be the same in both steps of a pair; chosen by the report where empty.
     #[serde(default)]
@@ -131,7 +132,7 @@ impl ReportSpec {
         for (i, question) in self.questions.iter().enumerate() {
             for (path, sides) in &question.compare {
                 let Some(known) = values.get(path) else { continue };
-                let is_missing = |side: &&Json| !known.iter().any(|value| stands_for(side, value));
+                let is_missing = |side: &&Json| meant(side, known.iter().copied()).is_empty();
                 faults.extend(sides.iter().filter(is_missing).map(|side| {
                     let message = format!("{side} is not among the values of {path}");
                     format!("\"report.questions[{i}].compare\": {message}")
@@ -207,13 +208,24 @@ impl About<'_> {
     }
 }
 
-/// Whether a side of a comparison means this value of a parameter: the value itself, or the id of
-/// the entry that it chooses.
-pub fn stands_for(side: &Json, value: &Json) -> bool {
-    let is_id = |id: &str| {
+/// The values of a parameter that a side of a comparison means, each once: itself where it is one
+/// of them, else those that choose the entry of this id. So a bare entry beside others with
+/// parameters is a side of its own.
+pub fn meant<'a>(side: &Json, values: impl Iterator<Item = &'a Json> + Clone) -> Vec<&'a Json> {
+    if let Some(itself) = values.clone().find(|value| *value == side) {
+        return vec![itself];
+    }
+    let Some(id) = side.as_str() else { return Vec::new() };
+    let chooses = |value: &Json| {
         value.as_object().is_some_and(|fields| fields.len() == 1 && fields.contains_key(id))
     };
-    side == value || side.as_str().is_some_and(is_id)
+    let mut found: Vec<&Json> = Vec::new();
+    for value in values.filter(|value| chooses(value)) {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    found
 }
 
 /// A text, or a list of texts.
@@ -273,6 +285,17 @@ mod tests {
         assert!(faults[3].starts_with("\"report.measures[0]\": unknown field `colum`"));
         assert!(faults[4].starts_with("\"report.questions[0]\": \"compare\" must name one"));
         assert!(ReportSpec::parse(&json!([])).is_err());
+    }
+
+    #[test]
+    fn a_bare_entry_that_is_a_value_means_itself_alone() {
+        let (bare, one) = (json!("A"), json!({ "A": { "size": 1 } }));
+        let (two, other) = (json!({ "A": { "size": 2 } }), json!({ "B": {} }));
+        let all = [&one, &bare, &two, &other, &one];
+        assert_eq!(meant(&bare, all.into_iter()), [&bare]);
+        assert_eq!(meant(&one, all.into_iter()), [&one]);
+        assert_eq!(meant(&bare, [&one, &two, &other, &one].into_iter()), [&one, &two]);
+        assert!(meant(&json!("C"), all.into_iter()).is_empty());
     }
 
     #[test]

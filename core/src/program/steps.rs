@@ -57,10 +57,9 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// Plans every assignment as often as it is repeated. `program` is the name of the program.
+    /// Plans every assignment as often as it is repeated.
     pub fn plan(
         (map, registry, options): (&Map, &Registry, PlanOptions),
-        program: &str,
         (assignments, repeats): (&[Assignment], u32),
     ) -> Self {
         let mut steps = Self::default();
@@ -77,10 +76,7 @@ impl Steps {
                 };
                 for problem in problems {
                     let is_of_map = map.problems().contains(&problem);
-                    // Problems of other programs are none of this one.
-                    if problem.place.program.as_ref().is_none_or(|name| name == program) {
-                        steps.report(problem, if is_of_map { &NO_ASSIGNMENT } else { params });
-                    }
+                    steps.report(problem, if is_of_map { &NO_ASSIGNMENT } else { params });
                 }
             }
         }

@@ -344,8 +344,8 @@ fn trimmed(number: &str) -> String {
     }
 }
 
-/// A parameter's value for a person: `ImageMse 256`, `cow.obj`, `off`. A lone number of an entry
-/// needs no name, and a file is named for itself.
+/// A parameter's value for a person: `ImageMse (resolution 256)`, `cow.obj`, `off`. A file is named
+/// for itself.
 pub fn brief_value(value: &Json) -> String {
     match value {
         Json::Null => "off".to_owned(),
@@ -363,7 +363,6 @@ fn brief_entry(id: &str, params: &Json) -> String {
     let is_path = |text: &str| text.contains('/') && Path::new(text).extension().is_some();
     match params.iter().collect::<Vec<_>>().as_slice() {
         [] => id.to_owned(),
-        [(_, value)] if value.is_number() => format!("{id} {value}"),
         [(_, Json::String(text))] if is_path(text) => {
             let name = Path::new(text).file_name().unwrap_or_default();
             name.to_string_lossy().into_owned()

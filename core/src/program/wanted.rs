@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Program, ProgramOptions, Sharing, Store};
+use super::{Program, ProgramOptions, Sharing, StepRecord, Store};
 
 /// What is asked of each step.
 pub(super) struct Wanted<'a> {
@@ -18,9 +18,13 @@ impl<'a> Wanted<'a> {
 
     /// Whether the store has it.
     pub fn is_in(&self, store: &Store, id: &str) -> bool {
-        store.record(id).is_some_and(|record| {
-            let runs = self.runs.as_ref();
-            runs.is_none_or(|runs| record.has_timings(runs.get(id).copied().unwrap_or(1)))
-        })
+        store.record(id).is_some_and(|record| self.is_met_by(&record))
+    }
+
+    /// Whether this record of a step is all that is asked of it.
+    pub fn is_met_by(&self, record: &StepRecord) -> bool {
+        let times = |runs: &HashMap<&str, usize>| runs.get(record.id.as_str()).copied();
+        let runs = self.runs.as_ref();
+        runs.is_none_or(|runs| record.has_timings(times(runs).unwrap_or(1)))
     }
 }

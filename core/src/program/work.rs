@@ -1,9 +1,9 @@
 //! Running the steps that a store lacks: on a few threads, each step claimed before it is begun.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
@@ -60,24 +60,46 @@ pub fn run_program(
         note.seconds = Some(start.elapsed().as_secs_f64());
         program.write_plan(store, Some(note))?;
     }
-    let records: Vec<_> = ids.iter().filter_map(|id| store.record(id)).collect();
-    // A process that was killed may have finished a step and not come to this.
-    records.iter().try_for_each(|record| store.publish(record))?;
+    for id in &ids {
+        // A process that was killed may have finished a step and not come to this.
+        store.record(id).map_or(Ok(()), |record| store.publish(&record))?;
+    }
     store.drop_stale_outputs(&ids)?;
     tables::write(program, store)?;
     Ok(ProgramOutcome {
-        steps: ids.len(),
         ran: workers.ran.load(Ordering::Relaxed),
         found,
-        failed: records.iter().filter(|record| record.status != StepStatus::Done).count(),
-        missed: records.iter().filter(|record| record.missed().next().is_some()).count(),
-        missing: ids.len() - records.len(),
-        missing_of_part: missing_of(program, store, (&part, options)).len(),
         damaged,
         others: store.count_others(&ids),
         seconds: start.elapsed().as_secs_f64(),
         is_stopped: options.cancel.is_cancelled(),
+        ..counted(program, &part, &wanted, &|id| store.record(id))
     })
+}
+
+/// What becomes of the steps by one reading of their records: other processes go on writing them,
+/// and numbers of two readings would contradict each other.
+fn counted(
+    program: &Program,
+    part: &[usize],
+    wanted: &Wanted,
+    read: &dyn Fn(&str) -> Option<Arc<StepRecord>>,
+) -> ProgramOutcome {
+    let ids: HashSet<&str> = program.steps.iter().map(|step| step.id.as_str()).collect();
+    let records: HashMap<&str, Arc<StepRecord>> =
+        ids.iter().filter_map(|id| Some((*id, read(id)?))).collect();
+    let is_missing = |place: &&usize| {
+        let record = records.get(program.steps[**place].id.as_str());
+        !record.is_some_and(|record| wanted.is_met_by(record))
+    };
+    ProgramOutcome {
+        steps: ids.len(),
+        failed: records.values().filter(|record| record.status != StepStatus::Done).count(),
+        missed: records.values().filter(|record| record.missed().next().is_some()).count(),
+        missing: ids.len() - records.len(),
+        missing_of_part: part.iter().filter(is_missing).count(),
+        ..ProgramOutcome::default()
+    }
 }
 
 /// Tells how many steps there are, and which of them are done.
@@ -357,4 +379,46 @@ fn step_status(
     let (at, limit) = (at.map_or("", |(name, _)| name.as_str()), limit?.as_secs_f64());
     let reason = format!("{at}: not done within the time limit of {limit} s");
     cancel.is_overdue().then_some(StepStatus::TimedOut { reason, limit })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::map::Map;
+    use crate::testing::{program_options, registry};
+
+    const MAP: &str = r#"{"mve": 1, "nodes": {"add": {"module": "Add"}},
+        "programs": {"p": {"axes": [{"add.amount": [1, 2, 3]}]}}}"#;
+
+    /// Another process ends a step between any two readings.
+    #[test]
+    fn numbers_of_the_end_are_of_one_reading() {
+        let map = Map::parse(MAP).unwrap();
+        let program = Program::new(&map, "p", &registry(), Path::new("/")).map_err(|_| ()).unwrap();
+        let cancel = CancelToken::new();
+        let options = program_options(&cancel);
+        let n_readings = Cell::new(0);
+        let read = |id: &str| {
+            n_readings.set(n_readings.get() + 1);
+            (n_readings.get() > 1).then(|| {
+                Arc::new(StepRecord {
+                    id: id.to_owned(),
+                    repeat: 0,
+                    params: IndexMap::new(),
+                    status: StepStatus::Done,
+                    seconds: 1.0,
+                    is_timed: false,
+                    timings: Vec::new(),
+                    version: String::new(),
+                    nodes: IndexMap::new(),
+                })
+            })
+        };
+        let wanted = Wanted::of(&program, &options);
+        let outcome = counted(&program, &[0, 1, 2], &wanted, &read);
+        assert_eq!((outcome.steps, outcome.missing, outcome.missing_of_part), (3, 1, 1));
+        assert_eq!(n_readings.get(), 3);
+    }
 }

@@ -86,6 +86,9 @@ fn of_port(error: MetricError) -> ModuleError {
         MetricError::Input { mesh: MeshRole::Simplified, message } => {
             ModuleError::input(&SIMPLIFIED_IN, message)
         }
+        MetricError::Param { name, message } => {
+            ModuleError::Param { name: format!("{}.{name}", METRIC.spec().name), message }
+        }
         MetricError::Failed(message) => ModuleError::Failed(message),
         MetricError::Cancelled(cancelled) => cancelled.into(),
     }

@@ -70,6 +70,24 @@ fn striped() -> TriMesh {
 }
 
 #[test]
+fn colors_that_neither_mesh_has_are_refused() {
+    let of = |albedo| {
+        let metric = ImageRmsMetric { view: View { albedo, ..small() } };
+        metric.compare(&grid(8), &grid(4), Control::none())
+    };
+    for albedo in [Albedo::Colors, Albedo::Textures] {
+        match of(albedo) {
+            Err(MetricError::Param { name: "albedo", message }) => {
+                assert!(message.starts_with("neither mesh has colors"), "{message}");
+                assert!(message.ends_with("choose White, or other meshes"), "{message}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    of(Albedo::White).unwrap();
+}
+
+#[test]
 fn a_painted_stripe_counts_as_often_as_it_is_seen() {
     let (plain, striped) = (grid(8), striped());
     let of =

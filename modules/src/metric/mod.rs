@@ -85,6 +85,14 @@ pub enum MetricError {
         /// The mesh, what is wrong with it and what was expected.
         message: String,
     },
+    /// A parameter that asks for what neither mesh has.
+    #[error("{message}")]
+    Param {
+        /// Its name.
+        name: &'static str,
+        /// What was found and what to do.
+        message: String,
+    },
     /// There is no result, for a reason that is in no mesh; the message says all.
     #[error("{0}")]
     Failed(String),

@@ -5,6 +5,7 @@ use mve_core::Control;
 use super::{MeshRole, MetricError};
 use crate::data::TriMesh;
 use crate::picture::missing::missing_colors;
+use crate::picture::render::{Albedo, is_colored};
 use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 
 /// The view of all metrics on pictures.
@@ -24,12 +25,15 @@ pub fn take_pair(
     simplified: &TriMesh,
     control: Control,
 ) -> Result<(Pair, Vec<String>), MetricError> {
+    refuse_white(view, [original, simplified])?;
     let pair = view.pair(original, simplified, control)?.ok_or_else(|| {
         let message = "the original mesh has no finite extent, so no camera can look at it; a mesh \
                        with a box of some size is expected";
         MetricError::Input { mesh: MeshRole::Original, message: message.to_owned() }
     })?;
     let mut warnings = Vec::new();
+    // What each lacks, and which of the meshes do.
+    let mut lacking: Vec<(String, Vec<&str>)> = Vec::new();
     for (name, mesh) in [("original", original), ("simplified", simplified)] {
         match (mesh.faces.len(), n_unseen(mesh)) {
             (0, _) => {
@@ -42,10 +46,31 @@ pub fn take_pair(
                  picture"
             )),
         }
-        let missing = missing_colors(mesh, view.albedo).into_iter();
-        warnings.extend(missing.map(|missing| format!("the {name} mesh {missing}")));
+        for missing in missing_colors(mesh, view.albedo) {
+            match lacking.iter_mut().find(|(known, _)| *known == missing) {
+                Some((_, names)) => names.push(name),
+                None => lacking.push((missing, vec![name])),
+            }
+        }
     }
+    warnings.extend(lacking.into_iter().map(|(missing, names)| match names.as_slice() {
+        [name] => format!("the {name} mesh {missing}"),
+        _ => format!("each of the two meshes {missing}"),
+    }));
     Ok((pair, warnings))
+}
+
+/// Refuses colors that no mesh has: the value would be that of white surfaces, under another name.
+fn refuse_white(view: &View, meshes: [&TriMesh; 2]) -> Result<(), MetricError> {
+    let drawn = || meshes.into_iter().filter(|mesh| !mesh.faces.is_empty());
+    let is_white = drawn().all(|mesh| !is_colored(mesh, view.albedo));
+    let Some(first) = drawn().next().filter(|_| is_white && view.albedo != Albedo::White) else {
+        return Ok(());
+    };
+    let missing = missing_colors(first, view.albedo).join(", and it ");
+    let message =
+        format!("neither mesh has colors to compare: it {missing}; choose White, or other meshes");
+    Err(MetricError::Param { name: VIEW.albedo.spec().name, message })
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub fn missing_colors(mesh: &TriMesh, albedo: Albedo) -> Vec<String> {
             .into_iter()
             .filter_map(|material| material?.texture(TextureRole::BaseColor))
             .collect();
-        missing.extend(textures.iter().filter_map(|texture| flaw(texture)));
+        missing.extend(flaws(&textures));
         let has_texcoords = mesh
             .layer(Layer::TEXCOORD)
             .is_some_and(|layer| matches!(layer.values, LayerValues::Vec2(_)));
@@ -20,7 +20,8 @@ pub fn missing_colors(mesh: &TriMesh, albedo: Albedo) -> Vec<String> {
             missing.push("has no layer \"texcoord\", so its textures are not drawn".to_owned());
         }
     }
-    if albedo != Albedo::White && !is_colored(mesh, albedo) {
+    // What is wrong with its textures is why it is white.
+    if missing.is_empty() && albedo != Albedo::White && !is_colored(mesh, albedo) {
         let what = match albedo {
             Albedo::Textures => "no texture, no material with a color and no layer \"color\"",
             _ => "no layer \"color\" of three numbers",
@@ -32,18 +33,38 @@ pub fn missing_colors(mesh: &TriMesh, albedo: Albedo) -> Vec<String> {
     missing
 }
 
-/// What of a texture is not drawn.
-fn flaw(texture: &Texture) -> Option<String> {
-    let name = shown_name(&texture.name);
-    let is_readable = texture.image.as_ref().is_some_and(|image| image.pixels().is_some());
-    let options = texture.options.trim();
-    if !is_readable {
-        Some(format!("names the texture \"{name}\", which was not read, so it is not drawn"))
-    } else if !options.is_empty() {
-        Some(format!("has a texture \"{name}\" whose options ({options}) pictures do not heed"))
-    } else {
-        None
-    }
+/// What of textures is not drawn, in a sentence a cause.
+fn flaws(textures: &[&Texture]) -> Vec<String> {
+    let is_read =
+        |texture: &Texture| texture.image.as_ref().is_some_and(|image| image.pixels().is_some());
+    let (read, unread): (Vec<&Texture>, Vec<&Texture>) =
+        textures.iter().partition(|texture| is_read(texture));
+    let mut flaws = Vec::new();
+    flaws.extend(names(&unread).map(|(n, names)| match n {
+        1 => format!("names the texture {names}, which was not read, so it is not drawn"),
+        n => format!("names {n} textures that were not read, so they are not drawn: {names}"),
+    }));
+    let odd: Vec<&Texture> =
+        read.into_iter().filter(|texture| !texture.options.trim().is_empty()).collect();
+    let options = odd.first().map_or("", |texture| texture.options.trim());
+    flaws.extend(names(&odd).map(|(n, names)| match n {
+        1 => format!("has a texture {names} whose options ({options}) pictures do not heed"),
+        n => format!("has {n} textures whose options ({options}) pictures do not heed: {names}"),
+    }));
+    flaws
+}
+
+/// How many different names textures have, and the first of them.
+fn names(textures: &[&Texture]) -> Option<(usize, String)> {
+    /// More say nothing new.
+    const MOST: usize = 3;
+    let mut names: Vec<&str> = textures.iter().map(|texture| texture.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let shown = names.iter().take(MOST).map(|name| format!("\"{}\"", shown_name(name)));
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    let more = if names.len() > MOST { ", …" } else { "" };
+    (!names.is_empty()).then(|| (names.len(), shown + more))
 }
 
 #[cfg(test)]
@@ -75,7 +96,15 @@ mod tests {
         let unknown = TextureImage::of_unknown(vec![0]);
         mesh.materials[0].textures[0].image = Some(Arc::new(unknown));
         let found = missing(&mesh, Albedo::Textures);
-        assert_eq!(found[1], "names the texture \"t.png\", which was not read, so it is not drawn");
+        let unread = "names the texture \"t.png\", which was not read, so it is not drawn";
+        assert_eq!(found, [unread], "one cause, one sentence");
+        let texture =
+            |name: &str| Texture { name: name.to_owned(), ..mesh.materials[0].textures[0].clone() };
+        let many = ["d", "a", "c", "b", "a"].map(texture);
+        assert_eq!(
+            flaws(&many.iter().collect::<Vec<_>>()),
+            ["names 4 textures that were not read, so they are not drawn: \"a\", \"b\", \"c\", …"]
+        );
         mesh.layers.retain(|layer| layer.name != Layer::TEXCOORD);
         let found = missing(&mesh, Albedo::Textures);
         assert_eq!(found[0], "has no layer \"texcoord\", so its textures are not drawn");

@@ -37,13 +37,31 @@ fn a_program_leaves_a_page_and_answers() {
 }
 
 #[test]
+fn the_readme_shows_what_the_program_says() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let lines = readme.lines().skip_while(|line| !line.starts_with("> **Is “"));
+    let quoted = lines.map_while(|line| line.strip_prefix("> ")).collect::<Vec<_>>().join(" ");
+    let (question, answer) = quoted.trim_start_matches("**").split_once("** ").unwrap();
+    let folder = Folder::new();
+    let map = root.join("maps/placements.json");
+    let args = ["program", map.to_str().unwrap(), "--out", "out"];
+    let said = folder.mve(&args).succeeds().out.replace('\u{a0}', " ");
+    assert!(said.contains(&format!("{question}\n  {answer}\n")), "{said}");
+}
+
+#[test]
 fn the_page_is_left_out_on_demand() {
     let folder = folder();
     folder.mve(&["program", "box.json", "--no-report"]).succeeds();
     assert!(!folder.has("mve-out/box-costs/report.html"));
     let answer = folder.mve(&["report", "mve-out/box-costs"]).succeeds();
     answer.says("report   mve-out/box-costs/report.html\n");
-    folder.mve(&["report", "mve-out/box-costs", "--out", "pages/box.html"]).succeeds();
+    let elsewhere = ["report", "mve-out/box-costs", "--out", "pages/box.html"];
+    folder.mve(&elsewhere).fails(4, "pages/box.html: there is no folder pages; create it first");
+    assert!(!folder.has("pages"));
+    std::fs::create_dir(folder.path().join("pages")).unwrap();
+    folder.mve(&elsewhere).succeeds();
     assert!(folder.read("pages/box.html").contains("href=\"../mve-out/box-costs/steps/"));
 }
 
@@ -57,6 +75,29 @@ fn tables_go_to_standard_output() {
     with("markdown").says("## Area (higher is better)\n");
     with("latex").says("target faces & EdgeLength & Quadric \\\\\n");
     folder.mve(&["report", "x", "--format", "doc"]).fails(2, "invalid value 'doc'");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_links_are_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let path = |name: &str| folder.path().join(name);
+    assert!(std::process::Command::new("mkfifo").arg(path("pipe")).status().unwrap().success());
+    folder.write("kept.tex", "kept");
+    std::os::unix::fs::symlink("kept.tex", path("link")).unwrap();
+    let to =
+        |out: &str| folder.mve(&["report", "mve-out/box-costs", "--format", "latex", "--out", out]);
+    to("pipe").fails(4, "pipe is a device or a pipe, and a file would take its place");
+    to("link").fails(4, "link is a symbolic link, and a file would take its place");
+    let kind = |name: &str| std::fs::symlink_metadata(path(name)).unwrap().file_type();
+    assert!(kind("pipe").is_fifo() && kind("link").is_symlink());
+    assert_eq!(folder.read("kept.tex"), "kept");
+    to("-").succeeds().says("target faces & EdgeLength & Quadric \\\\\n");
+    assert!(!folder.has("-"));
+    let plots = ["report", "mve-out/box-costs", "--format", "svg", "--out"];
+    folder.mve(&[&plots[..], &["-"]].concat()).fails(2, "name a folder for them");
 }
 
 #[test]

@@ -120,10 +120,9 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
         &common::map().replace("\"params\": {\"value\"", "\"parms\": {\"value\""),
     );
     folder.write("bad.json", &common::map().replace("2.5", "\"2.5\""));
-    let answer = folder.mve(&["check", "slip.json", "map.json"]).succeeds();
-    let answer =
-        answer.says("level.parms: \"parms\" means nothing in a node and is left out; did you mean");
-    answer.says("slip.json: no errors, 1 warning").says("map.json: no problems");
+    let answer = folder.mve(&["check", "slip.json", "map.json"]).fails(3, "slip.json: 1 problem");
+    let answer = answer.says("level.parms: \"parms\" means nothing in a node; did you mean");
+    answer.says("map.json: no problems");
     let answer = folder.mve(&["check", "bad.json", "map.json", "--json"]).fails(3, "");
     let lines = answer.json();
     assert_eq!((&lines[0]["event"], &lines[0]["line"]), (&"problem".into(), &3.into()));
@@ -133,6 +132,95 @@ fn maps_are_checked_together_as_lines_and_from_standard_input() {
     let map = std::fs::File::open(folder.path().join("map.json")).unwrap();
     let answer = Answer::new(folder.command(&["check", "-"]).stdin(map).output().unwrap());
     answer.succeeds().says("stdin: no problems");
+}
+
+#[test]
+fn what_every_program_sets_is_no_fault_of_the_map() {
+    let folder = Folder::new();
+    let map = |programs: &str| {
+        let text = format!(
+            "{{\"mve\": 1, \"nodes\": {{\"load\": {{\"module\": \"ObjLoader\"}}}}, \
+             \"programs\": {{{programs}}}}}"
+        );
+        folder.write("glob.json", &text);
+    };
+    folder.write("scans/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let glob = "\"p\": {\"axes\": [{\"load.path\": {\"glob\": \"scans/*.obj\"}}]}";
+    map(glob);
+    let answer = folder.mve(&["check", "glob.json"]).succeeds();
+    answer.says("only programs, which set it, can run this map").says("(p: 1 step)");
+    folder.mve(&["program", "glob.json"]).succeeds();
+    folder.mve(&["run", "glob.json"]).fails(3, "load.path: ");
+    map(&format!("{glob}, \"q\": {{\"repeats\": 2}}"));
+    folder.mve(&["check", "glob.json"]).fails(3, "");
+}
+
+#[test]
+fn a_program_is_not_told_of_an_option_that_it_lacks() {
+    let folder = Folder::new();
+    let text = "{\"mve\": 1, \"nodes\": {\"box\": {\"module\": \"Box\"}, \
+                \"save\": {\"module\": \"ObjSaver\", \"params\": {\"path\": \"NAME\"}}}, \
+                \"links\": [\"box.mesh -> save.mesh\"], \"programs\": {\"p\": {\"repeats\": 1}}}";
+    folder.write("map.json", &text.replace("NAME", "../a.obj"));
+    let answer = folder.mve(&["program", "map.json"]);
+    let answer = answer.fails(3, "the files of a program's steps stay in its store");
+    assert!(!answer.err.contains("--allow-outside"), "{}", answer.err);
+    folder.mve(&["run", "map.json"]).fails(3, "--allow-outside");
+    // What turns the direction of a text would show `jbo.exe` for this name.
+    folder.write("map.json", &text.replace("NAME", "\u{202e}exe.obj"));
+    folder.mve(&["check", "map.json"]).fails(3, "").says("a path cannot hold control characters");
+    folder.write("map.json", &text.replace("NAME", "a.obj").replace("\"p\"", "\"p\u{202e}\""));
+    let answer = folder.mve(&["check", "map.json"]).fails(3, "");
+    answer.says("the name of a program cannot hold control characters");
+}
+
+#[test]
+fn one_fault_is_one_problem_and_a_long_name_is_cut() {
+    let folder = Folder::new();
+    let check = |a: &str, b: &str| {
+        let saver = |name: &str| {
+            format!("{{\"module\": \"ObjSaver\", \"params\": {{\"path\": \"{name}\"}}}}")
+        };
+        let text = format!(
+            "{{\"mve\": 1, \"nodes\": {{\"box\": {{\"module\": \"Box\"}}, \"a\": {}, \"b\": {}}}, \
+             \"links\": [\"box.mesh -> a.mesh\", \"box.mesh -> b.mesh\"]}}",
+            saver(a),
+            saver(b)
+        );
+        folder.write("map.json", &text);
+        folder.mve(&["check", "map.json"]).fails(3, "map.json: 1 problem\n")
+    };
+    // A mesh, its materials and the folder of its textures.
+    check("a.obj", "a.obj").says("a.path writes \"a.obj\" too").says("(the first of 3 such files)");
+    check("a.obj", "a.obj/b.obj").says("which b.path needs as a folder");
+    let id = "M".repeat(5000);
+    folder.write(
+        "map.json",
+        &format!("{{\"mve\": 1, \"nodes\": {{\"a\": {{\"module\": \"{id}\"}}}}}}"),
+    );
+    let answer = folder.mve(&["check", "map.json"]).fails(3, "1 problem");
+    assert!(answer.says("MMM…\"; `mve modules` lists them").out.len() < 300);
+    let axis = |values: &str| {
+        folder.write("map.json", &common::map().replace("[1, 2, 3]", values));
+        folder.mve(&["check", "map.json"]).fails(3, "1 problem")
+    };
+    axis("{\"lgo\": [1, 2, 3]}").says("{\"range\": [0.1, 0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or");
+}
+
+#[test]
+fn a_slip_in_a_key_of_the_format_runs_nothing() {
+    let folder = Folder::new();
+    folder
+        .write("map.json", &common::map().replace("\"sweep\": {\"axes\"", "\"sweep\": {\"axis\""));
+    let meant = "\"axis\" means nothing in a program; did you mean \"axes\"?";
+    folder.mve(&["check", "map.json"]).fails(3, "map.json: 1 problem").says(meant);
+    folder.mve(&["program", "map.json", "sweep"]).fails(3, meant);
+    folder.mve(&["run", "map.json"]).fails(3, meant);
+    // It is none of the other program, which does what it says.
+    folder.mve(&["program", "map.json", "long", "--dry-run"]).succeeds().says("400 steps: 0 done");
+    // What is near to no key is kept for others to read.
+    folder.write("map.json", &common::map().replace("\"sweep\": {", "\"sweep\": {\"color\": 3, "));
+    folder.mve(&["check", "map.json"]).succeeds().says("no errors, 1 warning");
 }
 
 #[test]

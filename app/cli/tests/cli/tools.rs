@@ -32,11 +32,14 @@ fn modules_are_listed_and_described() {
     folder.mve(&["modules", "Print"]).succeeds().says("Inputs:").says("`label` (text;");
     folder.mve(&["modules", "Prnt"]).fails(2, "\"Prnt\"; did you mean \"Print\"?\n");
     let found = folder.mve(&["modules", "decimate"]).succeeds();
-    assert!(found.says("Simplificator").out.ends_with("2 modules; `mve modules ID` tells more\n"));
+    assert!(found.says("Simplificator").out.ends_with("3 modules; `mve modules ID` tells more\n"));
     folder.mve(&["modules", "hausdorff"]).succeeds().says("MeshComparer");
+    std::fs::create_dir(folder.path().join("docs")).unwrap();
     folder.mve(&["modules", "--write", "docs/modules.md"]).succeeds();
     assert!(folder.read("docs/modules.md").contains("### Constant"));
-    folder.mve(&["modules", "--write", "map.json/x"]).fails(4, "a file of this name is in the way");
+    folder
+        .mve(&["modules", "--write", "map.json/x"])
+        .fails(4, "a file stands where a folder is needed");
     let lines = folder.mve(&["modules", "Constant", "--json"]).succeeds().json();
     assert_eq!((lines.len(), &lines[0]["category"]), (1, &"generate".into()));
     assert_eq!(lines[0]["params"]["properties"]["value"]["default"], 0.0);

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use mve_core::{StepStatus, brief};
 
 use super::{Page, address, count, cut, escape};
-use crate::answers::{Answer, change};
+use crate::answers::{Answer, ChangeForm};
 use crate::case::Case;
 use crate::columns::MeasureColumn;
 use crate::labels;
@@ -127,9 +127,11 @@ fn by_group(page: &Page, answer: &Answer) -> String {
     else {
         return String::new();
     };
+    let ratios: Vec<f64> = answer.by_group.values().map(|estimate| estimate.ratio).collect();
+    let form = ChangeForm::of(&ratios);
     let parts = answer.by_group.iter().filter_map(|(group, estimate)| {
         let label = escape(axis.labels.get(*group)?);
-        Some(format!("{label}: {} ({})", change(estimate.ratio), count(estimate.n, "pair")))
+        Some(format!("{label}: {} ({})", form.change(estimate.ratio), count(estimate.n, "pair")))
     });
     let parts: Vec<_> = parts.collect();
     format!("<p class=\"note\">Averages: {}.</p>\n", parts.join("; "))

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use mve_core::Better;
 
 use super::{Page, address, count, cut, escape};
-use crate::case::{Case, Cell};
+use crate::case::{Case, Cell, NumberForm};
 use crate::columns;
 use crate::pivot::{Pivot, PivotCell, PivotRow};
 
@@ -41,8 +41,8 @@ pub(super) fn pivots(page: &Page) -> String {
     let columns: Vec<&str> = page.measures.iter().map(|m| m.column.as_str()).collect();
     if page.results.has_rounding(&columns) {
         text.push_str(
-            "<p class=\"note\">Values of a measure below 10⁻¹² of its largest are rounding and \
-             count as 0.</p>\n",
+            "<p class=\"note\">Values of a measure below 10⁻¹² of its largest, of 1 where it has no \
+             unit, or of the size of the model are rounding and count as 0.</p>\n",
         );
     }
     text.push_str("<div class=\"tables\">\n");
@@ -69,20 +69,20 @@ fn pivot(table: &Pivot) -> String {
          <tbody>\n",
         head(table)
     );
-    let rows = table.with_means();
+    let (rows, forms) = (table.with_means(), table.forms());
     let n_own = table.rows.len();
     let n_shown = n_own.min(MOST_ROWS);
     let own = rows[..n_shown].iter().enumerate();
     for (place, row) in own {
         let mark = if row.is_unequal && table.better != Better::Neither { "‡" } else { "" };
         let _ = write!(text, "<tr>{}", names(&rows[..n_shown], place, mark));
-        text.push_str(&cells(row));
+        text.push_str(&cells(row, &forms));
     }
     for row in &rows[n_own..] {
         let span = table.row_axes.len().max(1);
         let name = escape(row.names.first().map_or("", String::as_str));
         let _ = write!(text, "<tr class=\"sum\"><th class=\"h0\" colspan=\"{span}\">{name}</th>");
-        text.push_str(&cells(row));
+        text.push_str(&cells(row, &forms));
     }
     text.push_str("</tbody></table>");
     for mark in table.marks() {
@@ -145,16 +145,16 @@ fn names(rows: &[PivotRow], place: usize, mark: &str) -> String {
     text
 }
 
-fn cells(row: &PivotRow) -> String {
-    let cell = |cell: &PivotCell| {
-        let shown = escape(&cell.cell.shown());
+fn cells(row: &PivotRow, forms: &[NumberForm]) -> String {
+    let cell = |(cell, shown): (&PivotCell, &String)| {
+        let shown = escape(shown);
         match &cell.missed {
             Some(missed) => format!("<td title=\"{}\">{shown}†</td>", escape(missed)),
             None if cell.is_best => format!("<td class=\"best\">{shown}</td>"),
             None => format!("<td>{shown}</td>"),
         }
     };
-    row.cells.iter().map(cell).collect::<String>() + "</tr>\n"
+    row.cells.iter().zip(&row.shown(forms)).map(cell).collect::<String>() + "</tr>\n"
 }
 
 /// The table of all cases, to sort.
@@ -173,7 +173,13 @@ pub(super) fn steps(page: &Page) -> String {
              run the program with <code>--timing</code> to compare them.</p>\n",
         );
     }
+    let form = |column: &String| {
+        let cells: Vec<Cell> =
+            results.cases.iter().take(MOST_STEPS).map(|case| case.cell(column)).collect();
+        NumberForm::of(cells.iter())
+    };
     let shown = ShownColumns {
+        forms: columns.iter().map(form).collect(),
         varied: results.varied(),
         columns,
         has_missed: results.cases.iter().any(|case| case.missed().is_some()),
@@ -199,6 +205,7 @@ pub(super) fn steps(page: &Page) -> String {
 struct ShownColumns {
     varied: Vec<String>,
     columns: Vec<String>,
+    forms: Vec<NumberForm>,
     has_missed: bool,
     has_warnings: bool,
 }
@@ -209,8 +216,13 @@ impl ShownColumns {
         for (place, path) in self.varied.iter().enumerate() {
             let _ = write!(text, "<th class=\"text h{place}\">{}</th>", escape(path));
         }
-        for column in &self.columns {
-            let title = escape(&columns::title(page.results, page.measures, column));
+        let title = |column: &String| columns::title(page.results, page.measures, column);
+        let titles: Vec<String> = self.columns.iter().map(title).collect();
+        for (column, title) in self.columns.iter().zip(&titles) {
+            let title = match titles.iter().filter(|other| *other == title).count() {
+                1 => escape(title),
+                _ => escape(&format!("{title}, {column}")),
+            };
             let _ = write!(text, "<th title=\"{}\">{title}</th>", escape(column));
         }
         if self.has_missed {
@@ -232,8 +244,8 @@ impl ShownColumns {
             let label = escape(&label);
             let _ = write!(text, "<td class=\"text h{place}\" title=\"{full}\">{label}</td>");
         }
-        for column in &self.columns {
-            text.push_str(&number_cell(&case.cell(column)));
+        for (column, form) in self.columns.iter().zip(&self.forms) {
+            text.push_str(&number_cell(&case.cell(column), *form));
         }
         text.push_str(&self.troubles(case));
         let _ = write!(text, "<td class=\"text\">{}</td><td class=\"text id\">", case.status());
@@ -269,8 +281,8 @@ impl ShownColumns {
     }
 }
 
-fn number_cell(cell: &Cell) -> String {
-    let shown = escape(&cut(&cell.shown(), 80));
+fn number_cell(cell: &Cell, form: NumberForm) -> String {
+    let shown = escape(&cut(&cell.shown(form), 80));
     match cell {
         Cell::Number(estimate) => format!("<td data-v=\"{}\">{shown}</td>", estimate.mean),
         _ => format!("<td>{shown}</td>"),

@@ -10,7 +10,7 @@ use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::{AxisLabelOverlap, Layout, TickFormat};
+use kuva::render::layout::{AxisLabelOverlap, ComputedLayout, Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 use kuva::render::theme::Theme;
@@ -55,6 +55,10 @@ impl Canvas {
             Self::Page => format!("var(--{page})"),
             Self::Paper => paper.to_owned(),
         }
+    }
+
+    fn front(self) -> String {
+        self.ink("front", "#d5dae0")
     }
 
     fn theme(self) -> Theme {
@@ -126,21 +130,36 @@ fn grid(figure: &Figure) -> Scene {
     let parts = figure.panels.iter().map(|panel| panel_parts(figure, panel, Canvas::Paper));
     let (plots, layouts): (Vec<_>, Vec<_>) = parts.unzip();
     let columns = plots.len().clamp(1, ABREAST);
+    let layouts = aligned(layouts);
     let grid = Grid::new(plots.len().div_ceil(columns).max(1), columns)
         .with_plots(plots)
         .with_layouts(layouts)
         .with_cell_size(SIZE.0, SIZE.1);
-    if figure.styles.len() < 2 {
-        return grid.render();
-    }
     let entry = |style: &SeriesStyle| LegendEntry {
         label: labels::shortened(&style.label),
         color: Canvas::Paper.color(style.color),
         shape: LegendShape::Marker(style.marker()),
         dasharray: None,
     };
-    let entries = figure.styles.iter().map(entry).collect();
+    let styles = figure.styles.iter().filter(|_| figure.styles.len() > 1);
+    let mut entries: Vec<LegendEntry> = styles.map(entry).collect();
+    if figure.panels.iter().any(|panel| panel.front.len() > 1) {
+        let color = Canvas::Paper.front();
+        let label = "Pareto front".to_owned();
+        entries.push(LegendEntry { label, color, shape: LegendShape::Rect, dasharray: None });
+    }
+    if entries.is_empty() {
+        return grid.render();
+    }
     grid.with_shared_legend().with_shared_legend_entries(entries).render()
+}
+
+/// Panels whose scales begin and end below each other, however wide the labels of their ticks are.
+fn aligned(layouts: Vec<Layout>) -> Vec<Layout> {
+    let computed: Vec<_> = layouts.iter().map(ComputedLayout::from_layout).collect();
+    let left = computed.iter().map(|own| own.margin_left).fold(0.0, f64::max);
+    let right = computed.iter().map(|own| own.margin_right).fold(0.0, f64::max);
+    layouts.into_iter().map(|layout| layout.with_force_margins(left, right)).collect()
 }
 
 fn panel_parts(figure: &Figure, panel: &Panel, canvas: Canvas) -> (Vec<Plot>, Layout) {
@@ -191,7 +210,7 @@ fn front(panel: &Panel, canvas: Canvas) -> Option<Plot> {
     };
     let line: Vec<(f64, f64)> = panel.front.iter().map(place).collect();
     let is_line = line.len() > 1;
-    let plot = LinePlot::new().with_data(line).with_color(canvas.ink("front", "#d5dae0"));
+    let plot = LinePlot::new().with_data(line).with_color(canvas.front());
     is_line.then(|| plot.with_stroke_width(6.0).into())
 }
 
@@ -253,4 +272,20 @@ fn marks(style: &SeriesStyle, points: &[&Point], look: Look) -> ScatterPlot {
         }));
     }
     marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_below_each_other_begin_at_one_place() {
+        let panel =
+            |high: f64| Layout::new((0.0, 1.0), (0.0, high)).with_width(SIZE.0).with_height(SIZE.1);
+        let left = |layout: &Layout| ComputedLayout::from_layout(layout).margin_left;
+        let (narrow, wide) = (left(&panel(9.0)), left(&panel(123_456.0)));
+        assert!(narrow < wide, "labels of ticks are what makes them differ");
+        let all = aligned(vec![panel(9.0), panel(123_456.0)]);
+        assert_eq!([left(&all[0]), left(&all[1])], [wide; 2]);
+    }
 }

@@ -1,7 +1,7 @@
 //! Plots of measures: small multiples, one panel for each model or other thing that is treated, one
 //! series for each thing that is compared, on scales that all panels share.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use mve_core::{Better, Role};
 
@@ -263,7 +263,13 @@ impl Front {
             Better::Higher => Some(-1.0),
             Better::Neither => None,
         };
-        Self { sign: sign.filter(|_| is_lower) }
+        // Values measured in different ways beat none another.
+        let instruments = measure.instruments(results);
+        let ways: HashSet<Vec<usize>> = (results.cases.iter())
+            .filter(|case| !instruments.is_empty() && measure.estimate(results, case).is_some())
+            .map(|case| instruments.iter().map(|axis| case.at[*axis]).collect())
+            .collect();
+        Self { sign: sign.filter(|_| is_lower && ways.len() < 2) }
     }
 
     fn panel(&self, title: String, points: Vec<Point>, is_line: bool) -> Panel {

@@ -31,7 +31,7 @@ fn pictures_that_are_the_same_are_shown_once() {
     let page = text(maker.finish().path(), Format::Html);
     assert_eq!(page.matches("data:image/png;base64,").count(), 1 + 5);
     assert!(page.contains("alt=\"Box · the same for all · original\""));
-    assert!(page.contains("alt=\"Box · Ssim 2 · result\""));
+    assert!(page.contains("alt=\"Box · Ssim (size 2) · result\""));
 }
 
 #[test]
@@ -50,6 +50,65 @@ fn repeats_give_a_mean_and_its_interval() {
     // The interval is the one of scipy.stats.t.interval, as in the tests of the statistics.
     assert!(page.contains("<td>4.2 ± 0.36</td>"));
     assert!(page.contains("10 of 10 steps done") && page.contains("Means over the repeats"));
+}
+
+#[test]
+fn a_column_has_numbers_of_one_form() {
+    let report = json!({ "measures": [{ "column": "compare.err" }] });
+    let folder = small(report.clone(), [1.6679e-4, 0.0014279, 0.5, 0.25]).finish();
+    let page = text(folder.path(), Format::Html);
+    assert!(page.contains("<td class=\"best\">1.6679e-4</td><td>1.4279e-3</td>"), "{page}");
+    assert!(page.contains("<td>5e-1</td><td class=\"best\">2.5e-1</td>"), "{page}");
+    assert!(page.contains("<td data-v=\"0.0014279\">1.4279e-3</td>"), "{page}");
+    // How often each is the best is a count as it was.
+    assert!(page.contains("Best in, of 2</th><td>1</td><td>1</td>"), "{page}");
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | **1.6679e-4** | 1.4279e-3 |"), "{markdown}");
+    let folder = small(report, [0.0016679, 0.0014279, 0.5, 0.25]).finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | 0.0016679 | **0.0014279** |"), "{markdown}");
+}
+
+#[test]
+fn textures_beside_a_mesh_are_no_pictures() {
+    let mut maker = small(json!({}), [1.0; 4]);
+    let folder = maker.folder.path().join("steps").join(format!("{:016x}", 1));
+    let record = fs::read_to_string(folder.join("record.json")).unwrap();
+    let mut record: Json = serde_json::from_str(&record).unwrap();
+    let files =
+        [("save", json!(["a.obj", "a.mtl", "a-textures/t.png"])), ("draw", json!(["d/p.png"]))];
+    for (node, files) in files {
+        record["nodes"][node] = json!({ "module": "S", "status": "done", "key": "0".repeat(64),
+            "files": files });
+    }
+    maker.put(&format!("{:016x}", 1), &record);
+    for file in ["a.obj", "a.mtl", "a-textures/t.png", "d/p.png"] {
+        let path = folder.join("outputs").join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, png()).unwrap();
+    }
+    maker.plan["nodes"] = json!(["cut", "save", "draw"]);
+    let page = text(maker.finish().path(), Format::Html);
+    assert_eq!(page.matches("data:image/png;base64,").count(), 1);
+    assert!(page.contains("· draw\"") && !page.contains("t.png"), "{page}");
+}
+
+#[test]
+fn columns_of_one_title_are_told_apart() {
+    let report = json!({ "measures": [{ "column": "compare.err" }] });
+    let mut maker = small(report, [1.0, 2.0, 3.0, 4.0]);
+    maker.plan["columns"]["compare.faces"] = json!([{ "title": "faces", "role": "chief" }]);
+    let page = text(maker.finish().path(), Format::Html);
+    assert!(page.contains(">faces, cut.faces</th>") && page.contains(">faces, compare.faces</th>"));
+}
+
+#[test]
+fn one_step_is_done() {
+    let mut maker = Maker::new(json!({ "axes": [{ "cut.cost": ["A", "B"] }] }));
+    maker.step(json!({ "cut.cost": "A" }), 0, Some(json!({ "err": 1.0, "faces": 100 })));
+    maker.step(json!({ "cut.cost": "B" }), 0, None);
+    let markdown = text(maker.finish().path(), Format::Markdown);
+    assert!(markdown.contains("1 of 2 steps is done, 1 to do"), "{markdown}");
 }
 
 #[test]
@@ -249,6 +308,7 @@ fn plots_of(report: &Json) {
     assert_eq!(plots[0].name(), "compare.err-by-cut.faces");
     let svg = String::from_utf8(plots[0].svg().unwrap()).unwrap();
     assert!(svg.starts_with("<svg") && !svg.contains("var(--"), "{svg:.2000}");
+    assert!(svg.contains(">Pareto front<"), "the legend names the grey band: {svg:.2000}");
     assert!(svg.contains(">Error<") && svg.contains(">faces<") && svg.contains(">B<"));
     match plots[0].pdf() {
         Ok(pdf) => assert!(cfg!(feature = "pdf") && pdf.starts_with(b"%PDF-")),

@@ -16,14 +16,15 @@ fn a_question_is_answered_from_pairs_of_equal_parameters() {
     let words = answers[0].1.join(" ").replace('\u{a0}', " ");
     // Ratios 1/2, 1/2, 1/2, 1: the geometric mean is 2^(-3/4) = 0.5946. Of the three that differ
     // all are lower, and 2 of 8 signs are as far from the middle: p = 0.25.
-    let lead = "Too few pairs to tell: on average “Error” is 41 % lower with Ssim than with Mse";
+    let lead =
+        "Too few pairs to tell: on average “Error” is 1.68 times lower with Ssim than with Mse";
     assert!(words.starts_with(lead), "{words}");
     assert!(words.contains("geometric mean of 4 pairs"), "{words}");
     let counts = "it is lower in 3 of 4, equal in 1; p = 0.25 by the signed-rank test";
     assert!(words.contains(counts), "{words}");
     assert!(words.contains("In 1 of 4 pairs faces is not the same, by up to 0.99 %."));
     // By model first: 1/2 and 1/sqrt 2, whose geometric mean is the same, 1 / 1.68; two of them
-    // leave an interval that percents cannot say, so the whole sentence is in times.
+    // leave an interval that percents cannot say, so the whole answer is in times.
     assert!(
         words.contains("averaged first, since they are not independent: 1.68 times lower"),
         "{words}"
@@ -36,7 +37,9 @@ fn tables_mark_the_best_of_each_row() {
     let latex = text(folder.path(), Format::Latex);
     let row = "Vase & 0.125 & 0.250 & 0.250 & \\textbf{0.500} & 0.250 \\\\";
     assert!(latex.contains(row), "{latex}");
-    assert!(latex.contains("model & Quadric & Mse 1 & Mse 2 & Ssim 1 & Ssim 2 \\\\"));
+    assert!(latex.contains(
+        "model & Quadric & Mse (size 1) & Mse (size 2) & Ssim (size 1) & Ssim (size 2) \\\\"
+    ));
     let caption =
         "\\caption{Error (lower is better). Columns: cost. The best of each row is bold.}";
     assert!(latex.contains(caption) && latex.contains("\\label{tab:compare-err}"), "{latex}");
@@ -60,7 +63,7 @@ fn rounding_counts_as_zero_and_is_not_ranked() {
         "questions": [{ "text": "A or B?", "measure": "compare.err",
             "compare": { "cut.cost": ["A", "B"] } }]
     });
-    let note = "Values of a measure below 10⁻¹² of its largest are rounding and count as 0.";
+    let note = "or of the size of the model are rounding and count as 0.";
     let folder = small(report.clone(), [1e-17, 1e-16, 1.0, 0.5]).finish();
     let page = text(folder.path(), Format::Html);
     assert!(page.contains(note) && page.contains("equal in 1"), "{page}");
@@ -72,6 +75,42 @@ fn rounding_counts_as_zero_and_is_not_ranked() {
     assert!(csv.contains("Box,A,1e-17,") && csv.contains("Box,B,1e-16,"), "{csv}");
     let page = text(small(report, [1e-11, 1e-10, 1.0, 0.5]).finish().path(), Format::Html);
     assert!(!page.contains(note) && page.contains("<td class=\"best\">1e-11</td>"), "{page}");
+}
+
+#[test]
+fn rounding_is_nothing_where_all_is_rounding() {
+    // Of a box whose flat sides lose nothing: each distance is rounding of its diagonal.
+    let rounding = [1e-17, 1e-18, 0.0, 3e-17];
+    let has_verdict = |maker: Maker| {
+        let folder = maker.finish();
+        let markdown = text(folder.path(), Format::Markdown);
+        let answers = Report::read(folder.path()).unwrap().answers_in_words();
+        let words = answers[0].1.join(" ");
+        let equal = "“Error” is equal with B and with A in both pairs.";
+        let has_best = markdown.contains("| **");
+        assert_eq!(words.starts_with(equal), !has_best, "{markdown} {words}");
+        has_best
+    };
+    assert!(!has_verdict(small(json!({}), rounding)));
+    // A length is small against the diagonal, here of 3 mm and of 3 nm.
+    let in_model_units = |diagonal: f64| {
+        let mut maker = Maker::new(json!({
+            "axes": [{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] }]
+        }));
+        maker.plan["columns"]["compare.err"] = json!([{ "title": "Error", "better": "lower",
+            "role": "chief", "unit": "model units", "is_of_model": true }]);
+        maker.plan["columns"]["compare.diagonal"] =
+            json!([{ "unit": "model units", "is_of_model": true }]);
+        for (place, error) in rounding.into_iter().enumerate() {
+            let (model, cost) = (["Box", "Vase"][place / 2], ["A", "B"][place % 2]);
+            let outputs = json!({ "err": error, "faces": 100, "diagonal": diagonal });
+            let params = json!({ "model.module": model, "cut.cost": cost });
+            maker.step(params, 0, Some(outputs));
+        }
+        maker
+    };
+    assert!(!has_verdict(in_model_units(3e-3)));
+    assert!(has_verdict(in_model_units(3e-9)));
 }
 
 #[test]
@@ -148,6 +187,7 @@ fn results_of_different_sizes_are_not_ranked() {
     let markdown = text(folder.path(), Format::Markdown);
     assert!(markdown.contains("| Box | **1** | 2 |"), "{markdown}");
     assert!(markdown.contains("| Tube‡ | 1 | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Best in, of 2 comparable rows | 2 | 0 |"), "{markdown}");
     assert!(markdown.contains("| Geometric mean of 2 comparable rows | **1** | 2 |"));
     assert!(markdown.contains("1 pair is left out, as the results differ in size by more than 1"));
 }
@@ -189,6 +229,134 @@ fn a_column_of_two_metrics_is_two_measures() {
     assert!(markdown.contains("## Distance (lower is better)\n\n| model | Far |"), "{markdown}");
     assert!(markdown.contains("## Likeness (higher is better)\n\n| model | Near |"), "{markdown}");
     assert!(!markdown.contains("**1e-4**") && !markdown.contains("**2.86**"), "{markdown}");
+}
+
+#[test]
+fn few_models_are_the_reason_and_stand_first() {
+    // By model the first is 1/2, 1/4 and 1/64 of the second: the mean is 2^-3, an eighth.
+    let axes = json!([{ "model.module": ["Box", "Vase", "Tube"] }, { "cut.ratio": [1, 2, 3] },
+        { "cut.cost": ["A", "B"] }]);
+    let mut maker = Maker::new(json!({ "axes": axes }));
+    for (model, part) in [("Box", 2.0), ("Vase", 4.0), ("Tube", 64.0)] {
+        for ratio in 1..=3 {
+            for (cost, error) in [("A", 1.0), ("B", 1.0 / part)] {
+                let params = json!({ "model.module": model, "cut.ratio": ratio, "cut.cost": cost });
+                let outputs = json!({ "err": error, "faces": 100 });
+                maker.step(params, 0, Some(outputs));
+            }
+        }
+    }
+    let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ").replace('\u{a0}', " ");
+    // Of the logarithms 1, 2 and 6 to the base 2 the standard error is sqrt(7/3); Student's t of two
+    // degrees of freedom is 4.3027: 2^(3 ± 6.572) is 0.084 and 761. Of all nine, with sqrt(42 / 72)
+    // and 2.3060: 2^(3 ± 1.761), 2.36 and 27.1.
+    let lead = "Three models are too few to tell: with the pairs of each model averaged first, since \
+                they are not independent, “Error” is 8 times lower with B than with A (geometric \
+                mean of 3, 95 % confidence interval 760 times lower to 12 times higher). Over all 9 \
+                pairs it is 8 times lower (95 % confidence interval 2.4 to 27 times lower), and \
+                lower in 9 of 9; p = 0.0039 by the signed-rank test.";
+    assert!(words.starts_with(lead), "{words}");
+    assert!(!words.contains("do not show") && !words.contains("better one"), "{words}");
+}
+
+/// A store of one model by six ratios and some values of another parameter.
+fn by_ratio(path: &str, values: &Json, report: &Json, error: impl Fn(f64, usize) -> f64) -> Maker {
+    let ratios = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1];
+    let axes = json!([{ "cut.ratio": ratios }, { path: values }]);
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
+    for ratio in ratios {
+        for (place, value) in values.as_array().unwrap().iter().enumerate() {
+            let outputs = json!({ "err": error(ratio, place), "faces": (1000.0 * ratio) as u32 });
+            maker.step(json!({ "cut.ratio": ratio, path: value }), 0, Some(outputs));
+        }
+    }
+    maker
+}
+
+#[test]
+fn a_bare_entry_beside_its_settings_is_paired_with_itself_alone() {
+    let costs = json!([{ "Quadric": { "weight": 0 } }, "Quadric", { "Quadric": { "weight": 9 } }]);
+    for asked in [json!({}), json!({ "measures": [{ "column": "compare.err" }] })] {
+        // Half, and a quarter, of the first in each of six pairs: 2 of 64 signs are as one-sided.
+        let maker =
+            by_ratio("cut.cost", &costs, &asked, |ratio, place| ratio / f64::from(1 << place));
+        let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+        let words = |n: usize| answers[n].1.join(" ").replace('\u{a0}', " ");
+        assert_eq!(answers.len(), 2);
+        assert!(words(0).contains("is 50 % lower with Quadric than with "), "{}", words(0));
+        assert!(words(1).contains("is 75 % lower with "), "{}", words(1));
+        for n in 0..2 {
+            let counts = "it is lower in 6 of 6; p = 0.031 by";
+            assert!(words(n).contains(counts) && !words(n).contains("partner"), "{}", words(n));
+            assert!(words(n).contains("geometric mean of 6 pairs"), "{}", words(n));
+        }
+    }
+}
+
+#[test]
+fn several_settings_may_have_one_partner_and_none_is_alone() {
+    let costs = json!(["Plain", { "Mse": { "size": 1 } }, { "Mse": { "size": 2 } }]);
+    let asked = json!({ "questions": [{ "text": "?", "measure": "compare.err",
+        "compare": { "cut.cost": ["Mse", "Plain"] } }] });
+    let maker = by_ratio("cut.cost", &costs, &asked, |ratio, place| ratio + place as f64);
+    let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ");
+    assert!(words.contains("geometric mean of 12 pairs") && !words.contains("partner"), "{words}");
+}
+
+#[test]
+fn ways_to_measure_are_not_ranked() {
+    let metrics = json!(["Far", { "Far": { "samples": 9 } }]);
+    let store = |report: Json| {
+        let mut maker =
+            by_ratio("compare.metric", &metrics, &report, |r, place| r / (1.0 + place as f64));
+        maker.plan["map"]["links"] =
+            json!(["model.mesh -> compare.original", "cut.mesh -> compare.simplified"]);
+        maker.finish()
+    };
+    let folder = store(json!({}));
+    assert!(Report::read(folder.path()).unwrap().answers_in_words().is_empty());
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| 0.5 | 0.25 |") && !markdown.contains("**"), "{markdown}");
+    assert!(markdown.contains("Columns that are measured in different ways are not compared."));
+    let page = text(folder.path(), Format::Html);
+    assert!(!page.contains("class=\"best\"") && !page.contains("Pareto front</span>"), "{page}");
+    // Who asks gets the numbers, and no winner.
+    let asked = json!({ "questions": [{ "text": "?", "measure": "compare.err",
+        "compare": { "compare.metric": [metrics[1], "Far"] } }] });
+    let answers = Report::read(store(asked).path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ").replace('\u{a0}', " ");
+    assert!(words.contains("is 50 % lower with") && !words.contains("By this measure"), "{words}");
+    assert!(words.contains("ways to measure it, so none of them is the better one"), "{words}");
+}
+
+#[test]
+fn costs_are_ranked_among_those_measured_alike() {
+    let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] },
+        { "compare.metric": ["Near", "Far"] }]);
+    let report = json!({ "series": ["cut.cost", "compare.metric"] });
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
+    for (model, cost, metric, error) in [
+        ("Box", "A", "Near", 4.0),
+        ("Box", "A", "Far", 1.0),
+        ("Box", "B", "Near", 3.0),
+        ("Box", "B", "Far", 2.0),
+        ("Vase", "A", "Near", 4.0),
+        ("Vase", "A", "Far", 1.0),
+        ("Vase", "B", "Near", 5.0),
+        ("Vase", "B", "Far", 2.0),
+    ] {
+        let params = json!({ "model.module": model, "cut.cost": cost, "compare.metric": metric });
+        maker.step(params, 0, Some(json!({ "err": error, "faces": 100 })));
+    }
+    let folder = maker.finish();
+    let markdown = text(folder.path(), Format::Markdown);
+    assert!(markdown.contains("| Box | 4 | **1** | **3** | 2 |"), "{markdown}");
+    assert!(markdown.contains("| Vase | **4** | **1** | 5 | 2 |"), "{markdown}");
+    let answers = Report::read(folder.path()).unwrap().answers_in_words();
+    assert_eq!(answers.len(), 1);
+    assert_eq!(answers[0].0, "Is “Error” lower with B than with A?");
 }
 
 /// Compiles tables inside of an article; `None`, after a line that says so, where there is no

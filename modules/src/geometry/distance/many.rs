@@ -1,6 +1,4 @@
-//! Many queries of one tree: each by the tree as long as that is fast, the others in [`bulk`].
-//!
-//! [`bulk`]: super::bulk
+//! Many queries of one tree: each by the tree as long as that is fast, the others in `bulk`.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
