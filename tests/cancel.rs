@@ -89,8 +89,9 @@ fn loading_a_large_file_stops() {
     let path = folder.path().join("a.obj");
     obj::save(&vase(&fine), &path, Control::none()).expect("a file");
     let mut text = std::fs::read(&path).expect("the file");
-    text.extend(b"f ");
-    (1..=100_000).for_each(|corner| text.extend(format!("{corner} ").into_bytes()));
+    let corners: Vec<String> = (1..=100_000).map(|corner| corner.to_string()).collect();
+    let polygon = format!("f {}\n", corners.join(" "));
+    (0..20).for_each(|_| text.extend(polygon.as_bytes()));
     std::fs::write(&path, text).expect("the file");
     let module = registry().find("ObjLoader").expect("the module").module;
     stops(|| Trial::of(module).set("path", path.to_str().expect("a path")));

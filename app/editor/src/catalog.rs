@@ -283,7 +283,8 @@ mod tests {
         assert_eq!(hits(Fit::Output(f64::TYPE)), [("Add", "a")]);
         let mesh = Fit::Output(mve_modules::data::TriMesh::TYPE);
         let comparers = Catalog::new(&mve_modules::registry()).search("comparer", Some(&mesh));
-        let ports: Vec<_> = comparers.iter().filter_map(|hit| hit.port).collect();
+        let comparers = comparers.iter().filter(|hit| hit.info.module.id == "MeshComparer");
+        let ports: Vec<_> = comparers.filter_map(|hit| hit.port).collect();
         assert_eq!(ports, ["original", "simplified"]);
         // A real input before a parameter.
         assert_eq!(hits(Fit::Output(String::TYPE)), [("Write", "text"), ("Echo", "say")]);

@@ -7,6 +7,7 @@
 mod answers;
 mod axes;
 mod case;
+mod change;
 mod columns;
 mod html;
 mod labels;

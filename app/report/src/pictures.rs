@@ -130,8 +130,8 @@ fn is_png(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
-/// Whether a picture belongs to something else that its node wrote: it lies in a folder beside that,
-/// as the textures of a mesh do.
+/// Whether a picture belongs to something else that its node wrote: it lies in a folder beside
+/// that, as the textures of a mesh do.
 fn is_part(picture: &Path, files: &[PathBuf]) -> bool {
     let folder = picture.parent().and_then(Path::parent);
     let is_owner = |file: &&PathBuf| !is_png(file) && file.parent() == folder;

@@ -38,8 +38,8 @@ pub struct Results {
     pub size: Option<String>,
 }
 
-/// The part of the largest value of a measure, and of its scale, below which a value is rounding and
-/// counts as 0: else distances of 10⁻¹⁶ and 10⁻¹⁷ would be ranked, averaged and plotted.
+/// The part of the largest value of a measure, and of its scale, below which a value is rounding
+/// and counts as 0: else distances of 10⁻¹⁶ and 10⁻¹⁷ would be ranked, averaged and plotted.
 const ROUNDING: f64 = 1e-12;
 
 impl Results {

@@ -76,8 +76,8 @@ pub enum SsimError {
 /// Compares two gray pictures of `width × height` pixels. O(pixels); see `benches/render.rs`.
 ///
 /// # Errors
-/// [`SsimError`] for pictures without pixels, or whose bytes do not fit the size, and when `control`
-/// ends it.
+/// [`SsimError`] for pictures without pixels, or whose bytes do not fit the size, and when
+/// `control` ends it.
 pub fn ssim(
     a: &[u8],
     b: &[u8],

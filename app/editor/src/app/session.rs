@@ -204,7 +204,7 @@ impl Session {
                 values.push((port, value));
             }
         }
-        // Meshes, which the work is about, else the kind of the largest value; and of that kind what
+        // Meshes, which the work is about, else the kind of the largest value; of that kind what
         // was made last. So pictures that compare pictures are not what is seen first.
         let mesh = values.iter().find(|(_, value)| value.get::<TriMesh>().is_some());
         let largest = values.iter().max_by_key(|(_, value)| value.byte_size());

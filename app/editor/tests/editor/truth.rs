@@ -410,11 +410,11 @@ fn a_node_is_found_put_on_a_wire_and_set_with_others() {
 #[test]
 fn keys_that_nothing_reads_are_warned_of_with_their_line() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let map = "{\"mve\": 1, \"nodes\": {\n\"box\": {\"module\": \"Box\",\n\"parms\": {}}}}";
+    let map = "{\"mve\": 1, \"nodes\": {\n\"box\": {\"module\": \"Box\",\n\"flavor\": {}}}}";
     let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
     let problems = hand.problems();
     let [said] = problems.as_slice() else { panic!("{problems:?}") };
-    assert!(said.contains("parms"), "{said}");
+    assert!(said.contains("flavor"), "{said}");
     let line = |hand: &Hand, n| hand.sees_beginning(&format!("{said} (line {n}, column "));
     assert!(line(&hand, 2) || line(&hand, 3));
     hand.click_at("node box", 0.5, 0.05);

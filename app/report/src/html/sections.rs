@@ -6,8 +6,9 @@ use std::fmt::Write;
 use mve_core::{StepStatus, brief};
 
 use super::{Page, address, count, cut, escape};
-use crate::answers::{Answer, ChangeForm};
+use crate::answers::Answer;
 use crate::case::Case;
+use crate::change::ChangeForm;
 use crate::columns::MeasureColumn;
 use crate::labels;
 use crate::pictures::Picture;

@@ -248,13 +248,13 @@ fn few_models_are_the_reason_and_stand_first() {
     }
     let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
     let words = answers[0].1.join(" ").replace('\u{a0}', " ");
-    // Of the logarithms 1, 2 and 6 to the base 2 the standard error is sqrt(7/3); Student's t of two
-    // degrees of freedom is 4.3027: 2^(3 ± 6.572) is 0.084 and 761. Of all nine, with sqrt(42 / 72)
-    // and 2.3060: 2^(3 ± 1.761), 2.36 and 27.1.
+    // Of the logarithms 1, 2 and 6 to the base 2 the standard error is sqrt(7/3); Student's t of
+    // two degrees of freedom is 4.3027: 2^(3 ± 6.572) is 0.084 and 761. Of all nine, with
+    // sqrt(42 / 72) and 2.3060: 2^(3 ± 1.761), 2.36 and 27.1.
     let lead = "Three models are too few to tell: with the pairs of each model averaged first, since \
                 they are not independent, “Error” is 8 times lower with B than with A (geometric \
-                mean of 3, 95 % confidence interval 760 times lower to 12 times higher). Over all 9 \
-                pairs it is 8 times lower (95 % confidence interval 2.4 to 27 times lower), and \
+                mean of 3, 95 % confidence interval 760 times lower to 12 times higher). Over all \
+                9 pairs it is 8 times lower (95 % confidence interval 2.4 to 27 times lower), and \
                 lower in 9 of 9; p = 0.0039 by the signed-rank test.";
     assert!(words.starts_with(lead), "{words}");
     assert!(!words.contains("do not show") && !words.contains("better one"), "{words}");

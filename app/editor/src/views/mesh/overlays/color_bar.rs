@@ -6,11 +6,11 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Stroke, pos2, vec2};
 use mve_modules::data::Domain;
 
 use super::Overlay;
+use crate::views::ViewerAction;
 use crate::views::mesh::look::coloring::ScaleSettings;
 use crate::views::mesh::look::range_end::RangeEnd;
 use crate::views::mesh::look::values::{Spacing, Values};
 use crate::views::mesh::scene::MeshScene;
-use crate::views::ViewerAction;
 use crate::views::number::{number_text, round_numbers};
 use crate::views::spread::histogram;
 
@@ -83,7 +83,7 @@ impl Overlay for ColorBar {
 /// Height of a field at an end of the bar.
 const FIELD: f32 = 18.0;
 
-/// The values at the ends of the bar, to be dragged or typed; also why some of those were not taken.
+/// The values at the ends of the bar, to be dragged or typed; also why some were not taken.
 fn show_ends(
     ui: &mut egui::Ui,
     (rect, bar): (Rect, Rect),

@@ -166,12 +166,7 @@ fn color_by_box(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers)
 }
 
 /// The scale and the ends of its range.
-fn scale_menu(
-    ui: &mut egui::Ui,
-    scale: &mut ScaleSettings,
-    range: [f64; 2],
-    wishes: &mut Wishes,
-) {
+fn scale_menu(ui: &mut egui::Ui, scale: &mut ScaleSettings, range: [f64; 2], wishes: &mut Wishes) {
     ui.label("Colors");
     ui.horizontal_wrapped(|ui| {
         for (&value, (name, doc)) in Scale::VALUES.iter().zip(Scale::NAMES) {
@@ -189,7 +184,8 @@ fn scale_menu(
             ui.selectable_value(&mut scale.clip_percent, percent, format!("{percent} %"));
         }
     });
-    for ((end, label), present) in RangeEnd::ALL.into_iter().zip(["Minimum", "Maximum"]).zip(range) {
+    for ((end, label), present) in RangeEnd::ALL.into_iter().zip(["Minimum", "Maximum"]).zip(range)
+    {
         end_of_range(ui, scale, (end, label), present, wishes);
     }
     ui.checkbox(&mut scale.is_symmetric, "Symmetric around 0");
