@@ -174,7 +174,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         turns: turns(io.param(FLIP_ANGLE)?),
         sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
-    let simplified = simplify(&mesh, cost.as_mut(), placement.as_mut(), options, io.control())?;
+    let n_refits = io.param(REFIT)? as usize;
+    let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
+    let simplified = simplify(&mesh, cost.as_mut(), placement.as_mut(), options, collapses)?;
     io.phase("first_prices", simplified.seconds.first_prices);
     io.phase("collapses", simplified.seconds.collapses);
     let found = simplified.statistics;
@@ -186,7 +188,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         let asked_for = format!("stopped at {n_faces} faces, {target} were asked for");
         io.missed(missed, format!("{asked_for}; of the edges that are left {reasons}"));
     }
-    let simplified = refitted(io, &mesh, simplified.mesh)?;
+    let simplified = refitted(io, &mesh, simplified.mesh, n_refits)?;
     warn_of_drift(io, &mesh, &simplified)?;
     io.put(MESH_OUT, simplified);
     io.put(STATISTICS_OUT, measures(&found));
@@ -194,14 +196,18 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 }
 
 /// The result after the steps of Refit that are asked for; as it is where it has no surface.
-fn refitted(io: &mut Io, input: &TriMesh, mesh: TriMesh) -> Result<TriMesh, ModuleError> {
-    let n_steps = io.param(REFIT)? as usize;
+fn refitted(
+    io: &mut Io,
+    input: &TriMesh,
+    mesh: TriMesh,
+    n_steps: usize,
+) -> Result<TriMesh, ModuleError> {
     if n_steps == 0 {
         return Ok(mesh);
     }
     let options = RefitOptions { n_steps, ..RefitOptions::DEFAULT };
     let start = Instant::now();
-    let fitted = refit(&mesh, input, options, io.control().part(0.0, 0.0));
+    let fitted = refit(&mesh, input, options, io.control().part(0.5, 1.0));
     io.phase("refit", start.elapsed().as_secs_f64());
     match fitted {
         Ok(fitted) => Ok(fitted.mesh),

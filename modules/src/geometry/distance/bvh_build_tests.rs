@@ -106,7 +106,7 @@ proptest! {
         let expected: Vec<f64> = queries.iter().map(|&q| brute_force(&mesh, q)).collect();
         let mut walker = bvh.walker();
         let many = ManyQueries::new(&bvh, queries[0]);
-        let batch = many.closest(&queries, &Control::none()).unwrap();
+        let batch = many.closest(&queries, Control::none()).unwrap();
         let rounding = 1e-14 * scale * (1.0 + spread);
         for ((&query, &expected), batch) in queries.iter().zip(&expected).zip(batch) {
             let single = bvh.closest(query).unwrap().distance_sq;

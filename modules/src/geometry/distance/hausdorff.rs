@@ -286,26 +286,10 @@ fn vertex_hits(
     control: Control,
 ) -> Result<Vec<Option<Hit>>, Cancelled> {
     let order = morton_order(&mesh.positions, control.part(0.0, 0.0))?;
-    let point = |v: u32| mesh.positions[v as usize];
-    let steps = control.part(0.0, 0.5).steps(order.len().div_ceil(CHUNK));
-    let found: Vec<(Vec<Option<Hit>>, Vec<u32>)> = order
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let points: Vec<DVec3> = chunk.iter().map(|&v| point(v)).collect();
-            let found = to.easy_hits(&points, &control)?;
-            steps.step()?;
-            Ok(found)
-        })
-        .collect::<Result<_, Cancelled>>()?;
+    let points: Vec<DVec3> = order.iter().map(|&v| mesh.positions[v as usize]).collect();
     let mut hits = vec![None; order.len()];
-    let mut hard: Vec<u32> = Vec::new();
-    for (chunk, (found, hard_there)) in order.chunks(CHUNK).zip(found) {
-        chunk.iter().zip(found).for_each(|(&v, hit)| hits[v as usize] = hit);
-        hard.extend(hard_there.into_iter().map(|at| chunk[at as usize]));
-    }
-    let points: Vec<DVec3> = hard.iter().map(|&v| point(v)).collect();
-    let found = to.hard_hits(&points, &control.part(0.5, 1.0))?;
-    hard.into_iter().zip(found).for_each(|(v, hit)| hits[v as usize] = hit);
+    let found = to.closest(&points, control)?;
+    order.iter().zip(found).for_each(|(&v, hit)| hits[v as usize] = hit);
     Ok(hits)
 }
 

@@ -21,7 +21,8 @@ const VISITS_PER_POINT: usize = 128;
 /// Trees of pieces are given so many times as many: lists are long where faces lie across each
 /// other.
 const PATIENCE: usize = 8;
-/// Hard points that are taken together: more share more work, fewer leave some for other threads.
+/// Points that are taken together: more hard ones share more work, fewer leave some for other
+/// threads.
 const CHUNK: usize = 8192;
 
 /// Chunks whose boxes have diagonals of so much of that of all, on average, need no order.
@@ -43,6 +44,11 @@ impl<'a> ManyQueries<'a> {
         Self { bvh, center, panorama: OnceLock::new(), n_looks: AtomicUsize::new(0) }
     }
 
+    /// The tree that is asked.
+    pub fn tree(&self) -> &'a Bvh {
+        self.bvh
+    }
+
     /// Nodes and faces that were looked at so far, a measure of the work that does not depend on
     /// the machine.
     pub fn n_looks(&self) -> usize {
@@ -57,21 +63,32 @@ impl<'a> ManyQueries<'a> {
     pub fn closest(
         &self,
         points: &[DVec3],
-        control: &Control,
+        control: Control,
     ) -> Result<Vec<Option<Hit>>, Cancelled> {
-        let (mut hits, hard) = self.easy_hits(points, control)?;
-        let hard_points: Vec<DVec3> = hard.iter().map(|&at| points[at as usize]).collect();
-        let found = self.hard_hits(&hard_points, control)?;
-        hard.iter().zip(found).for_each(|(&at, hit)| hits[at as usize] = hit);
+        let steps = control.part(0.0, 0.5).steps(points.len().div_ceil(CHUNK));
+        let found: Vec<(Vec<Option<Hit>>, Vec<u32>)> = points
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let found = self.easy_hits(chunk, &control)?;
+                steps.step()?;
+                Ok(found)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut hits = Vec::with_capacity(points.len());
+        let mut hard: Vec<usize> = Vec::new();
+        for (found, hard_there) in found {
+            hard.extend(hard_there.into_iter().map(|at| hits.len() + at as usize));
+            hits.extend(found);
+        }
+        let hard_points: Vec<DVec3> = hard.iter().map(|&at| points[at]).collect();
+        let found = self.hard_hits(&hard_points, &control.part(0.5, 1.0))?;
+        hard.into_iter().zip(found).for_each(|(at, hit)| hits[at] = hit);
         Ok(hits)
     }
 
     /// What [`ManyQueries::closest`] gives, but nothing for the points that take long, which are
     /// returned as well. They are for [`ManyQueries::hard_hits`], the more at a time the better.
-    ///
-    /// # Errors
-    /// [`Cancelled`] when `control` says so.
-    pub fn easy_hits(
+    fn easy_hits(
         &self,
         points: &[DVec3],
         control: &Control,

@@ -87,7 +87,7 @@ fn hard_pairs_take_few_looks() {
             let bvh = Bvh::build(to, Control::none()).unwrap();
             let center = Bvh::build(from, Control::none()).unwrap().center();
             let (points, many) = (points_on(from), ManyQueries::new(&bvh, center));
-            let hits = many.closest(&points, &Control::none()).unwrap();
+            let hits = many.closest(&points, Control::none()).unwrap();
             let n_looks = many.n_looks() / points.len();
             // Where all faces are about as far as each other, a point takes many of the 3,200.
             assert!(n_looks < 700, "{name}: {n_looks} looks a point");
@@ -117,6 +117,6 @@ fn a_cancel_is_heard_between_points() {
     let bvh = Bvh::build(&b, Control::none()).unwrap();
     let many = ManyQueries::new(&bvh, DVec3::ZERO);
     let control = Control::new(&|_| ControlFlow::Break(()));
-    let found = many.closest(&points_on(&a), &control);
+    let found = many.closest(&points_on(&a), control);
     assert_eq!(found, Err(Cancelled), "{name}");
 }

@@ -58,17 +58,18 @@ pub(in crate::geometry) fn carry(
 ) -> Result<Vec<ReferencePoint>, Cancelled> {
     let positions = &degraded.mesh.positions;
     let order = morton_order(positions, control.part(0.0, 0.1))?;
-    let steps = control.part(0.1, 1.0).steps(order.len().div_ceil(CHUNK));
     let reference = Reference { surface: reference, curvature: of_reference, variant };
     let queries = ManyQueries::new(&reference.surface.bvh, degraded.bvh.center());
-    let found: Vec<Vec<ReferencePoint>> = order
-        .par_chunks(CHUNK)
-        .map(|chunk| {
+    let points: Vec<DVec3> = order.iter().map(|&v| positions[v as usize]).collect();
+    let hits = queries.closest(&points, control.part(0.1, 0.5))?;
+    let steps = control.part(0.5, 1.0).steps(order.len().div_ceil(CHUNK));
+    let found: Vec<Vec<ReferencePoint>> = (order.par_chunks(CHUNK), points.par_chunks(CHUNK))
+        .into_par_iter()
+        .zip(hits.par_chunks(CHUNK))
+        .map(|((chunk, points), hits)| {
             let mut walker = reference.surface.bvh.walker();
-            let points: Vec<DVec3> = chunk.iter().map(|&v| positions[v as usize]).collect();
-            let hits = queries.closest(&points, &control)?;
             let mut carried = Vec::with_capacity(points.len());
-            for ((&point, hit), &v) in points.iter().zip(hits).zip(chunk) {
+            for ((&v, &point), hit) in chunk.iter().zip(points).zip(hits) {
                 let own = &of_degraded[v as usize];
                 carried.push(hit.map_or(ReferencePoint::NONE, |hit| {
                     reference.carried(point, &hit, own, ties, &mut walker)

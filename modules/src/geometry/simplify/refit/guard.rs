@@ -99,7 +99,7 @@ impl Guard {
             control.at(1.0)?;
             let positions = places(&shares);
             let mut is_kept = true;
-            for v in self.broken(start, adjacency, &before, &positions) {
+            for v in self.broken(start, adjacency, (&before, &positions), control)? {
                 is_kept &= shares[v.idx()] == 0.0;
                 shares[v.idx()] *= if round < N_HALVES { 0.5 } else { 0.0 };
             }
@@ -110,32 +110,34 @@ impl Guard {
         Ok(now.to_vec())
     }
 
-    /// The corners of the faces that break a rule.
+    /// The corners of the faces that break a rule at these positions, by what the normals were.
     fn broken(
         &self,
         mesh: &TriMesh,
         adjacency: &Adjacency,
-        before: &[DVec3],
-        positions: &[DVec3],
-    ) -> Vec<VertexId> {
+        (before, positions): (&[DVec3], &[DVec3]),
+        control: Control,
+    ) -> Result<Vec<VertexId>, Cancelled> {
         let after = normals(mesh, positions);
         let mut broken = Vec::new();
-        for ((face, old), new) in mesh.faces.iter().zip(before).zip(&after) {
+        for (at, face) in mesh.faces.iter().enumerate() {
+            control.item(at, mesh.faces.len())?;
+            let (old, new) = (before[at], after[at]);
             let (old_length, length) = (old.length(), new.length());
-            if old.dot(*new) < LEAST_COSINE * old_length * length
-                || length < LEAST_AREA * old_length
-            {
+            let turns = old.dot(new) < LEAST_COSINE * old_length * length;
+            if turns || length < LEAST_AREA * old_length {
                 broken.extend(face);
             }
         }
         for (number, &was_folded) in self.is_folded.iter().enumerate() {
+            control.item(number, self.is_folded.len())?;
             let edge = EdgeId(number as u32);
             if !was_folded && folds(adjacency, edge, &after) {
                 let faces = faces_at(adjacency, edge).into_iter().flatten();
                 broken.extend(faces.flat_map(|face| mesh.faces[face.idx()]));
             }
         }
-        broken
+        Ok(broken)
     }
 }
 

@@ -5,12 +5,15 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use crate::data::{FaceId, TriMesh};
-use crate::geometry::distance::bvh::{Bvh, Walker};
+use crate::geometry::distance::bvh::{Bvh, Hit};
+use crate::geometry::distance::many::ManyQueries;
 use crate::geometry::distance::point_triangle::PreparedTriangle;
 use crate::geometry::distance::sample::{Sample, SurfaceSampler};
 
-/// Samples of one chunk: some milliseconds of work.
+/// Samples that one thread makes at a time.
 const CHUNK: usize = 4096;
+/// Samples of the original in one step at most, so that they take some hundreds of megabytes.
+const MOST_SAMPLES: f64 = 4e6;
 
 /// A point of the simplified mesh, and how far it should go.
 #[derive(Clone, Copy, Debug)]
@@ -91,20 +94,21 @@ impl Joints {
 /// Finds the joints of a mesh with one original.
 pub(super) struct JointFinder<'a> {
     original: &'a TriMesh,
-    tree: &'a Bvh,
+    queries: &'a ManyQueries<'a>,
     sampler: SurfaceSampler<'a>,
     per_face: f64,
 }
 
 impl<'a> JointFinder<'a> {
+    /// With queries of the original.
     pub fn new(
         original: &'a TriMesh,
-        tree: &'a Bvh,
+        queries: &'a ManyQueries<'a>,
         per_face: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
         let sampler = SurfaceSampler::new(original, 0, 0, control)?;
-        Ok(Self { original, tree, sampler, per_face })
+        Ok(Self { original, queries, sampler, per_face })
     }
 
     /// The joints at the samples of this seed; `None` where the mesh has no surface.
@@ -114,54 +118,45 @@ impl<'a> JointFinder<'a> {
         seed: u64,
         control: Control,
     ) -> Result<Option<Joints>, Cancelled> {
-        let Self { original, tree, per_face, .. } = self;
-        let own_tree = Bvh::build(mesh, control.part(0.0, 0.1))?;
-        if own_tree.n_faces() == 0 {
+        let tree = Bvh::build(mesh, control.part(0.0, 0.1))?;
+        if tree.n_faces() == 0 {
             return Ok(None);
         }
-        let n = (per_face * own_tree.n_faces() as f64).ceil() as usize;
-        let sampler = self.sampler.resampled(n, 2 * seed);
-        let of_original = join(&sampler, &own_tree, control.part(0.1, 0.6), |sample, walker| {
-            let hit = walker.closest(sample.point)?;
-            let ours = PreparedTriangle::new(mesh.corners(hit.face));
-            let from = ours.closest_point(sample.point);
-            Some(Joint::new(hit.face, &ours, from, sample.point, ours.normal()))
-        })?;
-        let sampler =
-            SurfaceSampler::new(mesh, n.div_ceil(2), 2 * seed + 1, control.part(0.6, 0.7))?;
-        let of_simplified = join(&sampler, tree, control.part(0.7, 1.0), |sample, walker| {
-            let hit = walker.closest(sample.point)?;
+        let n = (self.per_face * tree.n_faces() as f64).ceil().min(MOST_SAMPLES) as usize;
+        let of_original = join(
+            &self.sampler.resampled(n, 2 * seed),
+            &ManyQueries::new(&tree, self.queries.tree().center()),
+            control.part(0.1, 0.6),
+            |sample, hit| {
+                let ours = PreparedTriangle::new(mesh.corners(hit.face));
+                let from = ours.closest_point(sample.point);
+                Joint::new(hit.face, &ours, from, sample.point, ours.normal())
+            },
+        )?;
+        let own = SurfaceSampler::new(mesh, n.div_ceil(2), 2 * seed + 1, control.part(0.6, 0.7))?;
+        let of_simplified = join(&own, self.queries, control.part(0.7, 1.0), |sample, hit| {
             let ours = PreparedTriangle::new(mesh.corners(sample.face));
-            let theirs = PreparedTriangle::new(original.corners(hit.face));
+            let theirs = PreparedTriangle::new(self.original.corners(hit.face));
             let to = theirs.closest_point(sample.point);
-            Some(Joint::new(sample.face, &ours, sample.point, to, theirs.normal()))
+            Joint::new(sample.face, &ours, sample.point, to, theirs.normal())
         })?;
         Ok(Some(Joints { of_original, of_simplified }))
     }
 }
 
-/// The joints of all samples, in order.
+/// The joints of all samples with the faces nearest to them, in order.
 fn join(
     sampler: &SurfaceSampler,
-    tree: &Bvh,
+    queries: &ManyQueries,
     control: Control,
-    join: impl Fn(Sample, &mut Walker) -> Option<Joint> + Sync,
+    joint: impl Fn(&Sample, Hit) -> Joint + Sync,
 ) -> Result<Vec<Joint>, Cancelled> {
     let n = sampler.n_samples();
-    let n_chunks = n.div_ceil(CHUNK);
-    let steps = control.steps(n_chunks);
-    let found: Vec<Vec<Joint>> = (0..n_chunks)
-        .into_par_iter()
-        .map(|chunk| {
-            let mut walker = tree.walker();
-            let mut joints = Vec::with_capacity(CHUNK);
-            for sample in sampler.samples(chunk * CHUNK..((chunk + 1) * CHUNK).min(n)) {
-                joints.extend(join(sample, &mut walker));
-                walker.poll(&control)?;
-            }
-            steps.step()?;
-            Ok(joints)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    Ok(found.concat())
+    let chunk = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(n);
+    let chunks = (0..n.div_ceil(CHUNK)).into_par_iter();
+    let samples: Vec<Sample> = chunks.flat_map_iter(|at| sampler.samples(chunk(at))).collect();
+    let points: Vec<DVec3> = samples.iter().map(|sample| sample.point).collect();
+    let hits = queries.closest(&points, control)?;
+    let found = samples.par_iter().zip(hits);
+    Ok(found.filter_map(|(sample, hit)| Some(joint(sample, hit?))).collect())
 }

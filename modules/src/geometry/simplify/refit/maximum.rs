@@ -2,18 +2,16 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
-use rayon::prelude::*;
 
 use super::guard::Guard;
-use crate::data::{FaceId, TriMesh};
-use crate::geometry::distance::bvh::Bvh;
+use crate::data::{FaceId, TriMesh, VertexId};
+use crate::geometry::distance::bvh::{Bvh, Hit};
+use crate::geometry::distance::many::ManyQueries;
 use crate::geometry::distance::point_triangle::PreparedTriangle;
 use crate::geometry::distance::sample::SurfaceSampler;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::morton::morton_order;
 
-/// Points of one chunk.
-const CHUNK: usize = 4096;
 /// Points on the simplified mesh for each of its faces, apart from its vertices.
 const PER_FACE: usize = 8;
 /// What the limit is below the largest distance of a point, since points miss the largest.
@@ -24,6 +22,10 @@ const DEAR: f64 = 0.7;
 const N_ROUNDS: usize = 6;
 /// They go a little farther than the limit asks for, since distances change about evenly only.
 const MARGIN: f64 = 0.95;
+
+/// The squared distance of each of some points, with the face of the mesh that it belongs to; not a
+/// number, and any face, where a place is not finite.
+type Distances = Vec<(f64, FaceId)>;
 
 /// A point that goes with its face.
 #[derive(Clone, Copy)]
@@ -41,7 +43,8 @@ impl Rider {
 
 /// The distances of many points before, and the largest.
 pub(super) struct Maximum<'a> {
-    original_tree: &'a Bvh,
+    /// Of the original.
+    queries: &'a ManyQueries<'a>,
     /// The vertices of the original that faces use, along a curve.
     points: Vec<DVec3>,
     riders: Vec<Rider>,
@@ -55,7 +58,7 @@ impl<'a> Maximum<'a> {
     pub fn new(
         mesh: &TriMesh,
         original: &TriMesh,
-        original_tree: &'a Bvh,
+        queries: &'a ManyQueries<'a>,
         known: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
@@ -66,7 +69,7 @@ impl<'a> Maximum<'a> {
         let points = used.map(|v| original.positions[v as usize]).collect();
         let riders = riders(mesh, control.part(0.2, 0.3))?;
         let before = [Vec::new(), Vec::new()];
-        let mut maximum = Self { original_tree, points, riders, before, limit_sq: 0.0 };
+        let mut maximum = Self { queries, points, riders, before, limit_sq: 0.0 };
         let found = maximum.distances(mesh, control.part(0.3, 1.0))?;
         maximum.before = found.map(|list| list.into_iter().map(|(sq, _)| sq).collect());
         let all = maximum.before.iter().flatten().copied().filter(|sq| sq.is_finite());
@@ -87,11 +90,13 @@ impl<'a> Maximum<'a> {
         let ways = fitted.positions.iter().zip(&start.positions);
         let moves: Vec<DVec3> = ways.map(|(to, from)| *to - *from).collect();
         let mut shares = vec![1.0; moves.len()];
+        let mut found = self.distances(fitted, control.part(0.0, 0.5))?;
         for round in 0..=N_ROUNDS {
-            let part = |done: f64| (round as f64 + done) / (N_ROUNDS + 1) as f64;
+            let part = |done: f64| 0.5 + 0.5 * (round as f64 + done) / (N_ROUNDS + 1) as f64;
             // The part of its way that each vertex may keep.
             let mut parts = vec![1.0_f64; moves.len()];
-            for (sq, face) in self.beyond(start, fitted, control.part(part(0.0), part(0.9)))? {
+            let here = control.part(part(0.0), part(0.5));
+            for (sq, face) in self.beyond(start, fitted, &found, here)? {
                 let kept = MARGIN * (self.limit_sq / sq).sqrt();
                 // The faces around come along, so that the surface stays smooth.
                 for v in fitted.faces[face.idx()] {
@@ -109,50 +114,78 @@ impl<'a> Maximum<'a> {
             if !has_moved {
                 return Ok(round > 0);
             }
-            let (now, control) = (&start.positions, control.part(part(0.9), part(1.0)));
-            fitted.positions =
-                guard.moved(start, now, &moves, shares.clone(), adjacency, control)?;
+            let (now, here) = (&start.positions, control.part(part(0.5), part(0.6)));
+            let back = guard.moved(start, now, &moves, shares.clone(), adjacency, here)?;
+            let is_moved = |v: VertexId| back[v.idx()] != fitted.positions[v.idx()];
+            let touched: Vec<bool> =
+                fitted.faces.iter().map(|face| face.iter().any(|v| is_moved(*v))).collect();
+            fitted.positions = back;
+            self.renew(fitted, &touched, &mut found, control.part(part(0.6), part(1.0)))?;
         }
         Ok(true)
     }
 
-    /// The squared distances that are farther than the limit and than they were, and the faces of
+    /// Those of the distances that are farther than the limit and than they were, and the faces of
     /// the mesh that they belong to.
     fn beyond(
         &self,
         start: &TriMesh,
         mesh: &TriMesh,
+        found: &[Distances; 2],
         control: Control,
-    ) -> Result<Vec<(f64, FaceId)>, Cancelled> {
-        let found = self.distances(mesh, control.part(0.0, 0.8))?;
-        let mut dear: Vec<FaceId> = found[1]
-            .iter()
-            .filter(|(sq, _)| *sq > DEAR * DEAR * self.limit_sq)
-            .map(|(_, face)| *face)
-            .collect();
+    ) -> Result<Distances, Cancelled> {
+        let dear = found[1].iter().filter(|(sq, _)| *sq > DEAR * DEAR * self.limit_sq);
+        let mut dear: Vec<FaceId> = dear.map(|(_, face)| *face).collect();
         dear.sort_unstable();
         dear.dedup();
         let riders: Vec<Rider> = dear.into_iter().flat_map(grid).collect();
-        let now = self.rider_distances(&riders, mesh, control.part(0.8, 0.9))?;
-        let before = self.rider_distances(&riders, start, control.part(0.9, 1.0))?;
+        let now = self.rider_distances(&riders, mesh, control.part(0.0, 0.5))?;
+        let before = self.rider_distances(&riders, start, control.part(0.5, 1.0))?;
         let dense = now.into_iter().zip(before.into_iter().map(|(sq, _)| sq));
-        let pairs = found.into_iter().zip(&self.before);
-        let all = pairs.flat_map(|(now, before)| now.into_iter().zip(before.iter().copied()));
+        let pairs = found.iter().zip(&self.before);
+        let all = pairs.flat_map(|(now, before)| now.iter().copied().zip(before.iter().copied()));
         let beyond = all.chain(dense).filter(|((sq, _), before)| sq > before);
         Ok(beyond.map(|(now, _)| now).filter(|(sq, _)| *sq > self.limit_sq).collect())
     }
 
-    /// Squared distance of each point and of each rider, with the face of the mesh that it belongs
-    /// to; not a number where a place is not finite.
-    fn distances(
-        &self,
-        mesh: &TriMesh,
-        control: Control,
-    ) -> Result<[Vec<(f64, FaceId)>; 2], Cancelled> {
-        let tree = Bvh::build(mesh, control.part(0.0, 0.2))?;
-        let points = distances(&tree, &self.points, control.part(0.2, 0.6))?;
+    /// The distances of the points and of the riders.
+    fn distances(&self, mesh: &TriMesh, control: Control) -> Result<[Distances; 2], Cancelled> {
+        let points = self.point_distances(&self.points, mesh, control.part(0.0, 0.6))?;
         let riders = self.rider_distances(&self.riders, mesh, control.part(0.6, 1.0))?;
         Ok([points, riders])
+    }
+
+    /// Finds anew what belongs to faces that were touched.
+    fn renew(
+        &self,
+        mesh: &TriMesh,
+        touched: &[bool],
+        found: &mut [Distances; 2],
+        control: Control,
+    ) -> Result<(), Cancelled> {
+        let stale = |found: &Distances| -> Vec<usize> {
+            let all = found.iter().enumerate();
+            all.filter(|(_, (_, face))| touched[face.idx()]).map(|(at, _)| at).collect()
+        };
+        let [points, riders] = [stale(&found[0]), stale(&found[1])];
+        let places: Vec<DVec3> = points.iter().map(|&at| self.points[at]).collect();
+        let renewed = self.point_distances(&places, mesh, control.part(0.0, 0.6))?;
+        points.into_iter().zip(renewed).for_each(|(at, renewed)| found[0][at] = renewed);
+        let on_mesh: Vec<Rider> = riders.iter().map(|&at| self.riders[at]).collect();
+        let renewed = self.rider_distances(&on_mesh, mesh, control.part(0.6, 1.0))?;
+        riders.into_iter().zip(renewed).for_each(|(at, renewed)| found[1][at] = renewed);
+        Ok(())
+    }
+
+    fn point_distances(
+        &self,
+        points: &[DVec3],
+        mesh: &TriMesh,
+        control: Control,
+    ) -> Result<Distances, Cancelled> {
+        let tree = Bvh::build(mesh, control.part(0.0, 0.3))?;
+        let queries = ManyQueries::new(&tree, self.queries.tree().center());
+        distances(&queries, points, control.part(0.3, 1.0))
     }
 
     fn rider_distances(
@@ -160,9 +193,9 @@ impl<'a> Maximum<'a> {
         riders: &[Rider],
         mesh: &TriMesh,
         control: Control,
-    ) -> Result<Vec<(f64, FaceId)>, Cancelled> {
+    ) -> Result<Distances, Cancelled> {
         let places: Vec<DVec3> = riders.iter().map(|rider| rider.place(mesh)).collect();
-        let mut found = distances(self.original_tree, &places, control)?;
+        let mut found = distances(self.queries, &places, control)?;
         found.iter_mut().zip(riders).for_each(|((_, face), rider)| *face = rider.face);
         Ok(found)
     }
@@ -193,27 +226,13 @@ fn grid(face: FaceId) -> impl Iterator<Item = Rider> {
     (0..=N).flat_map(row).map(move |shares| Rider { face, shares })
 }
 
-/// Squared distance and nearest face of each point; not a number, and any face, where it is not
-/// finite.
+/// The distances of points from a surface, with its nearest faces.
 fn distances(
-    tree: &Bvh,
+    queries: &ManyQueries,
     points: &[DVec3],
     control: Control,
-) -> Result<Vec<(f64, FaceId)>, Cancelled> {
-    let steps = control.steps(points.len().div_ceil(CHUNK));
-    let found: Vec<Vec<_>> = points
-        .par_chunks(CHUNK)
-        .map(|points| {
-            let mut walker = tree.walker();
-            let mut found = Vec::with_capacity(points.len());
-            for &point in points {
-                let hit = walker.closest(point).map(|hit| (hit.distance_sq, hit.face));
-                found.push(hit.unwrap_or((f64::NAN, FaceId(0))));
-                walker.poll(&control)?;
-            }
-            steps.step()?;
-            Ok(found)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    Ok(found.concat())
+) -> Result<Distances, Cancelled> {
+    let found = queries.closest(points, control)?.into_iter();
+    let of_hit = |hit: Hit| (hit.distance_sq, hit.face);
+    Ok(found.map(|hit| hit.map_or((f64::NAN, FaceId(0)), of_hit)).collect())
 }

@@ -31,12 +31,14 @@ mod system;
 #[cfg(test)]
 mod tests;
 
+use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use thiserror::Error;
 
 use crate::data::TriMesh;
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::distance::hausdorff::MeshRole;
+use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::adjacency::Adjacency;
 
 use guard::Guard;
@@ -113,27 +115,30 @@ pub fn refit(
     }
     let adjacency = Adjacency::new(mesh, control.part(0.1, 0.12))?;
     let guard = Guard::new(mesh, &adjacency, control.part(0.12, 0.13))?;
-    let finder = JointFinder::new(
-        original,
-        &original_tree,
-        options.samples_per_face,
-        control.part(0.13, 0.15),
-    )?;
+    let center = mesh.bounds().map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high));
+    let queries = ManyQueries::new(&original_tree, center);
+    let finder =
+        JointFinder::new(original, &queries, options.samples_per_face, control.part(0.13, 0.15))?;
     let find = |mesh: &TriMesh, step: usize, control: Control| -> Result<Joints, RefitError> {
         finder.find(mesh, step as u64, control)?.ok_or(RefitError::NoSurface(MeshRole::Simplified))
     };
     let mut fitted = mesh.clone();
     let mut joints = find(mesh, 0, control.part(0.15, 0.2))?;
     let before = joints.spread();
-    let maximum =
-        Maximum::new(mesh, original, &original_tree, before.max(), control.part(0.2, 0.25))?;
+    let maximum = Maximum::new(mesh, original, &queries, before.max(), control.part(0.2, 0.25))?;
     let mut elements = vec![Element::default(); mesh.faces.len()];
     let n_steps = options.n_steps;
     for step in 0..n_steps {
         let part = |done: f64| 0.25 + 0.65 * (step as f64 + done) / n_steps as f64;
-        let system =
-            System::new(&fitted, &adjacency, guard.is_free(), options.stiffness, elements, &joints);
-        let moves = system.solve(control.part(part(0.0), part(0.4)))?;
+        let system = System::new(
+            (&fitted, &adjacency),
+            guard.is_free(),
+            options.stiffness,
+            elements,
+            &joints,
+            control.part(part(0.0), part(0.1)),
+        )?;
+        let moves = system.solve(control.part(part(0.1), part(0.4)))?;
         let shares =
             guard.step(&fitted, &moves, &adjacency, control.part(part(0.4), part(0.45)))?;
         let here = control.part(part(0.45), part(0.5));
@@ -147,7 +152,7 @@ pub fn refit(
         if maximum.hold(mesh, &mut fitted, &guard, &adjacency, control)? {
             joints = find(&fitted, n_steps, control)?;
         }
+        attributes::carry(mesh, &adjacency, &mut fitted, control)?;
     }
-    attributes::carry(mesh, &adjacency, &mut fitted, control.part(0.99, 1.0))?;
     Ok(Refitted { mesh: fitted, before, after: joints.spread() })
 }

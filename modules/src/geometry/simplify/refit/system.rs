@@ -66,17 +66,20 @@ pub(super) struct System<'a> {
 impl<'a> System<'a> {
     /// Adds joints to what elements remember.
     pub fn new(
-        mesh: &'a TriMesh,
-        adjacency: &'a Adjacency,
+        (mesh, adjacency): (&'a TriMesh, &'a Adjacency),
         is_free: &'a [bool],
         stiffness: f64,
         mut elements: Vec<Element>,
         joints: &Joints,
-    ) -> Self {
+        control: Control,
+    ) -> Result<Self, Cancelled> {
         let Joints { of_original, of_simplified } = joints;
         let balance = of_original.len() as f64 / of_simplified.len().max(1) as f64;
         for (joints, weight) in [(of_original, 1.0), (of_simplified, balance)] {
-            joints.iter().for_each(|joint| elements[joint.face.idx()].add(joint, weight));
+            for (at, joint) in joints.iter().enumerate() {
+                control.item(at, joints.len())?;
+                elements[joint.face.idx()].add(joint, weight);
+            }
         }
         let diagonal = |v: usize| {
             let mut sum = Symmetric::default();
@@ -91,7 +94,7 @@ impl<'a> System<'a> {
             (spring, if inverse.is_finite() { inverse } else { DMat3::ZERO })
         };
         let (springs, inverse) = (0..mesh.positions.len()).into_par_iter().map(diagonal).unzip();
-        Self { mesh, adjacency, is_free, elements, springs, inverse }
+        Ok(Self { mesh, adjacency, is_free, elements, springs, inverse })
     }
 
     /// The moves of all vertices, to a thousandth.
