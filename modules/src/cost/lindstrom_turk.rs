@@ -27,7 +27,8 @@ impl Cost for LindstromTurk {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
             let patch = Patch::around(mesh, &proposal.contraction);
-            *price = patch.cost(proposal.position - mesh.position(proposal.contraction.kept));
+            let offset = proposal.position - mesh.position(proposal.contraction.kept);
+            *price = patch.map_or(f64::NAN, |patch| patch.cost(offset));
         }
     }
 
@@ -74,5 +75,49 @@ mod tests {
         for (price, expected) in found.iter().zip([2.0, 1.0, 1.0]) {
             assert!((price - expected).abs() < 1e-12, "{found:?}");
         }
+    }
+
+    #[test]
+    fn borders_of_fans_that_touch_in_one_vertex_are_seen() {
+        // Two triangles in a plane that share the origin alone, in every order of their corners, so
+        // that in some the numbers behind the origin and those before it have one sum. No face has
+        // a volume, so what an edge costs is what border edges sweep: a triangle at least.
+        let points = [
+            [0.0; 3],
+            [1.0, 0.2, 0.0],
+            [0.2, 1.0, 0.0],
+            [-1.0, 0.5, 0.0],
+            [-0.4, -1.0, 0.0],
+        ];
+        let orders = (0..256_u32).map(|k| [0, 2, 4, 6].map(|bit| 1 + (k >> bit & 3)));
+        for [a, b, c, d] in orders.filter(|order| (1..5).all(|v| order.contains(&v))) {
+            let mesh = mesh_of(&points, &[[0, a, b], [0, c, d]]);
+            let prices = first_prices(&mesh, &mut LindstromTurk, &mut Endpoint);
+            assert!(prices.iter().all(|(_, _, price)| *price > 1e-3), "{prices:?}");
+        }
+    }
+
+    #[test]
+    fn faces_that_are_nowhere_make_nothing_cheap() {
+        // Faces at the edge from 0 to 1, one of them with a corner that is not a number.
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1.0, 0.5], [0.5, -1.0, 0.5], [f64::NAN; 3]];
+        let mesh = mesh_of(&points, &[[0, 1, 2], [1, 0, 3], [0, 2, 4]]);
+        let prices = first_prices(&mesh, &mut LindstromTurk, &mut Endpoint);
+        let at = prices.iter().find(|(from, to, _)| (*from, *to) == (0, 1)).unwrap();
+        assert!(at.2 > 1e-3, "{prices:?}");
+    }
+
+    #[test]
+    fn a_hub_of_very_many_faces_takes_no_square_of_time() {
+        // A cone over 20,000 points: each edge at its tip sees all faces.
+        let n = 20_000_u32;
+        let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+        let ring = (0..n).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]);
+        let points: Vec<_> = std::iter::once([0.0, 0.0, 1.0]).chain(ring).collect();
+        let faces: Vec<_> = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+        let prices = first_prices(&mesh_of(&points, &faces), &mut LindstromTurk, &mut Endpoint);
+        let (at_tip, others): (Vec<_>, Vec<_>) = prices.iter().partition(|(from, _, _)| *from == 0);
+        assert!(at_tip.iter().all(|(_, _, price)| !price.is_finite()));
+        assert_eq!(others.len(), n as usize);
     }
 }

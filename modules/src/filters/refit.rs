@@ -2,7 +2,7 @@
 
 use crate::data::Measure;
 use crate::geometry::distance::hausdorff::MeshRole;
-use crate::geometry::simplify::refit::{RefitError, RefitOptions, refit};
+use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::prelude::*;
 
 use mve_core::Quantities;
@@ -18,7 +18,8 @@ const STEPS: Param<i64> = Param::integer(
 .mostly((1, 20));
 const SAMPLES: Param<f64> = Param::number(
     "samples",
-    "Points of the original in each step for each face of the mesh; more are slower and better.",
+    "Points of the original in each step for each face of the mesh, at most four million in all; \
+     more are slower and better.",
     RefitOptions::DEFAULT.samples_per_face,
 )
 .within((1.0, 1000.0))
@@ -65,6 +66,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         samples_per_face: io.param(SAMPLES)?,
         ..RefitOptions::DEFAULT
     };
+    io.reserve(needs(&mesh, &original))?;
     let fitted = refit(&mesh, &original, options, io.control()).map_err(|error| match error {
         RefitError::Cancelled(cancelled) => cancelled.into(),
         RefitError::NoSurface(MeshRole::Original) => {

@@ -9,7 +9,7 @@ use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
     Blocked, Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, Turns, simplify,
 };
-use crate::geometry::simplify::refit::{RefitError, RefitOptions, refit};
+use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
@@ -72,7 +72,7 @@ const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
 const SLIVER_ANGLE: Param<Option<f64>> = Param::maybe_number(
     "sliver_angle",
     "A collapse that leaves a face with a smaller angle waits until others have gone, by how thin \
-     it is; it counts with the cost Quadric alone. Off: thin faces are as good as others.",
+     it is; it counts with costs that are distances, such as Quadric. Off: thin faces are as good as others.",
     Some(3.0),
 )
 .within((0.0, 60.0))
@@ -205,6 +205,7 @@ fn refitted(
     if n_steps == 0 {
         return Ok(mesh);
     }
+    io.reserve(needs(&mesh, input))?;
     let options = RefitOptions { n_steps, ..RefitOptions::DEFAULT };
     let start = Instant::now();
     let fitted = refit(&mesh, input, options, io.control().part(0.5, 1.0));
@@ -228,7 +229,7 @@ fn turns(flip_angle: Option<f64>) -> Turns {
 fn reasons(blocked: &Blocked, turns: Turns) -> String {
     let limit = match turns {
         Turns::UpTo(angle) => format!("flip_angle {:.0}", angle.to_degrees()),
-        _ => "90 degrees, as flip_angle is off".to_owned(),
+        _ => "90 degrees, the most while flip_angle is off".to_owned(),
     };
     let reasons = [
         (blocked.turn, format!("would turn a face by more than {limit} (set flip_angle higher)")),

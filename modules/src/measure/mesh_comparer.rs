@@ -32,8 +32,8 @@ const DIFFERENCE_IMAGES_OUT: Out<Images> = Out::new(
     "How the pictures of the two differ, camera by camera; none if the metric takes none.",
 );
 
-/// What the search trees and samples of the metric that takes most, Msdm2, take for each face of
-/// both meshes: measured (docs/BENCHMARKS.md). Hausdorff takes 300.
+/// What the search trees and samples of Msdm2 take for each face of both meshes: measured
+/// (docs/BENCHMARKS.md). Hausdorff takes 300; the pictures of image metrics are not counted.
 const BYTES_A_FACE: usize = 500;
 
 pub static MODULE: Module = Module {

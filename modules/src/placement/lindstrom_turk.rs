@@ -25,7 +25,7 @@ pub struct LindstromTurk;
 impl Placement for LindstromTurk {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
         for (at, contraction) in batch.iter().enumerate() {
-            let patch = Patch::around(mesh, contraction);
+            let Some(patch) = Patch::around(mesh, contraction) else { continue };
             let offset = patch.place(mesh, contraction).unwrap_or_else(|| patch.middle());
             out.push(at, mesh.position(contraction.kept) + offset);
         }

@@ -10,12 +10,13 @@
 
 use glam::{DMat3, DVec3};
 
-use super::collapse::{Contraction, WorkingMesh};
+use super::collapse::{Contraction, MAX_VALENCE, WorkingMesh};
 use crate::data::VertexId;
+use crate::geometry::distance::sample::IndexedRandom;
 
 /// A constraint is taken if it is at least so far from those before it: sines and cosines of 1°,
 /// the α of the paper.
-const SIN_SQ: f64 = 3.045_865_2e-4;
+const SIN_SQ: f64 = 3.045_864_904_5e-4;
 const COS_SQ: f64 = 1.0 - SIN_SQ;
 
 /// A function `½ xᵀ H x + c·x + ½ k`, of which the least value is wanted.
@@ -46,8 +47,10 @@ impl Square {
         self.k += e2.length_squared();
     }
 
+    /// Not below 0 by rounding; what is not a number stays so.
     fn at(&self, x: DVec3) -> f64 {
-        (0.5 * x.dot(self.h * x) + self.c.dot(x) + 0.5 * self.k).max(0.0)
+        let value = 0.5 * x.dot(self.h * x) + self.c.dot(x) + 0.5 * self.k;
+        if value < 0.0 { 0.0 } else { value }
     }
 
     fn plus(&self, other: &Self, weight: f64) -> Self {
@@ -76,8 +79,9 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Looks at the faces around all vertices of a contraction.
-    pub fn around(mesh: &WorkingMesh, contraction: &Contraction) -> Self {
+    /// Looks at the faces around all vertices of a contraction; those without a finite volume
+    /// count as none. `None` where a vertex has more faces than the engine collapses an edge of.
+    pub fn around(mesh: &WorkingMesh, contraction: &Contraction) -> Option<Self> {
         let origin = mesh.position(contraction.kept);
         let place = |v| mesh.position(v) - origin;
         let mut patch = Self {
@@ -94,12 +98,17 @@ impl Patch {
             patch.middle += place(vertex);
             n += 1.0;
             // Of a closed fan the next vertices of all faces are the previous ones, too.
+            let random = IndexedRandom::new(0);
+            let mixed = |v: VertexId| random.bits(u64::from(v.0));
             let mut turn = 0_u64;
-            for face in mesh.faces_around(vertex) {
+            for (number, face) in mesh.faces_around(vertex).enumerate() {
+                if number == MAX_VALENCE {
+                    return None;
+                }
                 let Some(corners) = mesh.face(face) else { continue };
                 let at = corners.iter().position(|v| *v == vertex).unwrap_or(0);
                 let (next, previous) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
-                turn = turn.wrapping_add(mixed(next.0)).wrapping_sub(mixed(previous.0));
+                turn = turn.wrapping_add(mixed(next)).wrapping_sub(mixed(previous));
                 let before = contraction.vertices().take_while(|v| *v != vertex);
                 if before.into_iter().any(|v| v == next || v == previous) {
                     continue;
@@ -107,6 +116,9 @@ impl Patch {
                 let [a, b, c] = corners.map(place);
                 let normal = (b - a).cross(c - a);
                 let volume = normal.dot(a);
+                if !normal.is_finite() || !volume.is_finite() {
+                    continue;
+                }
                 patch.normal += normal;
                 patch.volume += volume;
                 patch.volumes.add_plane(normal, volume);
@@ -116,7 +128,7 @@ impl Patch {
             }
         }
         patch.middle /= n;
-        patch
+        Some(patch)
     }
 
     /// Adds the edges at a vertex that have one face.
@@ -135,9 +147,14 @@ impl Patch {
                 Some((corners[(at + 1) % 3], corners[(at + 2) % 3]))
             })
             .collect();
+        let mut others: Vec<VertexId> = sides.iter().flat_map(|&(a, b)| [a, b]).collect();
+        others.sort_unstable();
+        let n_faces = |v: VertexId| {
+            let behind = &others[others.partition_point(|other| *other < v)..];
+            behind.iter().take_while(|other| **other == v).count()
+        };
         let is_seen = |v| contraction.vertices().take_while(|w| *w != vertex).any(|w| w == v);
         for &(next, previous) in &sides {
-            let n_faces = |v| sides.iter().filter(|(a, b)| *a == v || *b == v).count();
             let edges = [(vertex, next, next), (previous, vertex, previous)];
             for (from, to, other) in edges {
                 if n_faces(other) == 1 && !is_seen(other) {
@@ -204,11 +221,6 @@ fn evenness(mesh: &WorkingMesh, contraction: &Contraction) -> Square {
     Square { h: DMat3::from_diagonal(DVec3::splat(n)), c: -sum, k: 0.0 }
 }
 
-/// Tells numbers apart in a sum.
-fn mixed(number: u32) -> u64 {
-    (u64::from(number) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-}
-
 /// Up to three planes `aᵢ·x = bᵢ`, far enough from each other.
 #[derive(Default)]
 struct Constraints {
@@ -219,19 +231,22 @@ struct Constraints {
 impl Constraints {
     /// Takes a plane that is far enough from those that are there.
     fn add(&mut self, a: DVec3, b: f64) {
+        // To unit length: products of four lengths leave the range of numbers.
+        let size = a.length();
+        if !(size > 0.0 && size.is_finite()) {
+            return;
+        }
+        let (a, b) = (a / size, b / size);
         let [(p, _), (q, _), _] = self.planes;
-        let size = a.length_squared();
-        let is_usable = size > 0.0
-            && size.is_finite()
-            && match self.n {
-                0 => true,
-                1 => p.dot(a).powi(2) < p.length_squared() * size * COS_SQ,
-                2 => {
-                    let line = p.cross(q);
-                    line.dot(a).powi(2) > line.length_squared() * size * SIN_SQ
-                }
-                _ => false,
-            };
+        let is_usable = match self.n {
+            0 => true,
+            1 => p.dot(a).powi(2) < COS_SQ,
+            2 => {
+                let line = p.cross(q);
+                line.dot(a).powi(2) > line.length_squared() * SIN_SQ
+            }
+            _ => false,
+        };
         if is_usable {
             self.planes[self.n] = (a, b);
             self.n += 1;

@@ -1,4 +1,4 @@
-//! Simplification: one folder a family of methods.
+//! Simplification: one folder a family of methods, and what costs and placements share.
 
 pub mod collapse;
 pub mod lindstrom_turk;

@@ -65,6 +65,7 @@ impl Blocked {
             })
         };
         match limits {
+            _ if places.iter().all(|place| !place.position.is_finite()) => &mut self.rules,
             Some(limits) if !fits(&limits.with_any_turn()) => &mut self.fold,
             Some(limits) if !fits(&limits) => &mut self.turn,
             _ => &mut self.price,

@@ -182,7 +182,10 @@ impl<'a> Engine<'a> {
         let was_patient = std::mem::replace(&mut self.is_patient, false);
         if is_wider || was_patient {
             let edges = self.mesh.edges_left(&mut self.ticker)?;
+            // Edges that rules hold were counted when they were priced first.
+            let n_held = self.statistics.n_rejected_boundary;
             self.price(&edges)?;
+            self.statistics.n_rejected_boundary = n_held;
         }
         Ok(is_wider || was_patient)
     }

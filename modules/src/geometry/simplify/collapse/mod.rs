@@ -70,6 +70,7 @@ pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions, Turns};
 pub use outcome::{Seconds, Simplified, Statistics};
 pub use placement::Placement;
 pub use proposal::{AttributeRow, Batch, Candidates, Contraction, Proposal, Reach, Renewal};
+pub use rings::MAX_VALENCE;
 pub use stop::{Outcome, Stop};
 pub use wedge::{AttributeValue, LayerId, Role, WedgeId};
 

@@ -6,7 +6,7 @@ use crate::mesh::adjacency::EdgeId;
 /// The most faces that a vertex may have to take part in a collapse. It bounds the time of one
 /// collapse, so that a fan of a million faces around one vertex takes no quadratic time; the
 /// fan shrinks from its rim until its center is within the bound.
-const MAX_VALENCE: usize = 1024;
+pub const MAX_VALENCE: usize = 1024;
 
 /// A face at a vertex: its corner there, and its other two vertices in the order of the face.
 #[derive(Clone, Copy, Debug)]

@@ -86,27 +86,23 @@ impl Carrier<'_> {
             if places[v] == start.positions[v] || !places[v].is_finite() {
                 continue;
             }
-            let corners = adjacency.corners_of(VertexId(v as u32));
             let element = |face: usize, k: usize| match domain {
                 Domain::Vertex => start.faces[face][k].idx(),
                 _ => 3 * face + k,
             };
             let here = |&corner: &u32| element(corner as usize / 3, corner as usize % 3);
-            let mut done: Vec<u32> = Vec::new();
-            for corner in corners {
-                let wedge = old_index[here(corner)];
-                if wedge == NO_VALUE || done.contains(&wedge) {
-                    continue;
-                }
-                done.push(wedge);
-                let shared = corners.iter().filter(|c| old_index[here(c)] == wedge);
+            let wedge = |corner: &u32| old_index[here(corner)];
+            let mut corners = adjacency.corners_of(VertexId(v as u32)).to_vec();
+            corners.retain(|corner| wedge(corner) != NO_VALUE);
+            corners.sort_by_key(wedge);
+            for shared in corners.chunk_by(|a, b| wedge(a) == wedge(b)) {
                 let value_at = |face: usize, k: usize| {
                     old_values.get(old_index[element(face, k)] as usize).copied()
                 };
-                let Some(value) = self.mixed(places[v], shared.clone(), value_at) else { continue };
+                let Some(value) = self.mixed(places[v], shared, value_at) else { continue };
                 let number = values.len() as u32;
                 values.push(value.of_layer(&self.name));
-                shared.for_each(|corner| index[here(corner)] = number);
+                shared.iter().for_each(|corner| index[here(corner)] = number);
             }
         }
         drop_unused(values, index);
@@ -114,13 +110,13 @@ impl Carrier<'_> {
     }
 
     /// The value at a place, by the nearest of these corners' faces all of whose corners have one.
-    fn mixed<'c, T: Mixed>(
+    fn mixed<T: Mixed>(
         &self,
         place: DVec3,
-        corners: impl Iterator<Item = &'c u32>,
+        corners: &[u32],
         value_at: impl Fn(usize, usize) -> Option<T>,
     ) -> Option<T> {
-        let faces = corners.map(|corner| *corner as usize / 3);
+        let faces = corners.iter().map(|corner| *corner as usize / 3);
         let seen = faces.filter_map(|face| {
             let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|k| value_at(face, k)) else {
                 return None;

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use rayon::prelude::*;
 
-use crate::data::{Domain, FaceId, Layer, TriMesh, VertexId};
+use crate::data::{Domain, FaceId, Layer, LayerValues, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// A face keeps this cosine of its turn from where it began: 60°.
@@ -137,6 +138,9 @@ impl Guard {
                 broken.extend(faces.flat_map(|face| mesh.faces[face.idx()]));
             }
         }
+        // Each once, however many of its faces break a rule.
+        broken.sort_unstable();
+        broken.dedup();
         Ok(broken)
     }
 }
@@ -147,7 +151,7 @@ fn normals(mesh: &TriMesh, positions: &[DVec3]) -> Vec<DVec3> {
         let [a, b, c] = face.map(|v| positions[v.idx()]);
         (b - a).cross(c - a)
     };
-    mesh.faces.iter().map(normal).collect()
+    mesh.faces.par_iter().map(normal).collect()
 }
 
 /// The two faces of a manifold edge.
@@ -174,14 +178,22 @@ fn has_seams(layer: &Layer) -> bool {
     }
 }
 
-/// Whether two faces have different values at their edge.
+/// Whether two faces have different values at their edge. Equal values may stand in a layer more
+/// than once.
 fn is_seam(layer: &Layer, mesh: &TriMesh, faces: [FaceId; 2], ends: [VertexId; 2]) -> bool {
-    if layer.domain == Domain::Face {
-        return layer.index[faces[0].idx()] != layer.index[faces[1].idx()];
+    match &layer.values {
+        LayerValues::Label(names) => {
+            let [one, other] = faces.map(|face| names.get(layer.index[face.idx()] as usize));
+            one != other
+        }
+        LayerValues::Vec2(values) => {
+            let value = |face: FaceId, end: VertexId| {
+                let k = mesh.faces[face.idx()].iter().position(|v| *v == end)?;
+                let value = values.get(layer.index[3 * face.idx() + k] as usize)?;
+                Some(value.to_array().map(f64::to_bits))
+            };
+            ends.iter().any(|&end| value(faces[0], end) != value(faces[1], end))
+        }
+        _ => false,
     }
-    let value = |face: FaceId, end: VertexId| {
-        let corner = mesh.faces[face.idx()].iter().position(|v| *v == end);
-        corner.map(|k| layer.index[3 * face.idx() + k])
-    };
-    ends.iter().any(|&end| value(faces[0], end) != value(faces[1], end))
 }

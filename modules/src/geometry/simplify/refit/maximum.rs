@@ -18,7 +18,7 @@ const PER_FACE: usize = 8;
 const SAFETY: f64 = 0.97;
 /// A face with a point beyond this part of the limit is looked at more closely.
 const DEAR: f64 = 0.7;
-/// How often vertices go back before they go all the way.
+/// How often vertices go back before they go all the way; after twice as many rounds all do.
 const N_ROUNDS: usize = 6;
 /// They go a little farther than the limit asks for, since distances change about evenly only.
 const MARGIN: f64 = 0.95;
@@ -88,23 +88,27 @@ impl<'a> Maximum<'a> {
         control: Control,
     ) -> Result<bool, Cancelled> {
         let ways = fitted.positions.iter().zip(&start.positions);
-        let moves: Vec<DVec3> = ways.map(|(to, from)| *to - *from).collect();
+        // Of infinite coordinates, too, which stay, the difference is none.
+        let way = |(to, from): (&DVec3, &DVec3)| if to == from { DVec3::ZERO } else { *to - *from };
+        let moves: Vec<DVec3> = ways.map(way).collect();
         let mut shares = vec![1.0; moves.len()];
         let mut found = self.distances(fitted, control.part(0.0, 0.5))?;
-        for round in 0..=N_ROUNDS {
-            let part = |done: f64| 0.5 + 0.5 * (round as f64 + done) / (N_ROUNDS + 1) as f64;
-            // The part of its way that each vertex may keep.
-            let mut parts = vec![1.0_f64; moves.len()];
+        for round in 0..2 * N_ROUNDS {
+            let part = |done: f64| 0.5 + 0.5 * (round as f64 + done) / (2 * N_ROUNDS) as f64;
+            let mut nearby = vec![1.0_f64; moves.len()];
             let here = control.part(part(0.0), part(0.5));
             for (sq, face) in self.beyond(start, fitted, &found, here)? {
                 let kept = MARGIN * (self.limit_sq / sq).sqrt();
-                // The faces around come along, so that the surface stays smooth.
-                for v in fitted.faces[face.idx()] {
-                    let around = adjacency.corners_of(v).iter().map(|&c| c as usize / 3);
-                    around.flat_map(|f| fitted.faces[f]).for_each(|v| {
-                        parts[v.idx()] = parts[v.idx()].min(kept);
-                    });
-                }
+                fitted.faces[face.idx()].iter().for_each(|v| {
+                    nearby[v.idx()] = nearby[v.idx()].min(kept);
+                });
+            }
+            // The part of its way that each vertex may keep. The faces around come along, so that
+            // the surface stays smooth.
+            let mut parts = nearby.clone();
+            for face in &fitted.faces {
+                let least = face.iter().map(|v| nearby[v.idx()]).fold(1.0, f64::min);
+                face.iter().for_each(|v| parts[v.idx()] = parts[v.idx()].min(least));
             }
             let mut has_moved = false;
             for (v, share) in shares.iter_mut().enumerate().filter(|(v, _)| parts[*v] < 1.0) {
@@ -122,6 +126,8 @@ impl<'a> Maximum<'a> {
             fitted.positions = back;
             self.renew(fitted, &touched, &mut found, control.part(part(0.6), part(1.0)))?;
         }
+        // What is still farther would take others along without end.
+        fitted.positions.clone_from(&start.positions);
         Ok(true)
     }
 
@@ -203,15 +209,17 @@ impl<'a> Maximum<'a> {
 
 /// The corners of all faces, and samples between.
 fn riders(mesh: &TriMesh, control: Control) -> Result<Vec<Rider>, Cancelled> {
-    let sampler = SurfaceSampler::new(mesh, PER_FACE * mesh.faces.len(), 0, control)?;
+    let n = PER_FACE * mesh.faces.len();
+    let sampler = SurfaceSampler::new(mesh, n, 0, control.part(0.0, 0.3))?;
     let mut riders = Vec::with_capacity((PER_FACE + 3) * mesh.faces.len());
-    let mut last = None;
-    for sample in sampler.samples(0..sampler.n_samples()) {
-        if last != Some(sample.face) {
-            last = Some(sample.face);
-            let corner = |k: usize| [0, 1, 2].map(|other| f64::from(u8::from(other == k)));
-            riders.extend([0, 1, 2].map(|k| Rider { face: sample.face, shares: corner(k) }));
-        }
+    let corner = |k: usize| [0, 1, 2].map(|other| f64::from(u8::from(other == k)));
+    for face in 0..mesh.faces.len() {
+        control.item(face, mesh.faces.len())?;
+        let face = FaceId(face as u32);
+        riders.extend([0, 1, 2].map(|k| Rider { face, shares: corner(k) }));
+    }
+    for (at, sample) in sampler.samples(0..sampler.n_samples()).enumerate() {
+        control.item(at, n)?;
         let triangle = PreparedTriangle::new(mesh.corners(sample.face));
         riders.push(Rider { face: sample.face, shares: triangle.coordinates(sample.point) });
     }

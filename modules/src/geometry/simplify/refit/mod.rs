@@ -53,7 +53,7 @@ pub struct RefitOptions {
     /// How often joints are found and vertices moved; 0 moves nothing.
     pub n_steps: usize,
     /// Samples of the original in each step for each face of the simplified mesh, which has half
-    /// as many of its own.
+    /// as many of its own; at most four million in all.
     pub samples_per_face: f64,
     /// How strongly a vertex is held where it is, as a part of what holds it along its joints.
     pub stiffness: f64,
@@ -92,6 +92,15 @@ pub struct Refitted {
     pub before: Spread,
     /// Distances after.
     pub after: Spread,
+}
+
+/// Bytes that a fit takes at most, beside its meshes.
+pub fn needs(mesh: &TriMesh, original: &TriMesh) -> usize {
+    /// The tree.
+    const OF_ORIGINAL: usize = 300;
+    /// A tree, the joints with their elements, and the points that hold the maximum.
+    const OF_MESH: usize = 1500;
+    OF_ORIGINAL * original.faces.len() + OF_MESH * mesh.faces.len()
 }
 
 /// Fits `mesh` to `original`; see the head of this file.

@@ -112,7 +112,7 @@ impl<'a> System<'a> {
         let first = size;
         let mut product = vec![DVec3::ZERO; n];
         for iteration in 0..MOST_ITERATIONS {
-            control.item(iteration, MOST_ITERATIONS)?;
+            control.at(iteration as f64 / MOST_ITERATIONS as f64)?;
             if size <= LEAST_SQ * first {
                 break;
             }
@@ -136,7 +136,7 @@ impl<'a> System<'a> {
     /// What the elements say at the places where the vertices are now, `part` as loud.
     pub fn remembered(self, from: &[DVec3], to: &[DVec3], part: f64) -> Vec<Element> {
         let mut elements = self.elements;
-        for (element, face) in elements.iter_mut().zip(&self.mesh.faces) {
+        elements.par_iter_mut().zip(&self.mesh.faces).for_each(|(element, face)| {
             let moved = face.map(|v| to[v.idx()] - from[v.idx()]);
             let done = [0, 1, 2].map(|i| element.row(i, moved));
             element
@@ -145,7 +145,7 @@ impl<'a> System<'a> {
                 .zip(done)
                 .for_each(|(pull, done)| *pull = part * (*pull - done));
             element.blocks.iter_mut().flatten().for_each(|entry| *entry *= part);
-        }
+        });
         elements
     }
 

@@ -225,6 +225,16 @@ fn attributes_are_those_of_the_place_and_seams_stay() {
     assert_eq!(free.len(), 6);
     assert!(free.iter().all(|p| p.x != 0.5));
 
+    // The same values, one for each corner: no more seams than before.
+    let mut by_corner = mesh.clone();
+    let layer = &mut by_corner.layers[0];
+    let LayerValues::Vec2(values) = &layer.values else { panic!("texture coordinates") };
+    let values: Vec<DVec2> = layer.index.iter().map(|value| values[*value as usize]).collect();
+    layer.index = (0..values.len() as u32).collect();
+    layer.values = LayerValues::Vec2(values);
+    let guard_by_corner = Guard::new(&by_corner, &adjacency, Control::none()).unwrap();
+    assert_eq!(guard_by_corner.is_free(), guard.is_free());
+
     let mut moved = mesh.clone();
     let by = DVec3::new(0.1, 0.06, 0.0);
     let places = moved.positions.iter_mut().zip(guard.is_free());
@@ -252,10 +262,19 @@ fn meshes_without_a_surface_are_named_and_odd_ones_survive() {
     let no_surface = |role| RefitError::NoSurface(role);
     assert_eq!(refit(&fine, &empty).unwrap_err(), no_surface(MeshRole::Original));
     assert_eq!(refit(&empty, &fine).unwrap_err(), no_surface(MeshRole::Simplified));
+    let far = TriMesh {
+        positions: fine.positions.iter().map(|p| *p * f64::INFINITY).collect(),
+        ..fine.clone()
+    };
+    assert_eq!(refit(&far, &fine).unwrap_err(), no_surface(MeshRole::Simplified));
     let odd = mesh_of(
         &[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f64::NAN, 0.0, 0.0]],
         &[[0, 1, 2], [0, 1, 3], [1, 0, 3], [0, 1, 3], [0, 0, 1], [4, 0, 1], [3, 3, 3]],
     );
     let found = refit(&odd, &fine).unwrap().mesh;
     assert_eq!(found.faces, odd.faces);
+    let mut partly = fine.clone();
+    partly.positions[7].x = f64::INFINITY;
+    let found = refit(&partly, &fine).unwrap().mesh;
+    assert_eq!(found.positions[7], partly.positions[7]);
 }
