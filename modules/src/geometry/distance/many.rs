@@ -133,7 +133,7 @@ impl<'a> ManyQueries<'a> {
         Ok(hard.points)
     }
 
-    /// The face nearest to every point that [`ManyQueries::easy_hits`] found hard, in order.
+    /// The face nearest to every point that `easy_hits` found hard, in order.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
