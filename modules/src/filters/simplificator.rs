@@ -35,10 +35,7 @@ impl Enumeration for Seams {
 
 impl Enumeration for Schedule {
     const NAMES: &'static [(&'static str, &'static str)] = &[
-        (
-            "Greedy",
-            "Of all collapses the cheapest is made first.",
-        ),
+        ("Greedy", "Of all collapses the cheapest is made first."),
         (
             "Blocks",
             "Blocks of a large mesh are simplified side by side on all cores, all up to the same \

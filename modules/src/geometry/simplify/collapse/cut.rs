@@ -101,7 +101,12 @@ fn of_block(layer: &Layer, vertices: &[u32], faces: &[u32]) -> Layer {
     for value in &mut index {
         *value = used.binary_search(value).map_or(NO_VALUE, |number| number as u32);
     }
-    Layer { name: layer.name.clone(), domain: layer.domain, values: picked(&layer.values, &used), index }
+    Layer {
+        name: layer.name.clone(),
+        domain: layer.domain,
+        values: picked(&layer.values, &used),
+        index,
+    }
 }
 
 /// The values of these numbers.

@@ -180,6 +180,9 @@ impl<'a> Engine<'a> {
     ) -> Result<Halt, Cancelled> {
         let mut memory = std::mem::take(&mut self.memory);
         let halt = loop {
+            if target.is_some_and(|target| self.mesh.n_faces() <= target) {
+                break Halt::Faces;
+            }
             let Some(entry) = self.queue.first(self.mesh.n_faces(), &mut self.ticker)? else {
                 break Halt::Exhausted;
             };
@@ -205,9 +208,6 @@ impl<'a> Engine<'a> {
             let (mesh, queue) = (&mut self.mesh, &mut self.queue);
             self.renewer.list_after(merged, mesh, queue, &mut self.marks, due);
             self.price(due)?;
-            if target.is_some_and(|target| self.mesh.n_faces() <= target) {
-                break Halt::Faces;
-            }
         };
         self.memory = memory;
         Ok(halt)

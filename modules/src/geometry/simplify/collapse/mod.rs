@@ -108,7 +108,8 @@ pub fn simplify_observed<'a>(
     control: Control<'a>,
 ) -> Result<Simplified, Cancelled> {
     if options.order == Schedule::Blocks && observers.is_empty() {
-        let found = blocks::simplify_in_blocks(mesh, cost, placement, options, control)?;
+        let block = blocks::BLOCK;
+        let found = blocks::simplify_in_blocks(mesh, cost, placement, options, block, control)?;
         if let Some(simplified) = found {
             return Ok(simplified);
         }

@@ -18,8 +18,7 @@ fn working(mesh: &TriMesh, quadrics: Option<QuadricOptions>) -> (WorkingMesh, Ve
     let mut marks = VertexMarks::new(mesh.positions.len());
     let mut working = WorkingMesh::new(mesh, Seams::Free, &mut marks, &mut ticker).unwrap();
     if let Some(options) = quadrics {
-        let planes =
-            Planes { options, is_weighted: true, is_seam: &[], origin: Origin::Whole };
+        let planes = Planes { options, is_weighted: true, is_seam: &[], origin: Origin::Whole };
         let sum = Quadrics::sum(&working.complex, &working.order, planes, &mut ticker);
         working.quadrics = sum.unwrap();
     }

@@ -161,8 +161,7 @@ impl<'a> Maximum<'a> {
         let riders: Vec<Rider> =
             self.riders.iter().filter(|w| is_due(w.near)).map(|w| w.what).collect();
         let far = self.points_beyond(&points, mesh, control.part(0.0, 0.4))?;
-        let dear =
-            self.riders_beyond(&riders, mesh, DEAR * self.limit, control.part(0.4, 0.8))?;
+        let dear = self.riders_beyond(&riders, mesh, DEAR * self.limit, control.part(0.4, 0.8))?;
         let mut dense: Vec<Rider> = dear.into_iter().map(|(at, _)| riders[at]).collect();
         let mut faces: Vec<FaceId> = dense.iter().map(|rider| rider.face).collect();
         faces.sort_unstable();

@@ -63,7 +63,8 @@ pub struct RefitOptions {
 
 impl RefitOptions {
     /// The default.
-    pub const DEFAULT: Self = Self { n_steps: 6, samples_per_face: 6.0, stiffness: 0.004, measures_result: true };
+    pub const DEFAULT: Self =
+        Self { n_steps: 6, samples_per_face: 6.0, stiffness: 0.004, measures_result: true };
 }
 
 impl Default for RefitOptions {
@@ -120,10 +121,7 @@ pub fn refit(
 ) -> Result<Refitted, RefitError> {
     /// What the samples of a step still count in the next one.
     const MEMORY: f64 = 0.7;
-    let t0 = std::time::Instant::now();
-    macro_rules! T { ($n:expr) => { eprintln!("{:8.1} ms {}", t0.elapsed().as_secs_f64()*1e3, $n); } }
     let original_tree = Bvh::build_quickly(original, control.part(0.0, 0.1))?;
-    T!("tree");
     if original_tree.n_faces() == 0 {
         return Err(RefitError::NoSurface(MeshRole::Original));
     }
@@ -131,21 +129,21 @@ pub fn refit(
     let guard = Guard::new(mesh, &adjacency, control.part(0.12, 0.13))?;
     let center = mesh.bounds().map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high));
     let queries = ManyQueries::new(&original_tree, center);
-    T!("guard");
     let finder =
         JointFinder::new(original, &queries, options.samples_per_face, control.part(0.13, 0.15))?;
-    let find = |mesh: &TriMesh, step: usize, control: Control| -> Result<(Joints, Bvh), RefitError> {
+    let find = |mesh: &TriMesh,
+                step: usize,
+                control: Control|
+     -> Result<(Joints, Bvh), RefitError> {
         finder.find(mesh, step as u64, control)?.ok_or(RefitError::NoSurface(MeshRole::Simplified))
     };
     let mut fitted = mesh.clone();
     let (mut joints, tree) = find(mesh, 0, control.part(0.15, 0.2))?;
-    T!("joints");
     let before = joints.spread();
     let maximum = {
         let control = control.part(0.2, 0.25);
         Maximum::new(mesh, original, &tree, &queries, before.max(), control)?
     };
-    T!("maximum");
     let mut elements = vec![Element::default(); mesh.faces.len()];
     let n_steps = options.n_steps;
     for step in 0..n_steps {
@@ -159,12 +157,10 @@ pub fn refit(
             control.part(part(0.0), part(0.1)),
         )?;
         let moves = system.solve(control.part(part(0.1), part(0.4)))?;
-        T!("solved");
         let shares =
             guard.step(&fitted, &moves, &adjacency, control.part(part(0.4), part(0.45)))?;
         let here = control.part(part(0.45), part(0.5));
         let positions = guard.moved(mesh, &fitted.positions, &moves, shares, &adjacency, here)?;
-        T!("moved");
         elements = system.remembered(&fitted.positions, &positions, MEMORY);
         fitted.positions = positions;
         if step + 1 < n_steps {
@@ -174,10 +170,8 @@ pub fn refit(
     if n_steps > 0 {
         let control = control.part(0.9, 0.95);
         maximum.hold(mesh, &mut fitted, &guard, &adjacency, control)?;
-        T!("held");
         attributes::carry(mesh, &adjacency, &mut fitted, control)?;
     }
-    T!("carried");
     let after = match options.measures_result {
         true => Some(find(&fitted, n_steps, control.part(0.95, 1.0))?.0.spread()),
         false => None,

@@ -145,7 +145,11 @@ fn a_vertex_that_left_its_face_comes_back_and_edges_stay_sharp() {
     }
     let before = fitted(&mesh, &original, 0).after.unwrap().max();
     let found = fitted(&mesh, &original, 10);
-    assert!(before > 0.05 && found.after.unwrap().max() < 0.02 * before, "{before} {:?}", found.after);
+    assert!(
+        before > 0.05 && found.after.unwrap().max() < 0.02 * before,
+        "{before} {:?}",
+        found.after
+    );
 }
 
 #[test]
