@@ -157,7 +157,7 @@ fn write(checkout: &Path, part: &Part, test: &str) -> Result<Exit, Stop> {
         let (list, item) = (list.display(), &part.item);
         Stop::usage(format!("{list}: cannot read its list; add `{item}` by hand"))
     })?;
-    out::write_file(&file, &formatted(&part.text, checkout))?;
+    out::write_file(&file, formatted(&part.text, checkout))?;
     out::write_file(&list, &entered)?;
     let then = match part.file.starts_with("modules/") {
         true => "then document it: cargo run -p mve -- modules --write docs/modules.md\n",
