@@ -40,8 +40,7 @@ pub fn read_plain(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     read_long(path, max_bytes, Control::none())
 }
 
-/// The same of a file that may take long: fails with [`Cancelled`](mve_core::Cancelled) in it when
-/// `control` says so.
+/// The same of a file that may take long: fails with [`Cancelled`] in it when `control` says so.
 pub fn read_long(path: &Path, max_bytes: u64, control: Control) -> io::Result<Vec<u8>> {
     let (mut file, n_bytes) = open_plain(path)?;
     if n_bytes > max_bytes {
