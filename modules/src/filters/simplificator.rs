@@ -11,7 +11,9 @@ use crate::geometry::simplify::collapse::{
     Turns, simplify,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
+use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
+use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
@@ -145,6 +147,16 @@ const WIDE_TURNS: Quantity = Quantity::new(
     "Collapses that turned a face by more than 45 degrees, as they may where flip_angle is off.",
 )
 .titled("wide turns");
+const FOLDED_EDGES: Quantity = Quantity::new(
+    "folded_edges",
+    "Edges of the result whose two faces are folded onto each other, by more than 150 degrees.",
+)
+.titled("folded edges")
+.lower();
+const SLIVERS: Quantity =
+    Quantity::new("slivers", "Faces of the result with an angle of less than 1 degree.")
+        .titled("slivers")
+        .lower();
 const STATISTICS_OUT: Out<Measures> =
     Out::new("statistics", "Counts of the run.").giving(Quantities::Row(&[
         FACES,
@@ -154,6 +166,8 @@ const STATISTICS_OUT: Out<Measures> =
         REJECTED_BY_FLIP,
         REJECTED_BY_BOUNDARY,
         WIDE_TURNS,
+        FOLDED_EDGES,
+        SLIVERS,
     ]));
 
 /// What the working mesh, the queue and the quadrics take for each face, in blocks as well: measured
@@ -230,8 +244,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     let simplified = refitted(io, &mesh, simplified.mesh, n_refits)?;
     warn_of_drift(io, &mesh, &simplified)?;
+    let mut measures = measures(&found);
+    measures.0.extend(faults(&simplified, io.control().part(1.0, 1.0))?);
     io.put(MESH_OUT, simplified);
-    io.put(STATISTICS_OUT, measures(&found));
+    io.put(STATISTICS_OUT, measures);
     Ok(())
 }
 
@@ -346,6 +362,14 @@ fn measures(found: &Statistics) -> Measures {
     ])
 }
 
+/// What the result has that no distance tells.
+fn faults(mesh: &TriMesh, control: Control) -> Result<[Measure; 2], Cancelled> {
+    let adjacency = Adjacency::new(mesh, control)?;
+    let n_folded = n_folded_edges(mesh, &adjacency, control)?;
+    let n_slivers = n_slivers(mesh, control)?;
+    Ok([(FOLDED_EDGES, n_folded), (SLIVERS, n_slivers)].map(|(q, n)| Measure::of(&q, n as f64)))
+}
+
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
@@ -353,6 +377,7 @@ mod tests {
 
     use crate::data::VertexId;
     use crate::geometry::generate::{BoxOptions, subdivided_box};
+    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
@@ -437,5 +462,19 @@ mod tests {
         let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
         let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
         assert!(ends.positions.iter().all(|p| originals.contains(p)));
+    }
+
+    /// Two faces over one edge, turned by 160 degrees, and a face of half a degree at one of them.
+    #[test]
+    fn statistics_count_folds_and_slivers_of_the_result() {
+        let (sin, cos) = f64::to_radians(160.0).sin_cos();
+        let tops = [[0.0, 1.0, 0.0], [0.0, -cos, sin]];
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], tops[0], tops[1], [-0.01, 1.0, 0.0]];
+        let mesh = mesh_of(&points, &[[0, 1, 2], [1, 0, 3], [0, 2, 4]]);
+        let trial = Trial::of(&super::MODULE).input("mesh", mesh).set("ratio", 1.0);
+        let outputs = trial.run().unwrap();
+        let found = outputs["statistics"].get::<Measures>().unwrap();
+        let number = |name: &str| found.0.iter().find(|m| m.name == name).unwrap().value;
+        assert_eq!([number("folded_edges"), number("slivers")], [1.0, 1.0]);
     }
 }
