@@ -229,8 +229,7 @@ pub fn port_table(
             let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
             ui.label(format!("in: {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);
-            let value =
-                link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
+            let value = link.and_then(|link| session.value_out_of(&link.from));
             match (link, value) {
                 (_, Some(value)) => value_label(ui, &value, is_whole),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),

@@ -126,8 +126,9 @@ impl Editor {
                         let port = session.pinned.get_index(place).cloned();
                         wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
                     }
-                    ViewerAction::Keep(edit) => {
-                        wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
+                    ViewerAction::Keep(edits) => {
+                        let edits = edits.into_iter().map(Edit::Keep).collect();
+                        wishes.push(Wish::Canvas(Action::Edit(edits)));
                     }
                     ViewerAction::Say(text) => wishes.push(Wish::Say(text)),
                     // The viewer has done that.

@@ -281,7 +281,6 @@ impl Canvas {
         view.camera
     }
 
-    /// Draws the wires; the one below the pointer, if there is one.
     /// Draws the wires; the one below the pointer, and those to be drawn once more over the nodes:
     /// that one, and those of selected nodes, which can so be followed wherever they go.
     fn wires(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui;
 use egui_plot::Plot;
 use mve_core::Value;
-use mve_modules::data::{Field, TriMesh};
+use mve_modules::data::{Domain, Field, TriMesh};
 use mve_modules::picture::color_map::quantile;
 
 use super::heading::heading;
@@ -22,6 +22,8 @@ pub struct Statistics {
     pub n_finite: usize,
     /// Values that are not finite.
     pub n_other: usize,
+    /// Values of vertices that no face has, which are left out.
+    pub n_isolated: usize,
     /// Lowest, lower quartile, median, upper quartile and highest of the finite values; `None`
     /// without one.
     pub quartiles: Option<[f64; 5]>,
@@ -36,6 +38,17 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Looks at the values of a field over a mesh, but not at those of vertices that no face has:
+    /// these are nowhere on the surface. O(n log n).
+    fn of_field(field: &Field, mesh: Option<&TriMesh>) -> Self {
+        let Some(mesh) = mesh.filter(|_| field.domain == Domain::Vertex) else {
+            return Self::of(&field.values);
+        };
+        let in_faces = field.values.iter().zip(vertices_in_faces(mesh));
+        let seen: Vec<f64> = in_faces.filter(|(_, is_seen)| *is_seen).map(|(v, _)| *v).collect();
+        Self { n_isolated: field.values.len() - seen.len(), ..Self::of(&seen) }
+    }
+
     /// Looks at all values, O(n log n).
     pub fn of(values: &[f64]) -> Self {
         let mut finite: Vec<f64> =
@@ -54,6 +67,7 @@ impl Statistics {
         Self {
             n_finite: finite.len(),
             n_other: values.len() - finite.len(),
+            n_isolated: 0,
             quartiles,
             mean,
             rms: mean_square.sqrt(),
@@ -61,6 +75,17 @@ impl Statistics {
             spread: Spread::of(&finite),
         }
     }
+}
+
+/// Which vertices are corners of faces, O(n).
+pub fn vertices_in_faces(mesh: &TriMesh) -> Vec<bool> {
+    let mut is_in = vec![false; mesh.positions.len()];
+    for vertex in mesh.faces.as_flattened() {
+        if let Some(is_in) = is_in.get_mut(vertex.idx()) {
+            *is_in = true;
+        }
+    }
+    is_in
 }
 
 /// Whether a field belongs to a mesh that is pinned too: then it is seen there.
@@ -100,6 +125,7 @@ impl ValueView for FieldsView {
         // Where the panel is too low for the tables, they are scrolled to.
         egui::ScrollArea::vertical().id_salt("fields").auto_shrink([false, true]).show(ui, |ui| {
             for (place, title, field) in shown.of::<Field>() {
+                let mesh = &shown.all[place].mesh;
                 if heading(ui, title) {
                     actions.push(ViewerAction::Unpin(place));
                 }
@@ -108,7 +134,7 @@ impl ValueView for FieldsView {
                     self.fields.push((title.to_owned(), FieldView::default()));
                     self.fields.len() - 1
                 });
-                self.fields[known].1.show(ui, title, &field, shown.height);
+                self.fields[known].1.show(ui, title, (&field, mesh.as_ref()), shown.height);
             }
         });
         actions
@@ -122,16 +148,22 @@ impl ValueView for FieldsView {
 /// The state of one field on the screen.
 #[derive(Default)]
 struct FieldView {
-    statistics: Memo<Same<Field>, Statistics>,
+    statistics: Memo<(Same<Field>, Option<Same<TriMesh>>), Statistics>,
 }
 
 impl FieldView {
-    /// Shows a field in about so many points of height.
-    fn show(&mut self, ui: &mut egui::Ui, title: &str, field: &Arc<Field>, height: f32) {
+    /// Shows a field over a mesh, if that is known, in about so many points of height.
+    fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        title: &str,
+        (field, mesh): (&Arc<Field>, Option<&Arc<TriMesh>>),
+        height: f32,
+    ) {
         let top = ui.cursor().top();
-        let job = Arc::clone(field);
-        let key = Same(Arc::clone(field));
-        self.statistics.want(ui.ctx(), key, move || Statistics::of(&job.values));
+        let job = (Arc::clone(field), mesh.cloned());
+        let key = (Same(Arc::clone(field)), mesh.cloned().map(Same));
+        self.statistics.want(ui.ctx(), key, move || Statistics::of_field(&job.0, job.1.as_deref()));
         let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };
         ui.strong(format!("{}{unit}", field.name));
         let elements = many_of(field.domain);
@@ -161,6 +193,9 @@ fn table(ui: &mut egui::Ui, title: &str, statistics: &Statistics) {
     if statistics.n_other > 0 {
         rows.push(("not finite", count_text(statistics.n_other)));
     }
+    if statistics.n_isolated > 0 {
+        rows.push(("in no face, left out", count_text(statistics.n_isolated)));
+    }
     egui::Grid::new(("statistics", title)).striped(true).show(ui, |ui| {
         for (name, value) in rows {
             ui.label(name);
@@ -183,5 +218,18 @@ mod tests {
         assert!((found.deviation - 1.25f64.sqrt()).abs() < 1e-15);
         assert_eq!(Statistics::of(&[]).quartiles, None);
         assert_eq!(Statistics::of(&[f64::NAN]).n_other, 1);
+    }
+
+    #[test]
+    fn vertices_in_no_face_do_not_count() {
+        let (name, unit, domain) = (String::new(), String::new(), Domain::Vertex);
+        let field = Field { name, unit, domain, values: vec![1.0, 900.0, 2.0, 3.0] };
+        let points = [[0.0; 3], [9.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = mve_modules::mesh::fixtures::mesh_of(&points, &[[0, 2, 3]]);
+        let found = Statistics::of_field(&field, Some(&mesh));
+        assert_eq!((found.n_finite, found.n_isolated, found.mean), (3, 1, 2.0));
+        let of_faces = Field { domain: Domain::Face, ..field.clone() };
+        assert_eq!(Statistics::of_field(&of_faces, Some(&mesh)).n_finite, 4);
+        assert_eq!(Statistics::of_field(&field, None).n_finite, 4);
     }
 }

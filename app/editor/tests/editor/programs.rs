@@ -3,7 +3,6 @@
 //!
 //! With `MVE_PICTURES=<folder>` the tests leave pictures of the panel there.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -64,12 +63,13 @@ impl Bench {
         let scene = ProgramScene {
             map: &self.map,
             folder: self.output_folder.clone(),
-            map_file: "box.json".to_owned(),
+            map_file: Some(Path::new("box.json")),
             registry: &self.registry,
             output_folder: &self.output_folder,
-            counts: HashMap::new(),
+            counts: Box::new(|_| Vec::new()),
         };
         let actions = ask(&mut self.panel, &scene);
+        drop(scene);
         for action in &actions {
             let map = Arc::make_mut(&mut self.map);
             match action.clone() {

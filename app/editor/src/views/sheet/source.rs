@@ -92,8 +92,13 @@ impl SheetMaker {
         source: &Source,
         domain: Domain,
     ) -> Arc<Sheet> {
-        let counts = source.mesh().filter(|_| domain == Domain::Vertex);
-        let counts = counts.and_then(|mesh| self.counts(context, mesh));
+        let counts = match source.mesh() {
+            Some(mesh) if domain == Domain::Vertex => self.counts(context, mesh),
+            _ => {
+                self.counts.take_in();
+                None
+            }
+        };
         let same = |(title, field): &TitledField| (title.clone(), Same(Arc::clone(field)));
         let fields = match source {
             Source::Mesh(_, _, fields) => fields.iter().map(same).collect(),

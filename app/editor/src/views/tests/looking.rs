@@ -220,11 +220,11 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     harness.get_by_label_contains("Click the second point");
     click(&mut harness, places[1]);
     harness.get_by_label_contains("Click the first point");
-    let Some(ViewerAction::Keep(edit)) = harness.state_mut().action.take() else {
+    let Some(ViewerAction::Keep(edits)) = harness.state_mut().action.take() else {
         panic!("{:?}", harness.state().action)
     };
-    let KeptEdit::Put { shelf: Shelf::Distances, name, content } = &edit else {
-        panic!("{edit:?}")
+    let [edit @ KeptEdit::Put { shelf: Shelf::Distances, name, content }] = edits.as_slice() else {
+        panic!("{edits:?}")
     };
     assert_eq!(name, "distance 1");
     let expected = r#"{"ends":[[-1.0,-1.0,0.0],[1.0,1.0,0.0]],"of":"a.mesh"}"#;
@@ -232,7 +232,7 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     assert_eq!(content, &expected);
     assert_eq!(harness.state().viewer.picked, None, "the tool takes the clicks");
     let mut kept = Kept::default();
-    kept.edit(&edit).unwrap();
+    kept.edit(edit).unwrap();
     harness.state_mut().viewer.meshes.set_kept(&kept);
     harness.key_press(egui::Key::Escape);
     settle(&mut harness);
@@ -253,7 +253,7 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     harness.get_by_label("Remove distance 1").click();
     settle(&mut harness);
     let remove = KeptEdit::Remove { shelf: Shelf::Distances, name: "distance 1".to_owned() };
-    assert_eq!(harness.state().action, Some(ViewerAction::Keep(remove)));
+    assert_eq!(harness.state().action, Some(ViewerAction::Keep(vec![remove])));
 }
 
 #[test]

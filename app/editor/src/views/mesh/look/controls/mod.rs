@@ -40,6 +40,8 @@ pub struct Offers {
     pub views: Vec<(String, NamedView)>,
     /// The box around all, once it is known.
     pub bounds: Option<Bounds>,
+    /// Whether meshes side by side have one scale and place.
+    pub is_one_scale: bool,
 }
 
 impl Offers {
@@ -233,6 +235,13 @@ fn comparison(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
         ui.selectable_value(&mut settings.arrangement, value, label).on_hover_text(tip);
     }
     if settings.arrangement == Arrangement::SideBySide {
+        let mut is_one_scale = offers.is_one_scale;
+        let switch = ui.toggle_value(&mut is_one_scale, "One scale");
+        let tip = "Meshes in one scale and place; else each fills its picture, and its caption \
+                   says how large it is";
+        if switch.on_hover_text(tip).changed() {
+            settings.is_one_scale = Some(is_one_scale);
+        }
         return;
     }
     make_room(ui, 190.0);

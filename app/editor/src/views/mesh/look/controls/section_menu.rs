@@ -37,7 +37,8 @@ pub fn section_controls(
     for (response, name) in [(&slider, "slider of the plane"), (&field, "offset of the plane")] {
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
     }
-    if slider.on_hover_text(tip).changed() || field.on_hover_text(tip).changed() {
+    let is_moved = slider.on_hover_text(tip).changed() | field.on_hover_text(tip).changed();
+    if is_moved && offset.is_finite() {
         section.offset = Some(offset);
     }
     if ui.button("Flip").on_hover_text("Cut the other side away (F)").clicked() {
