@@ -1,9 +1,12 @@
 //! Forms of parameters, drawn from their declarations alone.
 
 mod field;
+mod paths;
 mod points;
 mod suggest;
 mod widgets;
+
+use std::path::Path;
 
 use eframe::egui::{self, RichText, Ui};
 pub use field::{CELL_WIDTH, FieldPlace, ParamField};
@@ -52,6 +55,8 @@ pub struct Form<'a> {
     pub link_of: &'a dyn Fn(&str) -> Option<String>,
     /// How many of a unit there are in the inputs of the node.
     pub counts: &'a [(&'static str, usize)],
+    /// The folder that paths are relative to.
+    pub folder: &'a Path,
 }
 
 impl Form<'_> {
@@ -101,7 +106,9 @@ impl Form<'_> {
             }
             let place = FieldPlace::Row;
             let suggested = halves(spec, self.counts, 1).pop();
-            let mut field = ParamField { spec, name, path, given, place, suggested, events };
+            let folder = Some(self.folder);
+            let mut field =
+                ParamField { spec, name, path, given, place, suggested, folder, events };
             if spec.can_be_off {
                 field.switch(ui);
             }

@@ -78,6 +78,7 @@ fn several(
             wants_focus: false,
             link_of: &from_link,
             counts: &[],
+            folder: &session.folder(),
         };
         for event in form.show(ui, info.module.params) {
             wishes.push(Wish::Canvas(match event {
@@ -196,6 +197,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             wants_focus: false,
             link_of: &from_link,
             counts: &session.counts(name),
+            folder: &session.folder(),
         };
         let events = form.show(ui, module.params);
         wishes.extend(

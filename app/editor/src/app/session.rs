@@ -78,8 +78,7 @@ impl Session {
 
     /// The folder that the map's input paths are relative to.
     pub fn folder(&self) -> PathBuf {
-        let parent = self.document.path().and_then(Path::parent);
-        parent.map_or_else(PathBuf::new, Path::to_owned)
+        self.document.folder()
     }
 
     /// The panel of its programs, and what it shows.

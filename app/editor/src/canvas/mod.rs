@@ -204,7 +204,8 @@ impl Canvas {
         self.view = Some(view);
 
         let painter = ui.painter_at(screen);
-        let brush = Brush { painter: &painter, view, palette: Palette::of(ui.visuals()) };
+        let brush =
+            Brush { painter: &painter, view, palette: Palette::of(ui.visuals(), view.camera.zoom) };
         brush.background();
         self.frames_and_notes(ui, &brush, scene, &mut actions);
         let (hovered_wire, over) = self.wires(ui, &brush, &back, scene);

@@ -19,6 +19,7 @@ mod paste;
 mod paths;
 mod programs;
 mod rename;
+mod route;
 mod transaction;
 
 use std::cell::OnceCell;
@@ -158,6 +159,11 @@ impl Document {
     /// The map's file.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
+    }
+
+    /// The folder that the map's input paths are relative to.
+    pub fn folder(&self) -> PathBuf {
+        self.path().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned)
     }
 
     /// The text of the map's file, as it would be saved.

@@ -233,12 +233,13 @@ mod tests {
         let key = |n: usize| (Fingerprint::of(&n.to_le_bytes()), "mesh".to_owned());
         let frame = |thumbnails: &mut Thumbnails, seen: std::ops::Range<usize>| {
             let mut n_awaited = 0;
-            let _ = context.run_ui(Default::default(), |_| {
+            let mut output = context.run_ui(Default::default(), |_| {
                 let is_awaited = |n: &usize| {
                     matches!(thumbnails.of(&context, key(*n), &nothing), Thumbnail::Awaited)
                 };
                 n_awaited = seen.clone().filter(is_awaited).count();
             });
+            output.textures_delta.clear();
             n_awaited
         };
         // More than are kept beside those in sight: all of them are made once, and stay.

@@ -36,7 +36,8 @@ pub fn field(
     let (mut events, place) = (Vec::new(), FieldPlace::Cell);
     let name = name.to_owned();
     let suggested = halves(spec, counts, 1).pop();
-    ParamField { spec, name, path: "", given: Some(value), place, suggested, events: &mut events }
+    let (path, given, folder, events_of) = ("", Some(value), None, &mut events);
+    ParamField { spec, name, path, given, place, suggested, folder, events: events_of }
         .show(ui, id);
     events.into_iter().find_map(|event| match event {
         FormEvent::Set { value, .. } => value,

@@ -109,8 +109,6 @@ pub struct MeshScene<'a> {
     pub responses: &'a [egui::Response],
     /// From where each picture is seen; none without a mesh that can be drawn.
     pub viewpoints: &'a [Viewpoint],
-    /// Whether each mesh is seen in a scale of its own.
-    pub is_each_fitted: bool,
     /// What is shown and how.
     pub settings: &'a mut MeshSettings,
     /// The space for a color bar, where numbers color a mesh.

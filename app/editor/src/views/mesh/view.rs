@@ -306,9 +306,8 @@ impl MeshView {
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
-        for tile in &mut tiles {
-            tile.rect = tile.rect.round_to_pixels(ui.pixels_per_point());
-        }
+        let points = ui.pixels_per_point();
+        tiles.iter_mut().for_each(|tile| tile.rect = tile.rect.round_to_pixels(points));
         let is_overlaid = self.settings.arrangement != Arrangement::SideBySide && tiles.len() == 2;
         let bounds = self.bounds();
         let responses = responses(ui, meshes, &tiles, is_overlaid);
@@ -318,16 +317,15 @@ impl MeshView {
             }
             _ => Moved::default(),
         };
-        let is_each = is_each_fitted(&self.settings, &self.items);
-        let mut viewpoints_of_tiles = Vec::new();
+        let mut seen_from = Vec::new();
         if let Some(bounds) = &bounds {
             self.color_table(gpu);
             // Pictures made by the processor are rougher in motion, and made well at rest.
             let is_moving = self.is_in_motion(ui, &responses, moved.is_moving);
             let is_rough = is_moving && gpu.is_software() && self.still.is_none();
             let samples = if is_rough { 1 } else { FINE };
-            viewpoints_of_tiles = viewpoints(&tiles, &self.items, (self.camera, *bounds), is_each);
-            self.draw(ui, gpu, (&tiles, &viewpoints_of_tiles), range, samples);
+            seen_from = viewpoints(&tiles, &self.items, &self.settings, (self.camera, *bounds));
+            self.draw(ui, gpu, (&tiles, &seen_from), range, samples);
         }
         let plane = self.plane();
         let mut scene = MeshScene {
@@ -335,8 +333,7 @@ impl MeshView {
             items: &self.items,
             tiles: &tiles,
             responses: &responses,
-            viewpoints: &viewpoints_of_tiles,
-            is_each_fitted: is_each,
+            viewpoints: &seen_from,
             settings: &mut self.settings,
             bar,
             values: &values,

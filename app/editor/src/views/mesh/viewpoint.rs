@@ -35,9 +35,10 @@ pub fn is_each_fitted(settings: &MeshSettings, items: &[MeshItem]) -> bool {
 pub fn viewpoints(
     tiles: &[Tile],
     items: &[MeshItem],
+    settings: &MeshSettings,
     (camera, bounds): (Camera, Bounds),
-    is_each_fitted: bool,
 ) -> Vec<Viewpoint> {
+    let is_each_fitted = is_each_fitted(settings, items);
     let of_tile = |tile: &Tile| {
         let own = items[tile.item].bounds().filter(|_| is_each_fitted);
         let own = own.unwrap_or(bounds);

@@ -480,3 +480,7 @@ impl SheetView {
 fn counted_rows(n: usize) -> String {
     format!("{} {}", count_text(n), if n == 1 { "row" } else { "rows" })
 }
+
+#[cfg(test)]
+#[path = "view_tests.rs"]
+mod tests;

@@ -33,10 +33,7 @@ fn click(harness: &mut Harness<Shown>, at: egui::Pos2) {
     harness.drop_at(at);
     harness.step();
     // The answer comes from a thread.
-    for _ in 0..20 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        harness.step();
-    }
+    settle(harness);
 }
 
 /// How many pixels of the picture a color has, about.
@@ -187,6 +184,12 @@ fn a_click_picks_an_element_that_is_read_copied_and_named_by_its_number() {
     // Another number is gone to.
     harness.get_by_label("face").click();
     settle(&mut harness);
+    assert_eq!(picked(&harness), of(Domain::Face, 2), "the first face around the vertex");
+    harness.get_by_label("vertex").click();
+    settle(&mut harness);
+    assert_eq!(picked(&harness), of(Domain::Vertex, 4), "its first vertex");
+    harness.get_by_label("face").click();
+    settle(&mut harness);
     let number = harness.get_by_label("number of the element");
     number.click();
     settle(&mut harness);
@@ -204,6 +207,68 @@ fn a_click_picks_an_element_that_is_read_copied_and_named_by_its_number() {
     click(&mut harness, rect.left_top() + egui::vec2(6.0, 60.0));
     assert_eq!(picked(&harness), None);
     assert!(harness.query_by_label("of a.mesh").is_none(), "it is read no longer");
+}
+
+#[test]
+fn a_vertex_that_is_cut_away_is_not_picked() {
+    let mut harness = front(red_and_green());
+    let at = place_of(&harness, "a.mesh", DVec3::new(0.97, 0.97, 0.0));
+    let picked = |harness: &Harness<Shown>| {
+        harness.state().viewer.picked.clone().map(|picked| (picked.domain, picked.index))
+    };
+    click(&mut harness, at);
+    assert_eq!(picked(&harness), Some((Domain::Vertex, 6)));
+    let section = &mut harness.state_mut().viewer.meshes.settings.section;
+    (section.is_on, section.normal, section.offset) = (true, DVec3::X, Some(0.98));
+    settle(&mut harness);
+    click(&mut harness, at);
+    assert!(matches!(picked(&harness), Some((Domain::Face, 2 | 3))), "{:?}", picked(&harness));
+}
+
+#[test]
+fn what_is_known_of_an_element_covers_nothing_beside_its_picture() {
+    let mut harness = front(red_and_green());
+    let at = place_of(&harness, "a.mesh", DVec3::new(-0.2, 0.2, 1.0));
+    for height in [300.0, 170.0, 120.0] {
+        harness.set_size(egui::vec2(400.0, height));
+        settle(&mut harness);
+        if harness.state().viewer.picked.is_none() {
+            click(&mut harness, at);
+        }
+        let picture = harness.get_by_label_contains("3D view of a.mesh").rect();
+        let shown = harness.get_by_label("of a.mesh").rect();
+        assert!(picture.contains_rect(shown), "{height}: {shown} is not within {picture}");
+    }
+}
+
+#[test]
+fn meshes_of_unlike_size_fill_a_picture_each() {
+    let mut large = cube(DVec3::ZERO);
+    large.positions.iter_mut().for_each(|point| *point *= 1000.0);
+    let list =
+        vec![pinned("a.mesh", Value::new(cube(DVec3::ZERO))), pinned("b.mesh", Value::new(large))];
+    let render = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let mut harness = harness_with(list, render, egui::vec2(900.0, 400.0));
+    settle(&mut harness);
+    // Half of the diagonal of each picture is seen in one place of it.
+    harness.get_by_label_contains("diagonal 1.73205");
+    harness.get_by_label_contains("diagonal 1732.05");
+    let gray = |image: &RgbaImage| {
+        let left = image::imageops::crop_imm(image, 0, 60, 440, 300).to_image();
+        count(&left, |r, g, b| r > 100 && (r - g).abs() < 12 && (g - b).abs() < 12)
+    };
+    let each = gray(&picture(&mut harness));
+    // A click meets the small one in its own picture.
+    let rect = harness.get_by_label_contains("3D view of a.mesh").rect();
+    click(&mut harness, rect.center());
+    let picked = harness.state().viewer.picked.clone().unwrap();
+    assert_eq!(picked.title, "a.mesh");
+    harness.state_mut().viewer.picked = None;
+    harness.get_by_label("One scale").click();
+    settle(&mut harness);
+    assert!(harness.query_by_label_contains("diagonal").is_none());
+    let one = gray(&picture(&mut harness));
+    assert!(each > 10_000 && one < each / 20, "{each} {one}");
 }
 
 #[test]

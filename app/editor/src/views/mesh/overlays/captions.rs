@@ -8,6 +8,7 @@ use crate::views::heading;
 use crate::views::mesh::item::{MeshItem, Undrawable};
 use crate::views::mesh::outline::outline_color;
 use crate::views::mesh::scene::MeshScene;
+use crate::views::mesh::viewpoint::is_each_fitted;
 use crate::views::number::{counted, number_text};
 
 /// The overlay of names and counts, each with a button to unpin the mesh.
@@ -16,6 +17,7 @@ pub struct Captions;
 
 impl Overlay for Captions {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
+        let is_each_fitted = is_each_fitted(scene.settings, scene.items);
         for (at, tile) in scene.tiles.iter().enumerate() {
             let mesh = &scene.meshes[tile.item];
             let mut rect = tile.rect;
@@ -29,7 +31,7 @@ impl Overlay for Captions {
                 let mark = Rect::from_min_size(rect.min + vec2(0.0, 5.0), vec2(4.0, 20.0));
                 ui.painter_at(rect).rect_filled(mark, 0.0, Color32::from_rgb(r, g, b));
             }
-            let text = caption(&mesh.title, &scene.items[tile.item], scene.is_each_fitted);
+            let text = caption(&mesh.title, &scene.items[tile.item], is_each_fitted);
             if heading::caption(ui, rect, &text, (!scene.is_still).then_some(&*mesh.title)) {
                 scene.actions.push(ViewerAction::Unpin(mesh.place));
             }
