@@ -63,7 +63,9 @@ fn several(
         let (mut given, mut differing) = (JsonMap::new(), Vec::new());
         for spec in info.module.params.iter().filter(|spec| !linked(spec.name)) {
             match same(spec.name) {
-                Some(value) => given.extend(value.map(|v| (spec.name.to_owned(), v.clone()))),
+                Some(value) => {
+                    given.extend(value.map(|value| (spec.name.to_owned(), value.clone())))
+                }
                 None => differing.push(spec.name.replace('_', " ")),
             }
         }

@@ -209,7 +209,7 @@ impl Session {
         let kind = mesh
             .or(largest)
             .filter(|(_, value)| value.scalar().is_none())
-            .map(|(_, v)| v.data_type());
+            .map(|(_, value)| value.data_type());
         let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
         let best = best.map(|(port, _)| port.clone());
         if best.is_some() {
@@ -278,7 +278,9 @@ impl Session {
         let map = self.document.map();
         let is_there = |port: &PortRef| {
             let module = map.nodes.get(&port.node).and_then(|node| registry.find(&node.module));
-            module.is_some_and(|info| info.module.outputs.iter().any(|o| o.name == port.port))
+            module.is_some_and(|info| {
+                info.module.outputs.iter().any(|output| output.name == port.port)
+            })
         };
         let all = self.pinned.drain(..).chain(self.lost_pins.drain(..));
         (self.pinned, self.lost_pins) = all.partition(is_there);

@@ -45,7 +45,8 @@ impl Statistics {
             return Self::of(&field.values);
         };
         let in_faces = field.values.iter().zip(vertices_in_faces(mesh));
-        let seen: Vec<f64> = in_faces.filter(|(_, is_seen)| *is_seen).map(|(v, _)| *v).collect();
+        let seen: Vec<f64> =
+            in_faces.filter(|(_, is_seen)| *is_seen).map(|(value, _)| *value).collect();
         Self { n_isolated: field.values.len() - seen.len(), ..Self::of(&seen) }
     }
 

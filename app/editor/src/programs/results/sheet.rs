@@ -242,7 +242,8 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     // What the program names stands first, then what modules declare as chief, then the outputs of
     // nodes that compare, which need more than one link; outputs of one node stand together, in the
     // order in which nodes run.
-    let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
+    let nodes: Vec<_> =
+        times.iter().filter(|(_, phase)| phase.is_none()).map(|(node, _)| *node).collect();
     let rank = |node: &String| nodes.iter().position(|known| *known == node);
     let urgency = |name: &str| {
         let report = &program.report;

@@ -290,7 +290,7 @@ impl ProgramPanel {
         Pace {
             left: ids.len() - records.len(),
             ended: records.iter().map(|record| record.seconds).collect(),
-            running: self.running.values().map(|s| s.since.elapsed().as_secs_f64()).collect(),
+            running: self.running.values().map(|step| step.since.elapsed().as_secs_f64()).collect(),
             jobs: if job.how.sharing == Sharing::Timing { 1 } else { job.how.jobs },
         }
     }

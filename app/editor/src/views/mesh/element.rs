@@ -76,7 +76,8 @@ pub fn place_of(mesh: &TriMesh, element: &PickedElement) -> Option<(DVec3, DVec3
     };
     let towards = match vertex_of(mesh, element) {
         Some(vertex) => {
-            let around = mesh.faces.iter().filter(|face| face.iter().any(|v| v.idx() == vertex));
+            let around =
+                mesh.faces.iter().filter(|face| face.iter().any(|corner| corner.idx() == vertex));
             around.filter_map(area).sum()
         }
         None => area(mesh.faces.get(element.index)?)?,

@@ -29,7 +29,7 @@ impl Source {
             let fitting = fields.iter().filter(|field| fits(&mesh, field)).cloned().collect();
             Self::Mesh(title, mesh, fitting)
         };
-        let alone = fields.iter().filter(|field| !meshes.iter().any(|(_, m)| fits(m, field)));
+        let alone = fields.iter().filter(|field| !meshes.iter().any(|(_, mesh)| fits(mesh, field)));
         let alone: Vec<_> =
             alone.cloned().map(|(title, field)| Self::Field(title, field)).collect();
         meshes.iter().cloned().map(mesh).chain(alone).collect()

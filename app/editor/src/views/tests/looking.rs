@@ -75,7 +75,7 @@ fn a_plane_cuts_away_what_is_before_it_and_a_flip_what_is_behind() {
 
 fn shifted(by: f64) -> TriMesh {
     let mut mesh = cube(DVec3::ZERO);
-    mesh.positions.iter_mut().for_each(|p| p.x += by);
+    mesh.positions.iter_mut().for_each(|point| point.x += by);
     mesh
 }
 
@@ -218,6 +218,7 @@ fn a_vertex_that_is_cut_away_is_not_picked() {
     };
     click(&mut harness, at);
     assert_eq!(picked(&harness), Some((Domain::Vertex, 6)));
+    harness.state_mut().viewer.picked = None;
     let section = &mut harness.state_mut().viewer.meshes.settings.section;
     (section.is_on, section.normal, section.offset) = (true, DVec3::X, Some(0.98));
     settle(&mut harness);

@@ -108,12 +108,13 @@ impl Picked {
         let area = egui::Area::new(ui.id().with("picked element")).order(egui::Order::Middle);
         let area = area.pivot(Align2::RIGHT_BOTTOM).fixed_pos(rect.right_bottom() - vec2(8.0, 8.0));
         area.show(ui.ctx(), |ui| {
-            // What is beside the picture is not to be covered, however small that is.
+            // Some of the picture stays in sight, and all that is beside it.
             ui.set_clip_rect(ui.clip_rect().intersect(rect));
             egui::Frame::popup(ui.style()).show(ui, |ui| {
-                let room = (rect.size() - vec2(32.0, 32.0)).max(vec2(40.0, 24.0));
+                let room = (rect.size() * vec2(0.7, 0.6) - vec2(0.0, 12.0)).max(vec2(40.0, 20.0));
                 ui.set_max_width(room.x.min(420.0));
                 let all = egui::ScrollArea::vertical().max_height(room.y.min(300.0));
+                let all = all.min_scrolled_height(20.0);
                 all.show(ui, |ui| {
                     ui.horizontal_wrapped(|ui| self.naming(ui, scene, mesh, &picked));
                     ui.horizontal_wrapped(|ui| buttons(ui, scene, (mesh, &picked), &facts));

@@ -20,7 +20,8 @@ pub fn section_controls(
     let section = &mut settings.section;
     let shown = menu(ui, "Section", |ui| section_menu(ui, section, camera, offers));
     shown.on_hover_text("Cut the meshes by a plane (X)");
-    let Some((bounds, plane)) = offers.bounds.and_then(|b| Some((b, section.plane(&b)?))) else {
+    let Some((bounds, plane)) = offers.bounds.and_then(|all| Some((all, section.plane(&all)?)))
+    else {
         return;
     };
     make_room(ui, 290.0);
