@@ -92,10 +92,12 @@ impl Form<'_> {
             } else {
                 ui.visuals().text_color()
             };
-            let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+            // Paths are long: they get the room that their names leave.
+            let width = if spec.input_file().is_some() { 0.5 * NAME_WIDTH } else { NAME_WIDTH };
+            let size = egui::vec2(width, ui.spacing().interact_size.y);
             let left = egui::Layout::left_to_right(egui::Align::Center);
             ui.allocate_ui_with_layout(size, left, |ui| {
-                ui.set_min_width(NAME_WIDTH);
+                ui.set_min_width(width);
                 let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
                 ui.add(label).on_hover_text(doc_of(spec));
             });

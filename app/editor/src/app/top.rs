@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
 use mve_modules::data::TriMesh;
 
+use super::panels::NARROW;
 use super::{Command, Editor, Lower, Middle, Session, Theme, Wish};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
@@ -252,8 +253,12 @@ impl Editor {
                 self.lower = lower;
             }
         }
-        ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
-            .on_hover_text("All about the selected node, beside the canvas");
+        let has_room = ui.ctx().content_rect().width() >= NARROW;
+        ui.add_enabled_ui(has_room, |ui| {
+            ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
+                .on_hover_text("All about the selected node, beside the canvas")
+                .on_disabled_hover_text("The window is too narrow for it");
+        });
         if let Some(progress) = progress {
             let share = progress.working.as_ref().map_or(0.0, |(_, share)| *share);
             let bar = ProgressBar::new(share as f32).text(progress_text(&progress));

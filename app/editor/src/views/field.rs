@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui;
-use egui_plot::Plot;
+use egui_plot::{AxisHints, Plot};
 use mve_core::Value;
 use mve_modules::data::{Domain, Field, TriMesh};
 use mve_modules::picture::color_map::quantile;
@@ -176,7 +176,7 @@ impl FieldView {
         table(ui, title, &statistics);
         let plot = Plot::new(("field histogram", title))
             .x_axis_label(format!("{}{unit}", field.name))
-            .y_axis_label(elements)
+            .custom_y_axes(vec![AxisHints::new_y().label(elements).label_spacing(14.0..=28.0)])
             .height((height - (ui.cursor().top() - top)).clamp(80.0, 400.0));
         plot.show(ui, |plot| plot.bar_chart(statistics.spread.chart(&field.name)));
     }

@@ -168,8 +168,9 @@ impl ProgramPanel {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
             let store = scene.store_folder(name);
-            let report = button_if(ui, self.has_results() || store.is_dir(), "Open report", "Open report", "nothing has run yet");
-            if report.clicked() {
+            let (name, why) = ("Open report", "nothing has run yet");
+            let has_report = self.has_results() || store.is_dir();
+            if button_if(ui, has_report, name, name, why).clicked() {
                 self.open_report(store);
             }
         });
@@ -187,9 +188,10 @@ impl ProgramPanel {
             (true, _) => "all steps are done",
         };
         let is_resumed = n_todo > 0 && n_todo < self.sheet.rows.len();
-        let text = if is_resumed { "\u{25b6} Resume" } else { "\u{25b6} Run" };
-        let name = if is_resumed { "Resume" } else { "Run" };
-        if button_if(ui, is_sound && has_work, text, name, why).clicked() {
+        // Beside it there is the button that runs the map as it is.
+        let name = if is_resumed { "Resume" } else { "Run steps" };
+        let text = format!("\u{25b6} {name}");
+        if button_if(ui, is_sound && has_work, &text, name, why).clicked() {
             self.run(scene, Retry::Nothing);
         }
         if n_failed > 0 {

@@ -230,16 +230,19 @@ fn a_vertex_that_is_cut_away_is_not_picked() {
 fn what_is_known_of_an_element_covers_nothing_beside_its_picture() {
     let mut harness = front(red_and_green());
     let at = place_of(&harness, "a.mesh", DVec3::new(-0.2, 0.2, 1.0));
-    for height in [300.0, 170.0, 120.0] {
-        harness.set_size(egui::vec2(400.0, height));
+    click(&mut harness, at);
+    for size in [[400.0, 300.0], [400.0, 170.0], [220.0, 200.0]] {
+        harness.set_size(size.into());
         settle(&mut harness);
-        if harness.state().viewer.picked.is_none() {
-            click(&mut harness, at);
-        }
         let picture = harness.get_by_label_contains("3D view of a.mesh").rect();
-        let shown = harness.get_by_label("of a.mesh").rect();
-        assert!(picture.contains_rect(shown), "{height}: {shown} is not within {picture}");
+        for name in ["number of the element", "face", "vertex", "Go to it"] {
+            let shown = harness.get_by_label(name).rect();
+            assert!(picture.contains_rect(shown), "{size:?} {name}: {shown} in {picture}");
+        }
     }
+    harness.set_size(egui::vec2(140.0, 200.0));
+    settle(&mut harness);
+    assert!(harness.query_by_label("of a.mesh").is_none());
 }
 
 #[test]

@@ -25,6 +25,9 @@ pub struct Picked {
     wants_focus: bool,
 }
 
+/// Width and height of a picture below which there is no room for what is known.
+const LEAST: egui::Vec2 = vec2(150.0, 100.0);
+
 /// Stands out from all color scales.
 const MARK: Color32 = Color32::from_rgb(255, 235, 60);
 
@@ -52,7 +55,10 @@ impl Overlay for Picked {
         match (shown, scene.meshes.first()) {
             (Some((picked, mesh, rect, camera)), _) => {
                 paint_mark(ui, &Screen { rect }, &camera, (&mesh, &picked));
-                self.read_out(ui, rect, scene, (&mesh, picked));
+                // In a picture that is too small for it, it would hide all there is.
+                if rect.width() >= LEAST.x && rect.height() >= LEAST.y {
+                    self.read_out(ui, rect, scene, (&mesh, picked));
+                }
             }
             (None, Some(first)) if scene.is_number && !first.mesh.positions.is_empty() => {
                 let (title, domain) = (first.title.clone(), Domain::Vertex);
@@ -111,10 +117,10 @@ impl Picked {
             // Some of the picture stays in sight, and all that is beside it.
             ui.set_clip_rect(ui.clip_rect().intersect(rect));
             egui::Frame::popup(ui.style()).show(ui, |ui| {
-                let room = (rect.size() * vec2(0.7, 0.6) - vec2(0.0, 12.0)).max(vec2(40.0, 20.0));
+                let room = (rect.size() - vec2(32.0, 16.0)) * vec2(1.0, 0.6);
                 ui.set_max_width(room.x.min(420.0));
-                let all = egui::ScrollArea::vertical().max_height(room.y.min(300.0));
-                let all = all.min_scrolled_height(20.0);
+                let all = egui::ScrollArea::both().max_height(room.y.min(300.0));
+                let all = all.max_width(room.x.min(420.0)).min_scrolled_height(20.0);
                 all.show(ui, |ui| {
                     ui.horizontal_wrapped(|ui| self.naming(ui, scene, mesh, &picked));
                     ui.horizontal_wrapped(|ui| buttons(ui, scene, (mesh, &picked), &facts));

@@ -83,7 +83,7 @@ pub fn controls(
     offers: &Offers,
 ) -> Wishes {
     let mut wishes = Wishes::default();
-    ui.horizontal_wrapped(|ui| {
+    let row = |ui: &mut egui::Ui| {
         if ui.button("Fit").on_hover_text("Show all of it (R, or double click)").clicked() {
             wishes.is_fit = true;
         }
@@ -107,9 +107,20 @@ pub fn controls(
         if offers.titles.len() > 1 {
             comparison(ui, settings, offers);
         }
-    });
+    };
+    // In a low panel several rows would leave nothing for the pictures: one is scrolled then.
+    match ui.available_height() < LOW {
+        true => {
+            let area = egui::ScrollArea::horizontal().id_salt("row of controls");
+            area.show(ui, |ui| ui.horizontal(row));
+        }
+        false => drop(ui.horizontal_wrapped(row)),
+    }
     wishes
 }
+
+/// Height of a panel in points below which its controls have one row.
+const LOW: f32 = 240.0;
 
 /// A menu that stays open until something else is clicked: what it holds are settings.
 pub fn menu(ui: &mut egui::Ui, label: &str, content: impl FnOnce(&mut egui::Ui)) -> egui::Response {
