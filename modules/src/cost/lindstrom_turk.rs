@@ -32,6 +32,10 @@ impl Cost for LindstromTurk {
         }
     }
 
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
+    }
+
     fn reach(&self) -> Reach {
         Reach::NEIGHBORS
     }

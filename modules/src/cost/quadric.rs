@@ -64,6 +64,10 @@ impl Cost for Quadric {
         }
     }
 
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
+    }
+
     fn is_patient(&self) -> bool {
         true
     }

@@ -7,7 +7,7 @@ use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Blocked, Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, Turns, simplify,
+    Blocked, Boundary, Outcome, Schedule, Seams, SimplifyOptions, Statistics, Stop, Turns, simplify,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
@@ -31,6 +31,19 @@ impl Enumeration for Seams {
         ("Free", "Seams hold nothing up; the texture may be pulled across them."),
     ];
     const VALUES: &'static [Self] = &[Self::Kept, Self::Free];
+}
+
+impl Enumeration for Schedule {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Greedy", "Of all collapses the cheapest is made first."),
+        (
+            "Blocks",
+            "Blocks of a large mesh are simplified side by side on all cores, all up to the same \
+             price; then the cheapest is made first. Needs a number of faces and a cost that looks \
+             no farther than the faces around.",
+        ),
+    ];
+    const VALUES: &'static [Self] = &[Self::Greedy, Self::Blocks];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -61,6 +74,8 @@ const BOUNDARY: Param<Boundary> =
     Param::one_of("boundary", "What may happen to borders.", "Weighted");
 const SEAMS: Param<Seams> =
     Param::one_of("seams", "What may happen to seams of texture coordinates.", "Kept");
+const ORDER: Param<Schedule> =
+    Param::one_of("order", "In which order collapses are made.", "Blocks");
 const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
     "flip_angle",
     "No collapse turns a face by more than this; at 180 faces may turn over and fold. Off: 45 \
@@ -147,6 +162,7 @@ pub static MODULE: Module = Module {
         PLACEMENT.spec(),
         BOUNDARY.spec(),
         SEAMS.spec(),
+        ORDER.spec(),
         FLIP_ANGLE.spec(),
         SLIVER_ANGLE.spec(),
         WELD.spec(),
@@ -171,6 +187,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
         boundary: io.param(BOUNDARY)?,
         seams: io.param(SEAMS)?,
+        order: io.param(ORDER)?,
         turns: turns(io.param(FLIP_ANGLE)?),
         sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
@@ -206,7 +223,7 @@ fn refitted(
         return Ok(mesh);
     }
     io.reserve(needs(&mesh, input))?;
-    let options = RefitOptions { n_steps, ..RefitOptions::DEFAULT };
+    let options = RefitOptions { n_steps, measures_result: false, ..RefitOptions::DEFAULT };
     let start = Instant::now();
     let fitted = refit(&mesh, input, options, io.control().part(0.5, 1.0));
     io.phase("refit", start.elapsed().as_secs_f64());

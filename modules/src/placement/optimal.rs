@@ -64,6 +64,10 @@ impl Placement for Optimal {
         }
     }
 
+    fn for_block(&self) -> Option<Box<dyn Placement>> {
+        Some(Box::new(*self))
+    }
+
     // The minimum of a sum is at least that of a part, and the sums only gain parts.
     fn only_grows(&self) -> bool {
         true

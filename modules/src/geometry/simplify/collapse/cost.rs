@@ -26,6 +26,13 @@ pub trait Cost: Send {
     /// threads without changing a bit. The mesh is that before the collapse.
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]);
 
+    /// An equal cost for a block of the mesh that is simplified beside others; `None` where prices
+    /// read more than the faces around both ends, their corners and the quadrics of the ends, or
+    /// where the cost remembers collapses.
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        None
+    }
+
     /// Told of a collapse, with the mesh after it.
     fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 

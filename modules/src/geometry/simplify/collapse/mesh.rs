@@ -59,6 +59,15 @@ impl WorkingMesh {
         }
     }
 
+    /// Lets the vertices stay, of which the input's ids are given, and all edges at them.
+    pub(super) fn freeze(&mut self, is_frozen: &[bool]) {
+        for (flags, &input) in self.complex.flags.iter_mut().zip(&self.order.vertices) {
+            if is_frozen[input as usize] {
+                *flags |= flag::NOWHERE;
+            }
+        }
+    }
+
     /// How many faces are left.
     pub fn n_faces(&self) -> usize {
         self.complex.n_faces

@@ -67,6 +67,16 @@ impl Statistics {
         }
     }
 
+    /// Adds the collapses of a block.
+    pub(super) fn add(&mut self, block: &Self) {
+        self.n_collapses += block.n_collapses;
+        self.n_rejected_link += block.n_rejected_link;
+        self.n_rejected_flip += block.n_rejected_flip;
+        self.n_wide_turns += block.n_wide_turns;
+        let largest = self.largest_cost.into_iter().chain(block.largest_cost);
+        self.largest_cost = largest.reduce(f64::max);
+    }
+
     /// Counts a collapse at this price, and whether it turned a face far.
     pub(super) fn add_collapse(&mut self, price: f64, is_wide_turn: bool) {
         self.n_wide_turns += usize::from(is_wide_turn);

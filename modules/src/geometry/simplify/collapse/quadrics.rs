@@ -4,10 +4,22 @@ use glam::DVec3;
 use mve_core::Cancelled;
 
 use super::complex::{Complex, Face};
-use super::options::{Boundary, QuadricOptions};
-use super::order::NONE;
+use super::engine::Origin;
+use super::options::QuadricOptions;
+use super::order::{NONE, Order};
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;
+
+/// Which planes quadrics sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planes<'a> {
+    pub options: QuadricOptions,
+    /// Whether borders have planes.
+    pub is_weighted: bool,
+    /// Whether each edge is on a seam that has planes; empty where none is.
+    pub is_seam: &'a [bool],
+    pub origin: Origin<'a>,
+}
 
 /// The quadric of each vertex about its own position; none unless a part asked for them.
 #[derive(Debug, Default)]
@@ -20,18 +32,31 @@ impl Quadrics {
     ///
     /// A face gives each corner a third of its area (a common factor that changes no order); a
     /// border edge gives both ends the plane through it at a right angle to its face, weighted by
-    /// its squared length; so does each face at an edge of which `is_seam` says so (M. Garland and
-    /// P. S. Heckbert, "Simplifying surfaces with color and texture using quadric error metrics",
-    /// IEEE Visualization 1998, section 5).
+    /// its squared length; so does each face at an edge of a seam (M. Garland and P. S. Heckbert,
+    /// "Simplifying surfaces with color and texture using quadric error metrics", IEEE Visualization
+    /// 1998, section 5).
     pub fn sum(
         complex: &Complex,
-        options: QuadricOptions,
-        boundary: Boundary,
-        is_seam: &[bool],
+        order: &Order,
+        planes: Planes,
         ticker: &mut Ticker,
     ) -> Result<Self, Cancelled> {
-        let mut quadrics =
-            Self { by_vertex: ticker.fill(complex.vertices.len(), Quadric::default())? };
+        let Planes { options, is_weighted, is_seam, origin } = planes;
+        let (is_cut, by_input) = match origin {
+            Origin::Whole => (&[][..], None),
+            Origin::Block(is_cut) => (is_cut, None),
+            Origin::Joined(is_cut, quadrics) => (is_cut, Some(quadrics)),
+        };
+        // Not in a block, where not all faces of such an edge are at hand.
+        let is_along_cut = |ends: [u32; 2]| {
+            let is_cut = |v: u32| is_cut.get(order.vertices[v as usize] as usize) == Some(&true);
+            ends.into_iter().all(is_cut)
+        };
+        let by_vertex = match by_input {
+            Some(quadrics) => ticker.collect(&order.vertices, |&v| quadrics[v as usize])?,
+            None => ticker.fill(complex.vertices.len(), Quadric::default())?,
+        };
+        let mut quadrics = Self { by_vertex };
         for (number, face) in complex.faces.iter().enumerate() {
             if number.is_multiple_of(CHUNK) {
                 ticker.tick(complex.n_faces)?;
@@ -46,15 +71,23 @@ impl Quadrics {
             if !normal.is_finite() {
                 continue;
             }
-            // The plane goes through all three corners, so each has it at offset zero.
-            let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
-            for v in face.vertices {
-                quadrics.by_vertex[v as usize].add(&plane);
+            if by_input.is_none() {
+                // The plane goes through all three corners, so each has it at offset zero.
+                let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
+                for v in face.vertices {
+                    quadrics.by_vertex[v as usize].add(&plane);
+                }
             }
             for k in 0..3 {
                 let edge = face.edges[k].idx();
-                let is_border = boundary == Boundary::Weighted && complex.irregular[edge];
-                if is_border || is_seam.get(edge).copied().unwrap_or(false) {
+                let is_border = is_weighted && complex.irregular[edge];
+                let counts = is_border || is_seam.get(edge).copied().unwrap_or(false);
+                let is_due = |ends| match origin {
+                    Origin::Whole => true,
+                    Origin::Block(_) => !is_along_cut(ends),
+                    Origin::Joined(..) => is_along_cut(ends),
+                };
+                if counts && is_due([face.vertices[k], face.vertices[(k + 1) % 3]]) {
                     quadrics.add_border_plane(complex, face, k, normal, options.boundary_weight);
                 }
             }

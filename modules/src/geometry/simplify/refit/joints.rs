@@ -111,14 +111,15 @@ impl<'a> JointFinder<'a> {
         Ok(Self { original, queries, sampler, per_face })
     }
 
-    /// The joints at the samples of this seed; `None` where the mesh has no surface.
+    /// The joints at the samples of this seed, and the tree of the mesh; `None` where it has no
+    /// surface.
     pub fn find(
         &self,
         mesh: &TriMesh,
         seed: u64,
         control: Control,
-    ) -> Result<Option<Joints>, Cancelled> {
-        let tree = Bvh::build(mesh, control.part(0.0, 0.1))?;
+    ) -> Result<Option<(Joints, Bvh)>, Cancelled> {
+        let tree = Bvh::build_quickly(mesh, control.part(0.0, 0.1))?;
         if tree.n_faces() == 0 {
             return Ok(None);
         }
@@ -140,7 +141,7 @@ impl<'a> JointFinder<'a> {
             let to = theirs.closest_point(sample.point);
             Joint::new(sample.face, &ours, sample.point, to, theirs.normal())
         })?;
-        Ok(Some(Joints { of_original, of_simplified }))
+        Ok(Some((Joints { of_original, of_simplified }, tree)))
     }
 }
 
