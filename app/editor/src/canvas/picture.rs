@@ -66,7 +66,10 @@ pub fn show_picture(
         let Some(from) = runner.source(map, &port) else { continue };
         let value = runner.value(&from.node, &from.port);
         let Some((ended, value)) = runner.ended(&from.node).zip(value) else { continue };
-        let is_old = !matches!(runner.status(&from.node), Status::Done(_) | Status::Cached(_));
+        // One that waits for its turn in a run may well be the same again.
+        let is_fresh =
+            |status| matches!(status, Status::Done(_) | Status::Cached(_) | Status::Waiting);
+        let is_old = !is_fresh(runner.status(&from.node));
         match thumbnails.of(ui.ctx(), (ended.record.key, from.port), &value) {
             Thumbnail::Picture(picture) => {
                 brush.picture(space, picture.id(), picture.size_vec2(), is_old);

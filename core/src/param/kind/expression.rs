@@ -1,9 +1,10 @@
 //! Formulas over declared variables: `2 * height^2 + min(1, slope)`.
 //!
 //! Numbers, variables and `pi`; `+ - * /` and `^`, which binds closest and from the right (`-x^2`
-//! is `-(x^2)`); parentheses; one comparison `< <= > >= == !=`, or `=` for `==`, between two sums, which
-//! is 1 or 0; and the functions of [`FUNCTIONS`]. All is arithmetic of IEEE 754 doubles, so a division by zero
-//! or the root of a negative number gives infinity or not a number, which the module has to expect.
+//! is `-(x^2)`); parentheses; one comparison `< <= > >= == !=`, or `=` for `==`, between two sums,
+//! which is 1 or 0; and the functions of [`FUNCTIONS`]. All is arithmetic of IEEE 754 doubles, so a
+//! division by zero or the root of a negative number gives infinity or not a number, which the
+//! module has to expect.
 
 use serde_json::{Value as Json, json};
 

@@ -2,8 +2,8 @@
 //!
 //! `arrays/` makes what is drawn of a mesh, `gpu/` draws it, `look/` says what it looks like,
 //! `hand/` is what pointer and keys do, and `overlays/` holds what lies on the pictures. `section`
-//! is the plane that cuts them, `outline` where it meets them; `viewpoint` and `placing` say from where
-//! they are seen.
+//! is the plane that cuts them, `outline` where it meets them; `viewpoint` and `placing` say from
+//! where they are seen.
 
 mod arrays;
 mod backdrop;

@@ -1,5 +1,5 @@
-//! How the camera came to stand where it stands: fitted to a scene, moved by a hand, or on its way to
-//! an element.
+//! How the camera came to stand where it stands: fitted to a scene, moved by a hand, or on its way
+//! to an element.
 
 use std::sync::Arc;
 

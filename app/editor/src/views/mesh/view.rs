@@ -313,7 +313,7 @@ impl MeshView {
         let responses = responses(ui, meshes, &tiles, is_overlaid);
         let moved = match (bounds, tiles.first()) {
             (Some(bounds), Some(tile)) => {
-                self.navigate(ui, &responses, tile.rect, &bounds, wishes.is_fit)
+                self.navigate(ui, &responses, (&tiles, tile.rect), &bounds, wishes.is_fit)
             }
             _ => Moved::default(),
         };
@@ -360,7 +360,7 @@ impl MeshView {
         &mut self,
         ui: &egui::Ui,
         responses: &[egui::Response],
-        rect: Rect,
+        (tiles, rect): (&[Tile], Rect),
         bounds: &Bounds,
         is_fit: bool,
     ) -> Moved {
@@ -373,10 +373,12 @@ impl MeshView {
         let (camera, settings) = (&mut self.camera, &mut self.settings);
         let switches = self.overlays.switches();
         let mut moved = by_keys(ui, responses, aspect, camera, bounds, (settings, &switches));
-        for response in responses {
+        let seen_from = viewpoints(tiles, &self.items, &self.settings, (self.camera, *bounds));
+        for (response, seen) in responses.iter().zip(seen_from) {
             let screen = Screen { rect: response.rect };
-            let section = &mut self.settings.section;
-            let by = by_pointer(ui, response, &screen, &mut self.camera, (bounds, section));
+            let unit = seen.bounds.radius() / bounds.radius();
+            let plane = (bounds, &mut self.settings.section, unit);
+            let by = by_pointer(ui, response, &screen, &mut self.camera, plane);
             moved.is_fit |= by.is_fit;
             moved.is_moving |= by.is_moving;
         }

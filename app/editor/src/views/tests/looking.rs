@@ -112,6 +112,20 @@ fn outlines_of_two_meshes_lie_over_each_other() {
     assert!(orange > 200 && blue > 200, "{orange} {blue}");
 }
 
+fn drag_plane(harness: &mut Harness<Shown>, from: egui::Pos2, to: egui::Pos2) {
+    let alt = egui::Modifiers::ALT;
+    harness.event(egui::Event::ModifiersChanged(alt));
+    harness.drag_at(from);
+    harness.step();
+    for share in [0.5, 1.0] {
+        harness.hover_at(from + (to - from) * share);
+        harness.step();
+    }
+    harness.drop_at(to);
+    harness.event(egui::Event::ModifiersChanged(egui::Modifiers::NONE));
+    settle(harness);
+}
+
 #[test]
 fn a_plane_is_dragged_and_moved_in_steps() {
     let mut harness = front(vec![pinned("box.mesh", Value::new(cube(DVec3::ZERO)))]);
@@ -127,17 +141,7 @@ fn a_plane_is_dragged_and_moved_in_steps() {
     assert!((offset(&harness).unwrap() - 0.51).abs() < 1e-9);
     let before = harness.state().viewer.meshes.camera;
     let to = place_of(&harness, "box.mesh", DVec3::new(0.75, 0.5, 0.5));
-    let alt = egui::Modifiers::ALT;
-    harness.event(egui::Event::ModifiersChanged(alt));
-    harness.drag_at(middle);
-    harness.step();
-    for share in [0.5, 1.0] {
-        harness.hover_at(middle + (to - middle) * share);
-        harness.step();
-    }
-    harness.drop_at(to);
-    harness.event(egui::Event::ModifiersChanged(egui::Modifiers::NONE));
-    settle(&mut harness);
+    drag_plane(&mut harness, middle, to);
     let moved = offset(&harness).unwrap();
     assert!((moved - 0.76).abs() < 0.02, "{moved}");
     assert_eq!(harness.state().viewer.meshes.camera, before, "the camera stays");
@@ -272,6 +276,16 @@ fn meshes_of_unlike_size_fill_a_picture_each() {
     let picked = harness.state().viewer.picked.clone().unwrap();
     assert_eq!(picked.title, "a.mesh");
     harness.state_mut().viewer.picked = None;
+    // A hand moves the plane by as much as is seen: here the picture is some two units wide.
+    let settings = &mut harness.state_mut().viewer.meshes.settings;
+    (settings.section.is_on, settings.section.normal) = (true, DVec3::X);
+    settings.section.offset = Some(0.5);
+    settle(&mut harness);
+    let middle = harness.get_by_label_contains("3D view of a.mesh").rect().center();
+    drag_plane(&mut harness, middle, middle + egui::vec2(20.0, 0.0));
+    let offset = harness.state().viewer.meshes.settings.section.offset.unwrap();
+    assert!(offset > 0.51 && offset < 1.0, "{offset}");
+    harness.state_mut().viewer.meshes.settings.section.is_on = false;
     harness.get_by_label("One scale").click();
     settle(&mut harness);
     assert!(harness.query_by_label_contains("diagonal").is_none());
