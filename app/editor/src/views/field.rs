@@ -35,6 +35,23 @@ pub struct Statistics {
     pub deviation: f64,
     /// How often values are.
     pub spread: Spread,
+    /// Values that the spread leaves out: a few extremes, which would leave no room for the others.
+    pub n_beyond: usize,
+}
+
+/// Part of the values at each end that may be extremes.
+const RARE: f64 = 0.005;
+/// Quotient of the range of all values and that of all but the rarest above which these are
+/// extremes.
+const EXTREME: f64 = 3.0;
+
+/// The ends of sorted values between which their spread is worth looking at.
+fn common_range(sorted: &[f64]) -> Option<[f64; 2]> {
+    let (low, high) = (*sorted.first()?, *sorted.last()?);
+    let at = |part: f64| sorted[(part * (sorted.len() - 1) as f64).round() as usize];
+    let common = [at(RARE), at(1.0 - RARE)];
+    let is_wide = high - low > EXTREME * (common[1] - common[0]) && common[0] < common[1];
+    Some(if is_wide { common } else { [low, high] })
 }
 
 impl Statistics {
@@ -59,6 +76,10 @@ impl Statistics {
         let mean = finite.iter().map(|value| value / n).sum::<f64>();
         let mean_square = finite.iter().map(|value| value * value / n).sum::<f64>();
         let variance = finite.iter().map(|value| (value - mean).powi(2) / n).sum::<f64>();
+        let range = common_range(&finite).unwrap_or_default();
+        let is_beyond = |value: &&f64| **value < range[0] || **value > range[1];
+        let n_beyond = finite.iter().filter(is_beyond).count();
+        let spread = Spread::within(&finite, range);
         let parts = [0.0, 0.25, 0.5, 0.75, 1.0];
         let quartiles = parts.map(|part| quantile(&mut finite, part));
         let quartiles = match quartiles {
@@ -73,7 +94,8 @@ impl Statistics {
             mean,
             rms: mean_square.sqrt(),
             deviation: variance.sqrt(),
-            spread: Spread::of(&finite),
+            spread,
+            n_beyond,
         }
     }
 }
@@ -174,6 +196,10 @@ impl FieldView {
             return;
         };
         table(ui, title, &statistics);
+        if statistics.n_beyond > 0 {
+            let n_beyond = count_text(statistics.n_beyond);
+            ui.weak(format!("The plot leaves out {n_beyond} extreme values."));
+        }
         let plot = Plot::new(("field histogram", title))
             .x_axis_label(format!("{}{unit}", field.name))
             .custom_y_axes(vec![AxisHints::new_y().label(elements).label_spacing(14.0..=28.0)])
@@ -219,6 +245,18 @@ mod tests {
         assert!((found.deviation - 1.25f64.sqrt()).abs() < 1e-15);
         assert_eq!(Statistics::of(&[]).quartiles, None);
         assert_eq!(Statistics::of(&[f64::NAN]).n_other, 1);
+    }
+
+    #[test]
+    fn a_few_extremes_leave_the_plot_to_the_others() {
+        let mut values: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        assert_eq!(Statistics::of(&values).n_beyond, 0);
+        values.extend([-5000.0, 7000.0]);
+        let found = Statistics::of(&values);
+        assert_eq!(found.quartiles.map(|all| [all[0], all[4]]), Some([-5000.0, 7000.0]));
+        // Half a percent at each end.
+        assert_eq!(found.n_beyond, 10);
+        assert_eq!(Statistics::of(&[2.0; 5]).n_beyond, 0);
     }
 
     #[test]

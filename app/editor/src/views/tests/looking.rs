@@ -286,6 +286,7 @@ fn meshes_of_unlike_size_fill_a_picture_each() {
     let offset = harness.state().viewer.meshes.settings.section.offset.unwrap();
     assert!(offset > 0.51 && offset < 1.0, "{offset}");
     harness.state_mut().viewer.meshes.settings.section.is_on = false;
+    settle(&mut harness);
     harness.get_by_label("One scale").click();
     settle(&mut harness);
     assert!(harness.query_by_label_contains("diagonal").is_none());
