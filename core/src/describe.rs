@@ -62,7 +62,7 @@ fn describe_quantities(quantities: Quantities, text: &mut String) {
             return;
         }
         Quantities::Row(row) => row,
-        _ => return,
+        Quantities::Plain | Quantities::OfChoice(_) | Quantities::FirstOfChoice(_) => return,
     };
     for quantity in row {
         let _ = writeln!(text, "  - {}", line_of(quantity));

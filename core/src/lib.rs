@@ -62,9 +62,9 @@ pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};
 pub use program::{
     ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,
-    ProgramOptions, ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step,
-    StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, Unneeded, are_alike, brief,
-    brief_value, exact, meant, median, run_program,
+    ProgramOptions, ProgramOutcome, Question, ReportSpec, Requirement, Retry, RunNote, Shard,
+    Sharing, Step, StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, Unneeded,
+    are_alike, brief, brief_value, exact, meant, median, run_program,
 };
 pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};

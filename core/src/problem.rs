@@ -108,6 +108,10 @@ pub fn is_steering(c: char) -> bool {
     c.is_control() || is_directional || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
+/// What is said of a name with such a character.
+pub(crate) const HOLDS_NO_STEERING: &str =
+    "cannot hold control characters, nor signs that turn the direction of a text";
+
 /// A text with what would steer a terminal, a log or a page written out, in one line: `\u{1b}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_steering) {

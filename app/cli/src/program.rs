@@ -281,7 +281,7 @@ fn run_steps(
     let disk_cache = cache_of(args, store)?;
     let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = program.places(&part);
-    let answer = report::answers(program, store, args.timings());
+    let finished = report::finished(program, store, args.timings());
     let is_found = |place: &&usize| {
         answer(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
     };

@@ -1,7 +1,7 @@
 //! Which columns a report shows: what the program names, else what modules declare as chief.
 //!
-//! Where there is neither, the outputs of nodes that take several links are shown, since what
-//! compares needs two things; if there are none, those of all nodes but the one that is compared.
+//! Where there is neither, the outputs of nodes that measure are shown, [`measuring_nodes`]; if
+//! there are none, those of all nodes but the one that is compared.
 //! Constant and repeated columns say nothing, and of one node a few are enough. What modules do not
 //! declare has no better end.
 
@@ -69,13 +69,10 @@ impl MeasureColumn {
 
     /// The same of a parameter.
     pub fn is_set_by(&self, results: &Results, path: &str) -> bool {
-        let node = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-        if is_time(&self.column) || node(path) != node(&self.column) {
-            return false;
-        }
         // What a node says of its own work, such as how much it rejected, may be compared.
-        results.plan.columns.role(&self.column) == Role::Chief
-            || comparing_nodes(results).contains(&node(path))
+        !is_time(&self.column)
+            && node_of(path) == node_of(&self.column)
+            && measuring_nodes(results).contains(&node_of(path))
     }
 
     /// The axes that set how it is measured.
@@ -142,13 +139,13 @@ fn chosen(results: &Results) -> Vec<String> {
 /// What looks like a measure.
 fn undeclared(results: &Results) -> Vec<String> {
     let hidden = against(results);
-    let comparing = comparing_nodes(results);
+    let measuring = measuring_nodes(results);
     let series_node = results.series_node();
     let chosen = few_of_each(results, &|column| {
-        let node = column.split('.').next().unwrap_or_default();
-        let is_chosen = match comparing.is_empty() {
+        let node = node_of(column);
+        let is_chosen = match measuring.is_empty() {
             true => Some(node) != series_node,
-            false => comparing.iter().any(|known| known == node),
+            false => measuring.contains(&node),
         };
         is_chosen && !hidden.iter().any(|known| known == column)
     });
@@ -226,6 +223,11 @@ pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> Str
     }
 }
 
+/// The node of a column or parameter, `node.output`.
+pub fn node_of(path: &str) -> &str {
+    path.split_once('.').map_or(path, |(node, _)| node)
+}
+
 /// Whether a column holds what a step or a node took.
 pub fn is_time(column: &str) -> bool {
     TIMES.contains(&column) || column.starts_with("seconds.")
@@ -269,8 +271,7 @@ fn few_of_each(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<Strin
         if numbers.iter().all(Option::is_none) || seen.contains(&numbers) {
             continue;
         }
-        let node = column.split('.').next().unwrap_or_default();
-        let n = n_of_node.entry(node.to_owned()).or_default();
+        let n = n_of_node.entry(node_of(&column).to_owned()).or_default();
         *n += 1;
         if *n <= MOST_OF_A_NODE {
             seen.push(numbers);
@@ -298,14 +299,23 @@ pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String
     rest.into_iter().chain(seconds).collect()
 }
 
-/// Nodes that more than one link ends in.
-fn comparing_nodes(results: &Results) -> Vec<String> {
-    let links = results.plan.map["links"].as_array().cloned().unwrap_or_default();
-    let ends = links.iter().filter_map(|link| {
-        let (_, to) = link.as_str()?.split_once("->")?;
-        to.trim().split_once('.').map(|(node, _)| node.to_owned())
-    });
-    let ends: Vec<String> = ends.collect();
-    let n_of = |node: &String| ends.iter().filter(|end| *end == node).count();
-    results.plan.nodes.iter().filter(|node| n_of(node) > 1).cloned().collect()
+/// Nodes that measure what others made: those of which a module declares a number as chief. Of one
+/// that declares neither a direction nor a size the links tell: what compares takes two things, and
+/// leads nowhere.
+fn measuring_nodes(results: &Results) -> Vec<&str> {
+    let links = results.plan.map["links"].as_array().into_iter().flatten();
+    let links = links.filter_map(|link| link.as_str()?.split_once("->"));
+    let ends: Vec<[&str; 2]> =
+        links.map(|(from, to)| [from, to].map(|end| node_of(end.trim()))).collect();
+    let measures = |node: &&str| {
+        let columns = results.plan.columns.0.iter().filter(|(column, _)| node_of(column) == *node);
+        let records: Vec<&ColumnRecord> = columns.flat_map(|(_, records)| records).collect();
+        let is_chief = records.iter().any(|record| record.role == Role::Chief);
+        let says_more =
+            |record: &&ColumnRecord| record.role == Role::Size || record.better != Better::Neither;
+        let is_end = ends.iter().filter(|[_, to]| to == node).count() > 1
+            && !ends.iter().any(|[from, _]| from == node);
+        is_chief || (is_end && !records.iter().any(says_more))
+    };
+    results.plan.nodes.iter().map(String::as_str).filter(measures).collect()
 }

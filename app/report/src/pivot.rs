@@ -9,6 +9,7 @@ use crate::results::Results;
 use crate::stats::{estimate, geometric_mean};
 
 /// A table of one measure, or, where nothing is compared, of all measures.
+#[derive(Default)]
 pub struct Pivot {
     /// The column that it shows; none where it shows several.
     pub column: Option<String>,
@@ -222,8 +223,7 @@ impl Pivot {
             PivotRow { names, cells, is_unequal: false, is_count }
         };
         if let Some((means, n)) = &self.means {
-            let n_rows = self.rows.len();
-            let of = if *n == n_rows { String::new() } else { format!(" of {n} comparable rows") };
+            let of = if *n == self.rows.len() { "" } else { &format!(" of {}", self.out_of(*n)) };
             let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
             let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
             let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
@@ -233,10 +233,14 @@ impl Pivot {
             let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
             // Rows that cannot be compared have no best.
             let n = self.rows.iter().filter(|row| !row.is_unequal).count();
-            let what = if n == self.rows.len() { "" } else { " comparable rows" };
-            rows.push(sum(format!("Best in, of {n}{what}"), cells, true));
+            rows.push(sum(format!("Best in, of {}", self.out_of(n)), cells, true));
         }
         rows
+    }
+
+    /// A number of rows, which are those that can be compared where it is not all of them.
+    fn out_of(&self, n: usize) -> String {
+        if n == self.rows.len() { n.to_string() } else { format!("{n} comparable rows") }
     }
 
     /// How the numbers of each column are written: those of one measure in one way.

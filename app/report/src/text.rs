@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mve_core::{Better, exact};
+use mve_core::{Better, exact, is_steering};
 
 use crate::answers::Answer;
 use crate::case::Cell;
@@ -106,7 +106,7 @@ fn plain(text: &str) -> String {
     for c in text.chars() {
         match c {
             '|' | '*' | '_' | '`' | '\\' | '[' | ']' | '<' | '&' => out.extend(['\\', c]),
-            c if labels::is_odd(c) => out.push(' '),
+            c if is_steering(c) => out.push(' '),
             c => out.push(c),
         }
     }

@@ -204,8 +204,9 @@ impl Map {
                 map.problems.push(Problem::error(message));
             }
         }
+        let unknown = read::unknown_keys_of_map(&object);
         map.fill(object);
-        map.tell_of_unknown_keys();
+        map.problems.extend(unknown);
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
@@ -382,6 +383,18 @@ mod tests {
                     .to_owned(),
             ]
         );
+    }
+
+    #[test]
+    fn a_key_beside_the_one_that_it_is_like_is_a_warning() {
+        let text = r#"{"mve": 1, "title": "t", "titles": 1, "nodes": {
+            "a": {"module": "X", "params": {}, "param": {}}},
+            "programs": {"p": {"axes": [], "axis": 1, "repeat": 2}}}"#;
+        let map = Map::parse(text).unwrap();
+        let errors =
+            map.problems().iter().map(|p| (p.place.port.as_deref().unwrap(), p.is_error()));
+        let expected = [("titles", false), ("param", false), ("axis", false), ("repeat", true)];
+        assert_eq!(errors.collect::<Vec<_>>(), expected);
     }
 
     #[test]

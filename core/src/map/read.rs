@@ -16,37 +16,45 @@ const KEYS: [&str; 7] = ["mve", "title", "nodes", "links", "layout", "canvas", "
 const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
 const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
-impl Map {
-    /// Keys that nothing reads are kept, and told of. One that is near to a known one is a slip of
-    /// the pen, and what it was meant to say would not be done: nothing runs. A key that begins
-    /// with `_` or `$` is a remark.
-    pub(super) fn tell_of_unknown_keys(&mut self) {
-        let unknown = |key: &str, known: &[&str], of: &str| {
-            let is_remark = key.starts_with(['_', '$']);
-            let problem = match did_you_mean(key, known.iter().copied()) {
-                hint if hint.is_empty() => {
-                    Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
-                }
-                hint => Problem::error(format!(
-                    "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
-                )),
-            };
-            (!is_remark).then(|| problem.port(key))
+/// Keys that nothing reads are kept, and told of. One that is near to a known one that is not there
+/// is a slip of the pen, and what it was meant to say would not be done: nothing runs. A key that
+/// begins with `_` or `$` is a remark.
+fn unknown_keys(object: &JsonMap<String, Json>, known: &[&str], of: &str) -> Vec<Problem> {
+    let is_unknown = |key: &&String| !known.contains(&key.as_str()) && !key.starts_with(['_', '$']);
+    let absent = known.iter().copied().filter(|known| !object.contains_key(*known));
+    let told = |key: &String| {
+        let problem = match did_you_mean(key, absent.clone()) {
+            hint if hint.is_empty() => {
+                Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
+            }
+            hint => Problem::error(format!(
+                "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
+            )),
         };
-        let root = self.extra.keys().filter(|key| !KEYS.contains(&key.as_str()));
-        let mut warnings: Vec<_> = root.filter_map(|key| unknown(key, &KEYS, "a map")).collect();
-        for (name, node) in &self.nodes {
-            let keys = node.extra.keys().filter_map(|key| unknown(key, &KEYS_OF_NODES, "a node"));
-            warnings.extend(keys.map(|problem| problem.at(name)));
-        }
-        for (name, program) in &self.programs {
-            let keys = program.extra.keys();
-            let keys = keys.filter_map(|key| unknown(key, &KEYS_OF_PROGRAMS, "a program"));
-            warnings.extend(keys.map(|problem| problem.in_program(name)));
-        }
-        self.problems.append(&mut warnings);
-    }
+        problem.port(key)
+    };
+    object.keys().filter(is_unknown).map(told).collect()
+}
 
+/// What is said of the keys of a map, of its nodes and of its programs.
+pub(super) fn unknown_keys_of_map(object: &JsonMap<String, Json>) -> Vec<Problem> {
+    let parts = |section: &str| object.get(section).and_then(Json::as_object).into_iter().flatten();
+    let mut problems = unknown_keys(object, &KEYS, "a map");
+    for (name, node) in parts("nodes") {
+        // One without a module is no node, which is told of elsewhere.
+        let node = node.as_object().filter(|node| node.contains_key("module"));
+        let unknown = node.map(|node| unknown_keys(node, &KEYS_OF_NODES, "a node"));
+        problems.extend(unknown.into_iter().flatten().map(|problem| problem.at(name)));
+    }
+    for (name, program) in parts("programs") {
+        let unknown = program.as_object();
+        let unknown = unknown.map(|program| unknown_keys(program, &KEYS_OF_PROGRAMS, "a program"));
+        problems.extend(unknown.into_iter().flatten().map(|problem| problem.in_program(name)));
+    }
+    problems
+}
+
+impl Map {
     pub(super) fn fill(&mut self, object: JsonMap<String, Json>) {
         for (key, value) in object {
             match (key.as_str(), value) {

@@ -9,12 +9,12 @@ use serde_json::Value as Json;
 
 use super::report_spec::About;
 use super::spread::{MOST_STEPS, spread};
-use super::steps::{Assignment, Steps};
+use super::steps::{Assignment, Steps, Sweep};
 use super::{Program, ReportSpec};
 use crate::files::FileHashes;
 use crate::map::{Axis, Map, ProgramSpec};
 use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
-use crate::problem::{Problem, did_you_mean, is_steering};
+use crate::problem::{HOLDS_NO_STEERING, Problem, did_you_mean, is_steering};
 use crate::registry::Registry;
 
 impl Program {
@@ -35,8 +35,7 @@ impl Program {
         };
         let in_program = |problem: Problem| problem.in_program(name);
         if name.contains(is_steering) {
-            let message = "the name of a program cannot hold control characters, nor signs that \
-                           turn the direction of a text; give it another one";
+            let message = format!("the name of a program {HOLDS_NO_STEERING}; give it another one");
             return Err(vec![in_program(Problem::error(message))]);
         }
         let assignments = assignments(spec, map_folder)
@@ -51,8 +50,13 @@ impl Program {
         let (mut bare, files) = (map.without_programs(), FileHashes::new());
         bare.forget_other_programs(name);
         let options = plan_options(map_folder, &files);
-        let of_map = (&bare, registry, options);
-        let steps = Steps::plan(of_map, (&assignments, spec.repeats.unwrap_or(1)));
+        let steps = Steps::plan(Sweep {
+            map: &bare,
+            registry,
+            options,
+            assignments: &assignments,
+            repeats: spec.repeats.unwrap_or(1),
+        });
         if steps.problems.iter().any(Problem::is_error) {
             return Err(steps.problems.into_iter().map(in_program).collect());
         }

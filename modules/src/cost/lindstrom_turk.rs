@@ -82,13 +82,8 @@ mod tests {
         // Two triangles in a plane that share the origin alone, in every order of their corners, so
         // that in some the numbers behind the origin and those before it have one sum. No face has
         // a volume, so what an edge costs is what border edges sweep: a triangle at least.
-        let points = [
-            [0.0; 3],
-            [1.0, 0.2, 0.0],
-            [0.2, 1.0, 0.0],
-            [-1.0, 0.5, 0.0],
-            [-0.4, -1.0, 0.0],
-        ];
+        let points =
+            [[0.0; 3], [1.0, 0.2, 0.0], [0.2, 1.0, 0.0], [-1.0, 0.5, 0.0], [-0.4, -1.0, 0.0]];
         let orders = (0..256_u32).map(|k| [0, 2, 4, 6].map(|bit| 1 + (k >> bit & 3)));
         for [a, b, c, d] in orders.filter(|order| (1..5).all(|v| order.contains(&v))) {
             let mesh = mesh_of(&points, &[[0, a, b], [0, c, d]]);

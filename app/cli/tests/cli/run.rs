@@ -25,6 +25,20 @@ fn parameters_are_set_as_json_or_text() {
 }
 
 #[test]
+fn files_are_where_the_person_is_wherever_a_value_names_them() {
+    let folder = Folder::new();
+    folder.write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("7", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write(
+        "maps/m.json",
+        r#"{"mve": 1, "nodes": {"a": {"module": "ObjLoader", "params": {"path": "none.obj"}}}}"#,
+    );
+    for set in ["a.path=cube.obj", "a.path=7", r#"a.module={"ObjLoader": {"path": "cube.obj"}}"#] {
+        folder.mve(&["run", "maps/m.json", "--set", set]).succeeds();
+    }
+}
+
+#[test]
 fn json_events_are_lines_and_the_summary_is_last() {
     let answer = Folder::new().mve(&["run", "map.json", "--json"]).succeeds();
     assert_eq!(answer.err, "");

@@ -331,6 +331,27 @@ fn ways_to_measure_are_not_ranked() {
     assert!(words.contains("ways to measure it, so none of them is the better one"), "{words}");
 }
 
+/// A node that takes two meshes, fits one to the other and passes it on does not measure.
+#[test]
+fn what_changes_its_input_is_no_instrument() {
+    let is_ranked = |columns: Json, links: &[&str]| {
+        let report = json!({ "measures": [{ "column": "compare.err", "better": "lower" }],
+            "series": "compare.steps" });
+        let mut maker = by_ratio("compare.steps", &json!([1, 2]), &report, |r, n| r + n as f64);
+        maker.plan["columns"] = columns;
+        let mut all = vec!["model.mesh -> compare.original", "cut.mesh -> compare.mesh"];
+        all.extend(links);
+        maker.plan["map"]["links"] = json!(all);
+        text(maker.finish().path(), Format::Markdown).contains("**")
+    };
+    let undeclared = || json!({ "compare.err": [{}], "cut.faces": [{ "role": "size" }] });
+    assert!(!is_ranked(undeclared(), &[]));
+    assert!(is_ranked(undeclared(), &["compare.mesh -> save.mesh"]));
+    assert!(is_ranked(json!({ "compare.err": [{ "better": "lower" }] }), &[]));
+    let chief = json!({ "compare.err": [{ "better": "lower", "role": "chief" }] });
+    assert!(!is_ranked(chief, &["compare.field -> save.field"]));
+}
+
 #[test]
 fn costs_are_ranked_among_those_measured_alike() {
     let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] },
