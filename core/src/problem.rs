@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::map::Step;
+
 /// Whether a problem stops a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -27,6 +29,9 @@ pub struct Place {
     /// Name of the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub program: Option<String>,
+    /// The way to it through the JSON of the map, or of the program where one is named.
+    #[serde(skip)]
+    pub(crate) path: Option<Vec<Step>>,
 }
 
 /// One problem of a map.
@@ -60,6 +65,12 @@ impl Problem {
         self
     }
 
+    /// Says where it stands in the JSON of the map, or of the program where one is named.
+    pub(crate) fn along<const N: usize>(mut self, path: [Step; N]) -> Self {
+        self.place.path = Some(path.into());
+        self
+    }
+
     pub(crate) fn in_program(mut self, program: &str) -> Self {
         self.place.program = Some(program.to_owned());
         self
@@ -73,7 +84,7 @@ impl Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { node, port, program } = &self.place;
+        let Place { node, port, program, .. } = &self.place;
         if let Some(program) = program {
             write!(f, "program \"{}\": ", plain(program, LONGEST_NAME))?;
         }

@@ -111,7 +111,7 @@ fn report_json(loaded: &Loaded, groups: &[Group]) -> Result<Exit, Stop> {
 /// A problem as a warning where it is of a parameter that the map leaves open and every program
 /// sets: that is no fault, as long as it is a program that runs.
 fn of_programs_alone(map: &Map, problem: Problem) -> Problem {
-    let Place { node: Some(node), port: Some(port), program: None } = &problem.place else {
+    let Place { node: Some(node), port: Some(port), program: None, .. } = &problem.place else {
         return problem;
     };
     let first = port.split('.').next().unwrap_or_default();

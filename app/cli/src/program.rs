@@ -283,7 +283,7 @@ fn run_steps(
     let places = program.places(&part);
     let finished = report::finished(program, store, args.timings());
     let is_found = |place: &&usize| {
-        answer(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
+        finished(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
     };
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);

@@ -202,12 +202,20 @@ fn plain(column: &str) -> String {
     column.split_once('.').map_or(column, |(_, output)| output).replace('_', " ")
 }
 
-/// Puts the name of the node behind titles that several measures have.
+/// Puts the name of the node behind titles that several measures have, the whole column where they
+/// are of one node.
 fn told_apart(measures: &mut [MeasureColumn]) {
-    let titles: Vec<String> = measures.iter().map(|measure| measure.title.clone()).collect();
+    let alike = |measure: &MeasureColumn, other: &MeasureColumn| {
+        measure.title == other.title && measure.unit == other.unit
+    };
+    let all = measures.to_vec();
     for measure in measures {
-        if titles.iter().filter(|title| **title == measure.title).count() > 1 {
-            measure.title = format!("{}, {}", measure.title, measure.column);
+        let alike: Vec<&MeasureColumn> = all.iter().filter(|other| alike(measure, other)).collect();
+        let node = node_of(&measure.column);
+        let n_of_node = alike.iter().filter(|other| node_of(&other.column) == node).count();
+        if alike.len() > 1 {
+            let place = if n_of_node > 1 { &measure.column } else { node };
+            measure.title = format!("{}, {place}", measure.title);
         }
     }
 }
@@ -217,10 +225,16 @@ pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> Str
     if let Some(measure) = measures.iter().find(|measure| measure.column == column) {
         return measure.title_with_unit();
     }
-    match of_column(results, column).as_slice() {
-        [only] => only.title_with_unit(),
-        _ => column.to_owned(),
+    let of_axis = |axis: &&Axis| axis.paths.iter().any(|path| path == column);
+    match results.axes.iter().find(of_axis) {
+        Some(axis) if axis.paths.len() == 1 => return axis.title.clone(),
+        Some(_) => return plain(column),
+        None => {}
     }
+    let mut titles: Vec<String> =
+        of_column(results, column).iter().map(MeasureColumn::title_with_unit).collect();
+    titles.dedup();
+    titles.join(" or ")
 }
 
 /// The node of a column or parameter, `node.output`.

@@ -379,16 +379,10 @@ mod tests {
     #[test]
     fn what_pdflatex_cannot_set_is_said_at_the_top() {
         let head = |text: &str| {
-            let tables = [Pivot {
-                column: None,
-                title: text.to_owned(),
-                better: Better::Neither,
-                row_axes: Vec::new(),
-                column_axes: Vec::new(),
-                columns: vec![vec!["a".to_owned()]],
-                rows: Vec::new(),
-                ..Pivot::default()
-            }];
+            let mut table = Pivot::default();
+            table.title = text.to_owned();
+            table.columns = vec![vec!["a".to_owned()]];
+            let tables = [table];
             let latex = latex("t", &[], &[], &tables);
             latex.lines().take_while(|line| line.starts_with('%')).collect::<Vec<_>>().join("\n")
         };

@@ -23,6 +23,7 @@ use thiserror::Error;
 
 pub use link::{Link, PortRef};
 pub use position::Position;
+pub(crate) use position::Step;
 
 use crate::files::fresh_file;
 use crate::json;
@@ -189,19 +190,26 @@ impl Map {
         };
         let mut map = Self::default();
         for path in repeated {
-            let message = format!("\"{path}\" stands twice in the file; rename or remove one");
-            map.problems.push(Problem::error(message));
+            let keys = path.iter().filter_map(|step| match step {
+                Step::Key(key) => Some(key.as_str()),
+                Step::Item(_) | Step::Link(_) => None,
+            });
+            let keys = keys.collect::<Vec<_>>().join(".");
+            let message = format!("\"{keys}\" stands twice in the file; rename or remove one");
+            let mut problem = Problem::error(message);
+            problem.place.path = Some(path);
+            map.problems.push(problem);
         }
         match object.remove("mve").map(|version| (version.as_u64(), version)) {
             Some((Some(version), _)) if version > FORMAT => return Err(MapError::Newer(version)),
             Some((Some(version), _)) if version > 0 => migrate(&mut object, version, MIGRATIONS),
             Some((_, version)) => {
                 let message = format!("\"mve\": {version} is not a version; write \"mve\": 1");
-                map.problems.push(Problem::error(message));
+                map.problems.push(Problem::error(message).along(["mve".into()]));
             }
             None => {
                 let message = "the file does not say \"mve\": 1; is it a map of mve?";
-                map.problems.push(Problem::error(message));
+                map.problems.push(Problem::error(message).along([]));
             }
         }
         let unknown = read::unknown_keys_of_map(&object);

@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{Link, Map, words};
+use super::{Link, Map, Step, words};
 use crate::param::shown;
 use crate::problem::{Problem, did_you_mean};
 
@@ -74,11 +74,14 @@ impl Map {
                         self.add_part("programs", name, value, |map| &mut map.programs);
                     }
                 }
-                ("links", Json::Array(links)) => links.into_iter().for_each(|l| self.add_link(l)),
+                ("links", Json::Array(links)) => {
+                    links.into_iter().enumerate().for_each(|(i, link)| self.add_link(i, link));
+                }
                 ("title" | "nodes" | "layout" | "programs" | "links", value) => {
                     let message =
                         format!("\"{key}\" is not what the format says; see `mve schema`");
-                    self.problems.push(Problem::error(message));
+                    let place = [key.as_str().into()];
+                    self.problems.push(Problem::error(message).along(place));
                     self.leftovers.push(("", key, value));
                 }
                 (_, value) => {
@@ -123,6 +126,7 @@ impl Map {
                 };
                 self.problems.push(match section {
                     "programs" => problem.in_program(&name),
+                    "layout" => problem.at(&name).along([section.into(), name.as_str().into()]),
                     _ => problem.at(&name),
                 });
                 self.leftovers.push((section, name, value));
@@ -130,13 +134,14 @@ impl Map {
         }
     }
 
-    fn add_link(&mut self, value: Json) {
+    fn add_link(&mut self, place: usize, value: Json) {
         match value.as_str().map(Link::from_str) {
             Some(Ok(link)) => self.links.push(link),
             _ => {
                 let message =
                     format!("link {value} is not of the form \"node.output -> node.input\"");
-                self.problems.push(Problem::error(message));
+                let path = ["links".into(), Step::Item(place)];
+                self.problems.push(Problem::error(message).along(path));
                 self.leftovers.push(("links", String::new(), value));
             }
         }

@@ -143,7 +143,8 @@ fn plan_parts(
 ) -> Result<PlanParts, Vec<Problem>> {
     let mut problems = map.problems().to_vec();
     if map.nodes.is_empty() && problems.is_empty() {
-        problems.push(Problem::error("the map has no nodes: there is nothing to run"));
+        let message = "the map has no nodes: there is nothing to run";
+        problems.push(Problem::error(message).along(["nodes".into()]));
     }
     let whole = map;
     let active = modes::without_inactive(whole, registry, &mut problems);
@@ -210,6 +211,10 @@ fn prepare(
     let empty = serde_json::Map::new();
     let given = map.nodes.get(name).map_or(&empty, |node| &node.params);
     let mut settings = Settings::parse(specs, given, &by_link, &mut faults);
+    if faults.is_empty() {
+        let idle = settings.idle(specs, given, &by_link).into_iter();
+        problems.extend(idle.map(|f| Problem::warning(f.message).at(name).port(&f.path)));
+    }
     problems.extend(faults.into_iter().map(|f| Problem::error(f.message).at(name).port(&f.path)));
     for link in &by_link {
         if given.contains_key(*link) {

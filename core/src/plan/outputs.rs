@@ -296,8 +296,9 @@ fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem
     }
     problems.extend(clashes.into_iter().map(|((other, writer), (folder, n))| {
         let folder = folder.display();
-        let first = format!("{other} writes \"{folder}\" alone, which {writer} needs as a folder");
-        Problem::error(and_more(&first, n))
+        let first = format!("needs \"{folder}\" as a folder, which {other} writes alone");
+        let (node, param) = writer.split_once('.').unwrap_or((writer, ""));
+        Problem::error(and_more(&first, n)).at(node).port(param)
     }));
 }
 

@@ -2,8 +2,10 @@
 
 mod columns;
 mod expand;
+mod pattern;
 mod plan_file;
 mod record;
+mod report_reader;
 mod report_spec;
 mod requirement;
 mod rounds;
@@ -19,7 +21,7 @@ mod work;
 pub use columns::{ColumnRecord, Columns, are_alike};
 pub use plan_file::{PlanFile, RunNote};
 pub use record::{StepRecord, StepStatus};
-pub use report_spec::{Measure, Question, ReportSpec, TIMES, meant};
+pub use report_spec::{Measure, Question, ReportFault, ReportSpec, TIMES, meant};
 pub use requirement::Requirement;
 pub use rounds::TIMINGS;
 pub use store::{Store, StoreError};

@@ -14,7 +14,7 @@ use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
 
-use mve_core::{MissedTarget, Quantities};
+use mve_core::{Condition, MissedTarget, Quantities};
 
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -44,7 +44,8 @@ const RATIO: Param<Option<f64>> = Param::maybe_number(
     "Stop at this part of the input's faces, where no number of faces is given. Off: no limit.",
     Some(0.5),
 )
-.within((0.0, 1.0));
+.within((0.0, 1.0))
+.only_where(Condition::IsOff { param: "target_faces" });
 const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
     "largest_cost",
     "Stop before a collapse that costs more than this, in the unit of the cost. Off: no limit.",

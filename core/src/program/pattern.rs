@@ -1,0 +1,207 @@
+//! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is a stranger's
+//! too, and may lead through all of a disk.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use glob::{MatchOptions, Pattern, PatternError};
+
+/// How far a search goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    /// The most files and folders that are looked at.
+    pub entries: usize,
+    /// The longest that it takes.
+    pub time: Duration,
+}
+
+/// What a search found.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Found {
+    /// The files, as the pattern names them, in the order of their names.
+    pub files: Vec<PathBuf>,
+    /// The first folder that could not be read, and why.
+    pub closed: Option<String>,
+    /// Files and folders that were looked at when it was given up; `None` if it came to its end.
+    pub given_up_at: Option<usize>,
+}
+
+/// The files of a pattern, which is relative to `folder`. A part `**` stands for any number of
+/// folders, not through links; what begins with a dot is found where the pattern says the dot.
+pub(super) fn files(pattern: &str, folder: &Path, bounds: Bounds) -> Result<Found, PatternError> {
+    Pattern::new(pattern)?;
+    let is_separator = |c: char| c == '/' || (cfg!(windows) && c == '\\');
+    let parts = pattern.split(is_separator).filter(|part| !part.is_empty() && *part != ".");
+    let parts: Vec<(&str, Pattern)> =
+        parts.map(|part| Ok((part, Pattern::new(part)?))).collect::<Result<_, PatternError>>()?;
+    let start = match pattern.starts_with(is_separator) {
+        true => PathBuf::from("/"),
+        false => PathBuf::new(),
+    };
+    let (n_looked, begin) = (0, Instant::now());
+    let mut search = Search { folder, bounds, begin, n_looked, found: Found::default() };
+    let is_done = search.descend(&start, &parts);
+    let mut found = search.found;
+    found.given_up_at = is_done.is_none().then_some(search.n_looked);
+    found.files.sort();
+    found.files.dedup();
+    Ok(found)
+}
+
+struct Search<'a> {
+    folder: &'a Path,
+    bounds: Bounds,
+    begin: Instant,
+    n_looked: usize,
+    found: Found,
+}
+
+impl Search<'_> {
+    /// Finds what fits the parts below a folder that is named `base`; `None` once it is given up.
+    fn descend(&mut self, base: &Path, parts: &[(&str, Pattern)]) -> Option<()> {
+        let Some(((part, pattern), rest)) = parts.split_first() else {
+            if self.whole(base).is_file() {
+                self.found.files.push(base.to_owned());
+            }
+            return Some(());
+        };
+        if *part == "**" {
+            return self.below(base, rest);
+        }
+        if !part.contains(['*', '?', '[']) {
+            return self.descend(&base.join(part), rest);
+        }
+        for (name, is_folder) in self.entries(base)? {
+            let fits = pattern.matches_with(&name, OPTIONS);
+            if fits && (is_folder || rest.is_empty()) {
+                self.descend(&base.join(&name), rest)?;
+            }
+        }
+        Some(())
+    }
+
+    /// What fits in a folder and in all folders in it.
+    fn below(&mut self, base: &Path, rest: &[(&str, Pattern)]) -> Option<()> {
+        let mut todo = vec![base.to_owned()];
+        while let Some(base) = todo.pop() {
+            if !rest.is_empty() {
+                self.descend(&base, rest)?;
+            }
+            for (name, is_folder) in self.entries(&base)? {
+                let path = base.join(&name);
+                if name.starts_with('.') {
+                    continue;
+                }
+                if is_folder && !self.whole(&path).is_symlink() {
+                    todo.push(path);
+                } else if rest.is_empty() {
+                    self.descend(&path, rest)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// The names in a folder, and whether each is a folder. Names that are no text are none that a
+    /// map can say.
+    fn entries(&mut self, base: &Path) -> Option<Vec<(String, bool)>> {
+        let folder = self.whole(base);
+        let entries = match std::fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(error) => {
+                let closed = || format!("{}: {error}", folder.display());
+                self.found.closed.get_or_insert_with(closed);
+                return Some(Vec::new());
+            }
+        };
+        let mut names = Vec::new();
+        for entry in entries.flatten() {
+            self.n_looked += 1;
+            let is_late = self.begin.elapsed() > self.bounds.time;
+            if is_late || self.n_looked > self.bounds.entries {
+                return None;
+            }
+            if let Ok(name) = entry.file_name().into_string() {
+                let is_folder = match entry.file_type() {
+                    Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
+                    kind => kind.is_ok_and(|kind| kind.is_dir()),
+                };
+                names.push((name, is_folder));
+            }
+        }
+        Some(names)
+    }
+
+    fn whole(&self, path: &Path) -> PathBuf {
+        let whole = self.folder.join(path);
+        if whole.as_os_str().is_empty() { PathBuf::from(".") } else { whole }
+    }
+}
+
+const OPTIONS: MatchOptions = MatchOptions {
+    case_sensitive: true,
+    require_literal_separator: true,
+    require_literal_leading_dot: true,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: Bounds = Bounds { entries: 1000, time: Duration::from_secs(60) };
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for file in ["b.obj", "a.obj", ".h.obj", "c.txt", "s/d.obj", "s/t/e.obj", ".g/f.obj"] {
+            let path = folder.path().join(file);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, "").unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn patterns_find_what_shells_find() {
+        let folder = folder();
+        let found = |pattern: &str| {
+            let found = files(pattern, folder.path(), ALL).unwrap();
+            assert_eq!(found.given_up_at, None);
+            let names = found.files.iter().map(|path| path.to_str().unwrap().to_owned());
+            names.collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(found("*.obj"), "a.obj b.obj");
+        assert_eq!(found("./[ab].*"), "a.obj b.obj");
+        assert_eq!(found("**/*.obj"), "a.obj b.obj s/d.obj s/t/e.obj");
+        assert_eq!(found("s/**"), "s/d.obj s/t/e.obj");
+        assert_eq!(found("*/d.obj"), "s/d.obj");
+        assert_eq!(found("s/../?.txt"), "s/../c.txt");
+        assert_eq!(found(".*.obj"), ".h.obj");
+        assert_eq!(found("s"), "");
+        let absolute = folder.path().join("*.txt");
+        let whole = folder.path().join("c.txt");
+        assert_eq!(found(absolute.to_str().unwrap()), whole.to_str().unwrap());
+        assert!(files("a**b", folder.path(), ALL).is_err());
+        assert!(files("[", folder.path(), ALL).is_err());
+    }
+
+    #[test]
+    fn a_search_ends_at_its_bounds() {
+        let folder = folder();
+        let few = Bounds { entries: 3, ..ALL };
+        assert_eq!(files("**/*.obj", folder.path(), few).unwrap().given_up_at, Some(4));
+        let short = Bounds { time: Duration::ZERO, ..ALL };
+        assert_eq!(files("**/*.none", folder.path(), short).unwrap().given_up_at, Some(1));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_into_no_circle_and_closed_folders_are_named() {
+        let folder = folder();
+        std::os::unix::fs::symlink(folder.path(), folder.path().join("s/round")).unwrap();
+        let found = files("**/*.obj", folder.path(), ALL).unwrap();
+        assert_eq!(found.files.len(), 4);
+        assert_eq!(files("s/round/*.obj", folder.path(), ALL).unwrap().files.len(), 2);
+        let none = files("none/*.obj", folder.path(), ALL).unwrap();
+        assert!(none.closed.unwrap().contains("none: "));
+    }
+}
