@@ -89,10 +89,10 @@ pub fn describe_part(info: &ModuleInfo, path: &str) -> Result<String, String> {
     let mut text = title;
     match last {
         Some((spec, Some(option))) => {
-            let _ = write!(text, "{}\n", option.summary);
+            let _ = writeln!(text, "{}", option.summary);
             if !option.params.is_empty() {
                 text.push_str("\nParameters:\n\n");
-                describe_params(option.params, 1, &mut text);
+                describe_below(option.params, &mut text);
             }
             let numbers = numbers_of(&spec, option.id);
             if !numbers.is_empty() {
@@ -102,10 +102,20 @@ pub fn describe_part(info: &ModuleInfo, path: &str) -> Result<String, String> {
                 let _ = writeln!(text, "- {}", line_of(quantity));
             }
         }
+        Some((spec, None)) if path.contains('.') => describe_below(&[spec], &mut text),
         Some((spec, None)) => describe_params(&[spec], 0, &mut text),
         None => {}
     }
     Ok(text)
+}
+
+/// Parameters of an entry, which no link leads to, as a list of their own.
+fn describe_below(params: &[ParamSpec], text: &mut String) {
+    let mut indented = String::new();
+    describe_params(params, 1, &mut indented);
+    for line in indented.lines() {
+        let _ = writeln!(text, "{}", line.strip_prefix("  ").unwrap_or(line));
+    }
 }
 
 /// The numbers that an entry of a choice gives.

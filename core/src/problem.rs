@@ -31,7 +31,7 @@ pub struct Place {
     pub program: Option<String>,
     /// The way to it through the JSON of the map, or of the program where one is named.
     #[serde(skip)]
-    pub(crate) path: Option<Vec<Step>>,
+    pub(crate) path: Option<Box<[Step]>>,
 }
 
 /// One problem of a map.
@@ -67,7 +67,7 @@ impl Problem {
 
     /// Says where it stands in the JSON of the map, or of the program where one is named.
     pub(crate) fn along<const N: usize>(mut self, path: [Step; N]) -> Self {
-        self.place.path = Some(path.into());
+        self.place.path = Some(Box::new(path));
         self
     }
 

@@ -87,7 +87,11 @@ pub struct Args {
     /// Threads to use [default: one a core; 1 with --timing]
     #[arg(long, value_name = "N", value_parser = parse_count)]
     threads: Option<usize>,
-    /// Start no further step while more memory is in use: 8G, 512M [default: half of the machine's]
+    /// Memory that steps may take together: 8G, 512M [default: half of the machine's]
+    ///
+    /// A further step waits until less is in use, and a module that says beforehand how much it
+    /// will take waits until that is free; neither counts against a time limit. What alone takes
+    /// more than this runs alone.
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
     /// Stop a step after this time, in place of the program's own limit

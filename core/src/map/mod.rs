@@ -197,7 +197,7 @@ impl Map {
             let keys = keys.collect::<Vec<_>>().join(".");
             let message = format!("\"{keys}\" stands twice in the file; rename or remove one");
             let mut problem = Problem::error(message);
-            problem.place.path = Some(path);
+            problem.place.path = Some(path.into());
             map.problems.push(problem);
         }
         match object.remove("mve").map(|version| (version.as_u64(), version)) {

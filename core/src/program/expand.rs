@@ -46,14 +46,7 @@ impl Program {
             .map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
         let values = values_of(&assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
-        let refused = |faults: Vec<ReportFault>| {
-            let problem = |fault: ReportFault| {
-                let mut problem = Problem::error(fault.to_string());
-                problem.place.path = Some([vec!["report".into()], fault.path].concat());
-                in_program(problem)
-            };
-            faults.into_iter().map(problem).collect::<Vec<_>>()
-        };
+        let refused = |faults| refused(faults, name);
         let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
         let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let (mut bare, files) = (map.without_programs(), FileHashes::new());
@@ -121,6 +114,16 @@ impl Program {
         let options = plan_options(&self.map_folder, &self.files);
         PlanSeries::new(&self.map, &self.registry, options)
     }
+}
+
+/// What is wrong with the report of a program.
+fn refused(faults: Vec<ReportFault>, program: &str) -> Vec<Problem> {
+    let problem = |fault: ReportFault| {
+        let mut problem = Problem::error(fault.to_string()).in_program(program);
+        problem.place.path = Some([vec!["report".into()], fault.path].concat().into());
+        problem
+    };
+    faults.into_iter().map(problem).collect()
 }
 
 fn plan_options<'a>(map_folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
@@ -203,13 +206,12 @@ fn takes_whole_numbers(map: &Map, registry: &Registry, path: &str) -> bool {
     spec.is_some_and(|spec| spec.integer().is_some() || spec.seed().is_some())
 }
 
-/// All assignments of a program: the product of its axes, then its explicit steps. What a person
-/// should know of them goes to `remarks`.
-fn assignments(
+/// The axes with every value written out.
+fn spread(
     spec: &ProgramSpec,
     spreader: &Spreader,
     remarks: &mut Vec<Problem>,
-) -> Result<Vec<Assignment>, Vec<Problem>> {
+) -> Result<Vec<Axis>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut axes = Vec::new();
     for (place, axis) in spec.axes.iter().enumerate() {
@@ -230,7 +232,18 @@ fn assignments(
     if !problems.is_empty() {
         return Err(problems);
     }
-    problems.extend(slips_of(&axes));
+    Ok(axes)
+}
+
+/// All assignments of a program: the product of its axes, then its explicit steps. What a person
+/// should know of them goes to `remarks`.
+fn assignments(
+    spec: &ProgramSpec,
+    spreader: &Spreader,
+    remarks: &mut Vec<Problem>,
+) -> Result<Vec<Assignment>, Vec<Problem>> {
+    let axes = spread(spec, spreader, remarks)?;
+    let mut problems = slips_of(&axes);
     let mut all = vec![Assignment::new()];
     let mut total = 1_usize;
     for (place, axis) in axes.iter().enumerate() {

@@ -44,7 +44,7 @@ fn modules_are_listed_and_described() {
     assert_eq!(part.out, whole.replace("metric.", ""));
     folder.mve(&["modules", "Simplificator.cost"]).succeeds().says("- `Quadric`:");
     let far = folder.mve(&["modules", "Simplificator.ImageMse.cameras.Direction.x"]).succeeds();
-    far.says("- `x` (number; default 1; only where from is Vector): ");
+    far.says("; default 1; only where from is Vector): How far");
     let wrong = folder.mve(&["modules", "MeshComparer.ImageSim"]);
     wrong.fails(2, "no parameter or entry \"ImageSim\"; did you mean \"ImageSsim\"?\n");
     std::fs::create_dir(folder.path().join("docs")).unwrap();
