@@ -76,6 +76,16 @@ impl Problem {
         self
     }
 
+    /// What stands for so many more that would say nothing new.
+    pub(crate) fn more(n: usize) -> Self {
+        Self::error(format!("{n} {MORE}"))
+    }
+
+    /// Whether it stands for others that are not listed.
+    pub fn counts_others(&self) -> bool {
+        self.message.ends_with(MORE)
+    }
+
     /// Whether it stops a run.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
@@ -97,6 +107,8 @@ impl fmt::Display for Problem {
         f.write_str(&plain(&self.message, LONGEST_MESSAGE))
     }
 }
+
+const MORE: &str = "more problems of this kind";
 
 /// Longest name and message that are shown whole, in characters.
 pub(crate) const LONGEST_NAME: usize = 100;

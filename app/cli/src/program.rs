@@ -8,7 +8,7 @@ use std::time::Duration;
 use mve_core::{
     CancelToken, DiskCache, EventKind, Part, Patience, Problem, Program, ProgramEvent,
     ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS,
-    did_you_mean, is_steering,
+    chosen, did_you_mean, is_steering,
 };
 use mve_report::Report;
 use serde::Serialize;
@@ -222,7 +222,11 @@ fn part_of(args: &Args, program: &Program) -> Result<Part, Stop> {
         }
         let only = Part { only: vec![(path.clone(), value.clone())], ..Part::default() };
         if program.places(&only).is_empty() {
-            return Err(Stop::usage(format!("--only {path}: no step has it as {value}")));
+            let values = program.steps.iter().filter_map(|step| step.params.get(path));
+            let ids = values.filter_map(|value| chosen(value).map(|(id, _)| id));
+            let hint = value.as_str().map(|value| did_you_mean(value, ids)).unwrap_or_default();
+            let message = format!("--only {path}: no step has it as {value}{hint}");
+            return Err(Stop::usage(message));
         }
     }
     Ok(part)

@@ -19,6 +19,7 @@ mod questions;
 mod results;
 pub mod stats;
 mod text;
+mod words;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

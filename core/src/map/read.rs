@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{Link, Map, Step, words};
+use super::{Link, Map, Step, axes, words};
 use crate::param::shown;
 use crate::problem::{Problem, did_you_mean};
 
@@ -108,6 +108,15 @@ impl Map {
                 let given = field.and_then(|field| value.get(field)).unwrap_or(&value);
                 let given = shown(given);
                 let problem = match field {
+                    Some("axes")
+                        if let Some((place, path, message)) = axes::misfit(&value["axes"]) =>
+                    {
+                        let path = path.map(|path| path.as_str().into());
+                        let way = ["axes".into(), Step::Item(place)].into_iter().chain(path);
+                        let mut problem = Problem::error(message);
+                        problem.place.path = Some(way.collect());
+                        problem
+                    }
                     // Of a program's problem the field is not shown before the message.
                     Some(field) if section == "programs" => {
                         Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)

@@ -39,16 +39,9 @@ impl Program {
             let message = format!("the name of a program {HOLDS_NO_STEERING}; give it another one");
             return Err(vec![in_program(Problem::error(message))]);
         }
-        let is_whole = |path: &str| takes_whole_numbers(map, registry, path);
-        let spreader = Spreader { folder: map_folder, is_whole: &is_whole };
-        let mut remarks = Vec::new();
-        let assignments = assignments(spec, &spreader, &mut remarks)
-            .map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
-        let values = values_of(&assignments);
+        let said = Said::of(map, name, spec, (registry, map_folder))?;
+        let values = values_of(&said.assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
-        let refused = |faults| refused(faults, name);
-        let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
-        let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let (mut bare, files) = (map.without_programs(), FileHashes::new());
         bare.forget_other_programs(name);
         let options = plan_options(map_folder, &files);
@@ -56,16 +49,23 @@ impl Program {
             map: &bare,
             registry,
             options,
-            assignments: &assignments,
+            assignments: &said.assignments,
             repeats: spec.repeats.unwrap_or(1),
         });
         if steps.problems.iter().any(Problem::is_error) {
             return Err(steps.problems.into_iter().map(in_program).collect());
         }
+        let shared = steps.shared_keys();
+        let of_steps = steps.problems.into_iter();
+        let of_steps = of_steps.map(|warning| match bare.problems().contains(&warning) {
+            true => warning,
+            false => in_program(warning),
+        });
+        let of_steps: Vec<Problem> = of_steps.collect();
         let mut program = Self {
             name: name.to_owned(),
             varied,
-            report: report.unwrap_or_default(),
+            report: said.report,
             map_file: String::new(),
             map_path: PathBuf::new(),
             spec: spec.clone(),
@@ -73,10 +73,10 @@ impl Program {
             map_folder: map_folder.to_owned(),
             registry: registry.clone(),
             files,
-            time_limit,
-            shared: steps.shared_keys(),
+            time_limit: said.time_limit,
+            shared,
             steps: steps.steps,
-            warnings: remarks.into_iter().chain(steps.problems).collect(),
+            warnings: said.remarks.into_iter().chain(of_steps).collect(),
             columns: steps.columns,
             inputs: steps.inputs,
             modules: steps.modules,
@@ -84,7 +84,7 @@ impl Program {
         };
         program.columns.settle();
         let faults = program.faults_of_report(map, values);
-        if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
+        if faults.is_empty() { Ok(program) } else { Err(refused(faults, name)) }
     }
 
     /// What its report says of columns and parameters that are not there.
@@ -113,6 +113,49 @@ impl Program {
     pub(super) fn series(&self) -> PlanSeries<'_> {
         let options = plan_options(&self.map_folder, &self.files);
         PlanSeries::new(&self.map, &self.registry, options)
+    }
+}
+
+/// What a program says, read and found to be in order by itself.
+struct Said {
+    assignments: Vec<Assignment>,
+    /// What a person should know of its axes.
+    remarks: Vec<Problem>,
+    report: ReportSpec,
+    time_limit: Option<Duration>,
+}
+
+impl Said {
+    fn of(
+        map: &Map,
+        name: &str,
+        spec: &ProgramSpec,
+        (registry, folder): (&Registry, &Path),
+    ) -> Result<Self, Vec<Problem>> {
+        let in_program = |problem: Problem| problem.in_program(name);
+        let is_whole = |path: &str| takes_whole_numbers(map, registry, path);
+        let spreader = Spreader { folder, is_whole: &is_whole };
+        let (mut remarks, mut problems) = (Vec::new(), Vec::new());
+        let assignments = assignments(spec, &spreader, &mut remarks).unwrap_or_else(|faults| {
+            problems.extend(faults.into_iter().map(in_program));
+            Vec::new()
+        });
+        let report =
+            spec.report.as_ref().map_or_else(|| Ok(ReportSpec::default()), ReportSpec::parse);
+        let report = report.unwrap_or_else(|faults| {
+            problems.extend(refused(faults, name));
+            ReportSpec::default()
+        });
+        let time_limit = time_limit_of(spec).unwrap_or_else(|problem| {
+            problems.push(in_program(problem));
+            None
+        });
+        let remarks = remarks.into_iter().map(in_program).collect();
+        if problems.is_empty() {
+            Ok(Self { assignments, remarks, report, time_limit })
+        } else {
+            Err(problems)
+        }
     }
 }
 

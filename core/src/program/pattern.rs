@@ -1,6 +1,7 @@
 //! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is a stranger's
 //! too, and may lead through all of a disk.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -109,8 +110,11 @@ impl Search<'_> {
         let entries = match std::fs::read_dir(&folder) {
             Ok(entries) => entries,
             Err(error) => {
-                let closed = || format!("{}: {error}", folder.display());
-                self.found.closed.get_or_insert_with(closed);
+                // What was there a moment ago, and what is no folder, tells nobody anything.
+                if self.n_looked == 0 || error.kind() == ErrorKind::PermissionDenied {
+                    let closed = || format!("{}: {error}", folder.display());
+                    self.found.closed.get_or_insert_with(closed);
+                }
                 return Some(Vec::new());
             }
         };

@@ -180,10 +180,9 @@ impl Steps {
     fn cut_problems(&mut self) {
         let hidden = self.problems.split_off(self.problems.len().min(MOST_PROBLEMS));
         if let Some(first) = hidden.first() {
-            let message = format!("{} more problems of this kind", hidden.len());
             let severity =
                 hidden.iter().find(|problem| problem.is_error()).unwrap_or(first).severity;
-            self.problems.push(Problem { severity, ..Problem::error(message) });
+            self.problems.push(Problem { severity, ..Problem::more(hidden.len()) });
         }
     }
 }
