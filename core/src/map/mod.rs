@@ -200,7 +200,7 @@ impl Map {
             problem.place.path = Some(path.into());
             map.problems.push(problem);
         }
-        match object.remove("mve").map(|version| (version.as_u64(), version)) {
+        match object.shift_remove("mve").map(|version| (version.as_u64(), version)) {
             Some((Some(version), _)) if version > FORMAT => return Err(MapError::Newer(version)),
             Some((Some(version), _)) if version > 0 => migrate(&mut object, version, MIGRATIONS),
             Some((_, version)) => {
@@ -447,6 +447,24 @@ mod tests {
             let repeats = format!("program \"p\": \"repeats\": {repeats} is not ");
             assert_eq!(found, repeats + "a whole number above 0");
         }
+    }
+
+    #[test]
+    fn all_bad_fields_of_a_part_are_named() {
+        let text = r#"{"mve": 1, "nodes": {"a": {"module": 3, "mode": "mutd", "params": []}},
+            "programs": {"p": {"axes": [3], "repeats": -1, "time_limit": "1"}}}"#;
+        let map = Map::parse(text).unwrap();
+        let said: Vec<String> = map.problems().iter().map(|p| p.to_string()).collect();
+        let starts = [
+            "a.module: 3 is not the id of a module",
+            "a.mode: \"mutd\" is not \"active\"",
+            "a.params: [] is not an object",
+            "program \"p\": axis 1: 3 is not an axis",
+            "program \"p\": \"repeats\": -1 is not a whole number",
+            "program \"p\": \"time_limit\": \"1\" is not a number of seconds",
+        ];
+        assert!(said.iter().zip(starts).all(|(said, start)| said.starts_with(start)), "{said:#?}");
+        assert_eq!(said.len(), starts.len());
     }
 
     #[test]

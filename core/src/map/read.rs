@@ -103,41 +103,16 @@ impl Map {
                 target(self).insert(name, part);
             }
             Err(_) => {
-                let field = misunderstood::<T>(&value);
-                let form = words::of_form(section, field);
-                let given = field.and_then(|field| value.get(field)).unwrap_or(&value);
-                let given = shown(given);
-                let problem = match field {
-                    Some("axes")
-                        if let Some((place, path, message)) = axes::misfit(&value["axes"]) =>
-                    {
-                        let path = path.map(|path| path.as_str().into());
-                        let way = ["axes".into(), Step::Item(place)].into_iter().chain(path);
-                        let mut problem = Problem::error(message);
-                        problem.place.path = Some(way.collect());
-                        problem
-                    }
-                    // Of a program's problem the field is not shown before the message.
-                    Some(field) if section == "programs" => {
-                        Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
-                    }
-                    Some(field) => Problem::error(format!("{given} is not {form}")).port(field),
-                    None if section == "nodes" && value.is_object() => {
-                        let keys = value.as_object().into_iter().flatten();
-                        let meant = keys.map(|(key, _)| key.as_str()).find_map(|key| {
-                            let hint = did_you_mean("module", [key].into_iter());
-                            (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
-                        });
-                        let meant = meant.unwrap_or_default();
-                        Problem::error(format!("says no \"module\", which a node is{meant}"))
-                    }
-                    None => Problem::error(format!("{given} is not {form}")),
+                let fields = misunderstood::<T>(&value);
+                let problems = match fields.is_empty() {
+                    true => vec![misfit(section, &value)],
+                    false => fields.iter().map(|field| misfit_at(section, field, &value)).collect(),
                 };
-                self.problems.push(match section {
+                self.problems.extend(problems.into_iter().map(|problem| match section {
                     "programs" => problem.in_program(&name),
                     "layout" => problem.at(&name).along([section.into(), name.as_str().into()]),
                     _ => problem.at(&name),
-                });
+                }));
                 self.leftovers.push((section, name, value));
             }
         }
@@ -157,13 +132,51 @@ impl Map {
     }
 }
 
-/// The first field of an object that is not understood even alone.
-fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
+/// What is wrong with a part as a whole.
+fn misfit(section: &'static str, value: &Json) -> Problem {
+    let keys = value.as_object().filter(|_| section == "nodes");
+    let Some(keys) = keys.map(|object| object.keys()) else {
+        return Problem::error(format!(
+            "{} is not {}",
+            shown(value),
+            words::of_form(section, None)
+        ));
+    };
+    let meant = keys.map(String::as_str).find_map(|key| {
+        let hint = did_you_mean("module", [key].into_iter());
+        (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
+    });
+    let meant = meant.unwrap_or_default();
+    Problem::error(format!("says no \"module\", which a node is{meant}"))
+}
+
+/// What is wrong with a field of a part.
+fn misfit_at(section: &'static str, field: &str, value: &Json) -> Problem {
+    let (given, form) = (shown(&value[field]), words::of_form(section, Some(field)));
+    match axes::misfit(&value["axes"]).filter(|_| field == "axes") {
+        Some((place, path, message)) => {
+            let path = path.map(|path| path.as_str().into());
+            let way = ["axes".into(), Step::Item(place)].into_iter().chain(path);
+            let mut problem = Problem::error(message);
+            problem.place.path = Some(way.collect());
+            problem
+        }
+        // Of a program's problem the field is not shown before the message.
+        None if section == "programs" => {
+            Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
+        }
+        None => Problem::error(format!("{given} is not {form}")).port(field),
+    }
+}
+
+/// The fields of an object that are not understood even alone.
+fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Vec<String> {
     let is_bad = |(field, value): &(&String, &Json)| {
         // A node needs a module.
         let mut alone = JsonMap::from_iter([("module".to_owned(), Json::from("Any"))]);
         alone.insert((*field).clone(), (*value).clone());
         T::deserialize(Json::Object(alone)).is_err()
     };
-    value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
+    let fields = value.as_object().into_iter().flatten().filter(is_bad);
+    fields.map(|(field, _)| field.clone()).collect()
 }

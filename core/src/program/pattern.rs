@@ -25,6 +25,17 @@ pub(super) struct Found {
     pub closed: Option<String>,
     /// Files and folders that were looked at when it was given up; `None` if it came to its end.
     pub given_up_at: Option<usize>,
+    /// How many files have a name that is no text, which no map can say.
+    pub n_nameless: usize,
+}
+
+/// What is wrong with a pattern, in words.
+pub(super) fn fault(error: &PatternError) -> &'static str {
+    if error.msg.contains("range") {
+        "a [ is not closed, or has nothing in it; [[] stands for the sign itself"
+    } else {
+        "** stands alone between two slashes, for any number of folders, and *** for nothing"
+    }
 }
 
 /// The files of a pattern, which is relative to `folder`. A part `**` stands for any number of
@@ -47,6 +58,14 @@ pub(super) fn files(pattern: &str, folder: &Path, bounds: Bounds) -> Result<Foun
     found.files.sort();
     found.files.dedup();
     Ok(found)
+}
+
+/// A file or folder in a folder.
+struct Item {
+    name: String,
+    is_folder: bool,
+    /// Whether this is its name, to the byte.
+    is_text: bool,
 }
 
 struct Search<'a> {
@@ -72,10 +91,13 @@ impl Search<'_> {
         if !part.contains(['*', '?', '[']) {
             return self.descend(&base.join(part), rest);
         }
-        for (name, is_folder) in self.entries(base)? {
+        for Item { name, is_folder, is_text } in self.entries(base)? {
             let fits = pattern.matches_with(&name, OPTIONS);
-            if fits && (is_folder || rest.is_empty()) {
-                self.descend(&base.join(&name), rest)?;
+            match (is_folder, rest.is_empty()) {
+                _ if !fits => {}
+                (false, true) if !is_text => self.found.n_nameless += 1,
+                (true, _) | (_, true) => self.descend(&base.join(&name), rest)?,
+                (false, false) => {}
             }
         }
         Some(())
@@ -88,13 +110,15 @@ impl Search<'_> {
             if !rest.is_empty() {
                 self.descend(&base, rest)?;
             }
-            for (name, is_folder) in self.entries(&base)? {
+            for Item { name, is_folder, is_text } in self.entries(&base)? {
                 let path = base.join(&name);
                 if name.starts_with('.') {
                     continue;
                 }
                 if is_folder && !self.whole(&path).is_symlink() {
                     todo.push(path);
+                } else if rest.is_empty() && !is_text {
+                    self.found.n_nameless += 1;
                 } else if rest.is_empty() {
                     self.descend(&path, rest)?;
                 }
@@ -103,9 +127,8 @@ impl Search<'_> {
         Some(())
     }
 
-    /// The names in a folder, and whether each is a folder. Names that are no text are none that a
-    /// map can say.
-    fn entries(&mut self, base: &Path) -> Option<Vec<(String, bool)>> {
+    /// What is in a folder.
+    fn entries(&mut self, base: &Path) -> Option<Vec<Item>> {
         let folder = self.whole(base);
         let entries = match std::fs::read_dir(&folder) {
             Ok(entries) => entries,
@@ -118,22 +141,22 @@ impl Search<'_> {
                 return Some(Vec::new());
             }
         };
-        let mut names = Vec::new();
+        let mut items = Vec::new();
         for entry in entries.flatten() {
             self.n_looked += 1;
             let is_late = self.begin.elapsed() > self.bounds.time;
             if is_late || self.n_looked > self.bounds.entries {
                 return None;
             }
-            if let Ok(name) = entry.file_name().into_string() {
-                let is_folder = match entry.file_type() {
-                    Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
-                    kind => kind.is_ok_and(|kind| kind.is_dir()),
-                };
-                names.push((name, is_folder));
-            }
+            let is_folder = match entry.file_type() {
+                Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
+                kind => kind.is_ok_and(|kind| kind.is_dir()),
+            };
+            let name = entry.file_name();
+            let is_text = name.to_str().is_some();
+            items.push(Item { name: name.to_string_lossy().into_owned(), is_folder, is_text });
         }
-        Some(names)
+        Some(items)
     }
 
     fn whole(&self, path: &Path) -> PathBuf {
@@ -207,5 +230,10 @@ mod tests {
         assert_eq!(files("s/round/*.obj", folder.path(), ALL).unwrap().files.len(), 2);
         let none = files("none/*.obj", folder.path(), ALL).unwrap();
         assert!(none.closed.unwrap().contains("none: "));
+        let odd = std::os::unix::ffi::OsStrExt::from_bytes(b"s/n\xff.obj");
+        std::fs::write(folder.path().join::<&std::ffi::OsStr>(odd), "").unwrap();
+        for pattern in ["s/*.obj", "**/*.obj", "s/**"] {
+            assert_eq!(files(pattern, folder.path(), ALL).unwrap().n_nameless, 1, "{pattern}");
+        }
     }
 }

@@ -44,8 +44,11 @@ impl Spreader<'_> {
             let mut all = Vec::with_capacity(values.len());
             let mut rounded = Vec::new();
             for value in values {
-                let spread = made(value, self.folder);
-                match spread.map_err(|why| (path.clone(), format!("{path}: {why}")))? {
+                let mut remark = None;
+                let spread = made(value, self.folder, &mut remark);
+                let spread = spread.map_err(|why| (path.clone(), format!("{path}: {why}")))?;
+                remarks.extend(remark.map(|remark| (path.clone(), format!("{path}: {remark}"))));
+                match spread {
                     Some(numbers) if (self.is_whole)(path) => {
                         let fractions = numbers.iter().filter(|number| number.is_f64()).cloned();
                         rounded.extend(fractions);
@@ -62,7 +65,7 @@ impl Spreader<'_> {
                     let mut known = IndexSet::new();
                     all.retain(|value| known.insert(value.to_string()));
                 }
-                remarks.push((path.clone(), remark(path, &rounded, (n_all, all.len()))));
+                remarks.push((path.clone(), of_rounding(path, &rounded, (n_all, all.len()))));
             }
             whole.insert(path.clone(), all);
         }
@@ -79,7 +82,7 @@ fn to_whole(number: &Json) -> Json {
 }
 
 /// What is said where values were rounded.
-fn remark(path: &str, rounded: &[Json], (n_before, n): (usize, usize)) -> String {
+fn of_rounding(path: &str, rounded: &[Json], (n_before, n): (usize, usize)) -> String {
     let shown = rounded.iter().take(3).map(|value| format!("{value} to {}", to_whole(value)));
     let shown = shown.collect::<Vec<_>>().join(", ");
     let more = if rounded.len() > 3 { ", …" } else { "" };
@@ -92,10 +95,14 @@ fn remark(path: &str, rounded: &[Json], (n_before, n): (usize, usize)) -> String
 
 /// The values that `{"glob": …}`, `{"range": …}` or `{"log": …}` stands for; any other value stands
 /// for itself.
-fn made(value: &Json, folder: &Path) -> Result<Option<Vec<Json>>, String> {
+fn made(
+    value: &Json,
+    folder: &Path,
+    remark: &mut Option<String>,
+) -> Result<Option<Vec<Json>>, String> {
     let fields = value.as_object().filter(|fields| fields.len() == 1);
     match fields.and_then(|fields| fields.iter().next()) {
-        Some((key, pattern)) if key == "glob" => files(pattern, folder).map(Some),
+        Some((key, pattern)) if key == "glob" => files(pattern, folder, remark).map(Some),
         Some((key, ends)) if key == "range" => {
             numbers(ends, |from, to, share| from + (to - from) * share)
                 .map(Some)
@@ -115,11 +122,11 @@ fn made(value: &Json, folder: &Path) -> Result<Option<Vec<Json>>, String> {
     }
 }
 
-fn files(pattern: &Json, folder: &Path) -> Result<Vec<Json>, String> {
+fn files(pattern: &Json, folder: &Path, remark: &mut Option<String>) -> Result<Vec<Json>, String> {
     let form = || format!("{pattern} is not a pattern of files, such as \"scans/*.obj\"");
     let text = pattern.as_str().ok_or_else(form)?;
     let found = pattern::files(text, folder, BOUNDS)
-        .map_err(|error| format!("{}: {}", form(), error.msg))?;
+        .map_err(|error| format!("{}: {}", form(), pattern::fault(&error)))?;
     if let Some(n) = found.given_up_at {
         return Err(format!(
             "the search for {pattern} was given up after {n} files and folders: it goes on for at \
@@ -132,6 +139,14 @@ fn files(pattern: &Json, folder: &Path) -> Result<Vec<Json>, String> {
             "{pattern} fits {} files; the most is {MOST_STEPS}",
             found.files.len()
         ));
+    }
+    if found.n_nameless > 0 {
+        let files = if found.n_nameless == 1 { "file is" } else { "files are" };
+        let why = "left out, as the name is not UTF-8, which a map is";
+        *remark = Some(format!("{} {files} {why}", found.n_nameless));
+    }
+    if folder.join(text).is_dir() {
+        return Err(format!("{pattern} is a folder; its files are \"{text}/*\""));
     }
     match found.closed {
         Some(why) if found.files.is_empty() => {
@@ -242,5 +257,9 @@ mod tests {
         assert_eq!(found, json!(["scans/a.obj", "scans/b.obj"]));
         let why = values(json!({"glob": "scan/*.obj"}), folder.path()).unwrap_err();
         assert!(why.starts_with("a.x: no file is named like \"scan/*.obj\"; "), "{why}");
+        let why = values(json!({"glob": "scans"}), folder.path()).unwrap_err();
+        assert_eq!(why, "a.x: \"scans\" is a folder; its files are \"scans/*\"");
+        let why = values(json!({"glob": "scans/[.obj"}), folder.path()).unwrap_err();
+        assert!(why.contains(": a [ is not closed"), "{why}");
     }
 }

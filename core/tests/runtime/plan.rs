@@ -190,3 +190,13 @@ fn what_is_set_to_no_effect_is_told() {
     let expected = "n.part: has no effect: it counts only where most is off";
     assert_eq!(warnings(json!({"part": 0.1, "most": 3})), [expected]);
 }
+
+#[test]
+fn a_mistyped_path_names_the_entry_and_what_was_meant() {
+    let mut map = Map::parse(r#"{"mve": 1, "nodes": {"n": {"module": "Pick"}}}"#).unwrap();
+    let mut said = |path: &str| assign(&mut map, &registry(), path, json!(1)).unwrap_err().message;
+    let expected = "there is no parameter \"bi\" of Scaled; did you mean \"by\"?";
+    assert_eq!(said("n.how.bi"), expected);
+    assert_eq!(said("n.how.x"), "there is no parameter \"x\" of Scaled");
+    assert_eq!(said("n.ho"), "there is no parameter \"ho\"; did you mean \"how\"?");
+}
