@@ -17,7 +17,7 @@ use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
-use mve_core::{Cancelled, Control, MissedTarget, Quantities};
+use mve_core::{Cancelled, Condition, Control, MissedTarget, Quantities};
 
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -60,7 +60,8 @@ const RATIO: Param<Option<f64>> = Param::maybe_number(
     "Stop at this part of the input's faces, where no number of faces is given. Off: no limit.",
     Some(0.5),
 )
-.within((0.0, 1.0));
+.within((0.0, 1.0))
+.only_where(Condition::IsOff { param: "target_faces" });
 const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
     "largest_cost",
     "Stop before a collapse that costs more than this, in the unit of the cost. Off: no limit.",

@@ -364,12 +364,12 @@ impl ProgramPanel {
             return;
         };
         let how = How { retry, ..self.how };
-        let runs = program.runs_by_step(mve_core::TIMINGS);
+        let timings = (how.sharing == Sharing::Timing).then_some(mve_core::TIMINGS);
+        let requirement = mve_core::Requirement::of(&program, timings);
         for step in &program.steps {
             let runs_again = self.records.get(&step.id).is_some_and(|record| {
                 (retry == Retry::Failed && record.status != StepStatus::Done)
-                    || (how.sharing == Sharing::Timing
-                        && !record.has_timings(runs.get(step.id.as_str()).copied().unwrap_or(1)))
+                    || !requirement.is_met_by(record)
             });
             if runs_again {
                 self.records.remove(&step.id);

@@ -1,6 +1,6 @@
 //! Small pictures of values, made one at a time on a thread and kept by the key of their result.
 //!
-//! A mesh is drawn by the rasteriser of modules, which needs no GPU, and never makes a frame wait.
+//! A mesh is drawn by the rasterizer of modules, which needs no GPU, and never makes a frame wait.
 
 use std::collections::HashMap;
 

@@ -69,7 +69,7 @@ impl Hand {
         hand
     }
 
-    /// A window of some size on the example, drawn by a certain rasteriser.
+    /// A window of some size on the example, drawn by a certain rasterizer.
     pub fn with_example(folder: &Path, render: RenderState, size: Vec2) -> Self {
         Self::drawn_by(render, folder, Maps::Example, size)
     }
@@ -139,7 +139,7 @@ impl Hand {
 
     /// A picture of the window.
     pub fn picture(&mut self) -> image::RgbaImage {
-        self.harness.render().expect("there is a rasteriser")
+        self.harness.render().expect("there is a rasterizer")
     }
 
     /// Compares the window with the picture of this name.
