@@ -269,8 +269,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut cost = (cost.entry.build)(left, &cost.params)?;
     let mut placement = (placement.entry.build)(left, &placement.params)?;
     let rest = collapses.part(if start.is_some() { 0.3 } else { 0.0 }, 1.0);
-    let parts = (cost.as_mut(), placement.as_mut());
-    let mut simplified = collapsed(left, kept_size, parts, options, rest)?;
+    let (cost, placement) = (cost.as_mut(), placement.as_mut());
+    let mut simplified = collapsed(left, kept_size, cost, placement, options, rest)?;
     if let Some(start) = start {
         simplified.add_start(&start);
     }
@@ -311,17 +311,16 @@ fn head_start(
     }
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
-    let parts: Parts = (&mut Quadric::default(), &mut Optimal::default());
-    collapsed(mesh, kept_size, parts, options, control).map(Some)
+    let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
+    collapsed(mesh, kept_size, cost, placement, options, control).map(Some)
 }
-
-type Parts<'a> = (&'a mut dyn Cost, &'a mut dyn Placement);
 
 /// The mesh simplified, but for components of at most this size.
 fn collapsed(
     mesh: &TriMesh,
     kept_size: f64,
-    (cost, placement): Parts,
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Simplified, Cancelled> {
