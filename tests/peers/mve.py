@@ -11,17 +11,19 @@ import meshes
 COMMAND = meshes.ROOT / "target" / "release" / "mve"
 
 LINDSTROM_TURK = {"cost": "LindstromTurk", "placement": "LindstromTurk"}
+ALL_MEMORY = {"cost": {"Quadric": {"memory": 1}}}
 
 # Settings of `Simplificator`, by their names in the table: a line each.
 SETTINGS = {
     "mve": {},
-    "mve Quadric, Optimal": {"cost": "Quadric", "placement": "Optimal"},
-    "mve Quadric, Optimal, refit 1": {"cost": "Quadric", "placement": "Optimal", "refit": 1},
-    "mve Quadric, Optimal, refit 2": {"cost": "Quadric", "placement": "Optimal", "refit": 2},
-    "mve Quadric, Optimal, refit 6": {"cost": "Quadric", "placement": "Optimal", "refit": 6},
+    "mve, refit 1": {"refit": 1},
+    "mve, refit 2": {"refit": 2},
+    "mve, refit 6": {"refit": 6},
+    "mve, one queue": {"order": "Greedy"},
+    "mve Quadric, all memory": ALL_MEMORY,
+    "mve Quadric, all memory, refit 6": {**ALL_MEMORY, "refit": 6},
     "mve LindstromTurk": LINDSTROM_TURK,
-    "mve LindstromTurk, refit 1": {**LINDSTROM_TURK, "refit": 1},
-    "mve LindstromTurk, refit 2": {**LINDSTROM_TURK, "refit": 2},
+    "mve LindstromTurk, head start 3": {**LINDSTROM_TURK, "head_start": 3},
     "mve LindstromTurk, refit 6": {**LINDSTROM_TURK, "refit": 6},
 }
 

@@ -10,7 +10,7 @@ REFERENCE = "CGAL Lindstrom-Turk"
 CAREFUL = "VTK QuadricDecimation"
 LARGE = "noisy 1M"
 DEFAULT = "mve"
-PLAIN = "mve Quadric, Optimal"
+PLAIN = "mve Quadric, all memory"
 BEGIN, END = "<!-- tests/peers begins -->", "<!-- tests/peers ends -->"
 
 
