@@ -31,6 +31,8 @@ use crate::data::TriMesh;
 pub(super) const BLOCK: usize = 1 << 15;
 /// Meshes of fewer blocks are not cut.
 const LEAST_BLOCKS: usize = 4;
+/// Faces of the smallest mesh that is simplified in blocks.
+pub const SMALLEST_IN_BLOCKS: usize = LEAST_BLOCKS * BLOCK;
 /// Faces that the blocks leave for each face of the target. With more, the result is closer to that
 /// of one queue, and less of the work is shared.
 const LEFT: f64 = 1.3;

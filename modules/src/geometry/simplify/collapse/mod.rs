@@ -64,6 +64,7 @@ pub(crate) mod trial;
 mod wedge;
 
 pub use blocked::Blocked;
+pub use blocks::SMALLEST_IN_BLOCKS;
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use merging::Merging;
