@@ -1,12 +1,15 @@
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use super::*;
-use crate::cost::{LindstromTurk, Quadric};
+use crate::cost::{EdgeLength, LindstromTurk, Quadric};
 use crate::data::{Domain, Layer, LayerValues, VertexId};
+use crate::geometry::simplify::collapse::trial::first_prices;
 use crate::geometry::simplify::collapse::{Schedule, simplify};
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::fixtures::torus;
-use crate::placement::Optimal;
+use crate::placement::{Endpoint, Midpoint, Optimal};
 
 const N_BLOCK: usize = 700;
 
@@ -31,13 +34,13 @@ fn options(ratio: f64) -> SimplifyOptions {
 }
 
 fn in_blocks(mesh: &TriMesh, cost: &mut dyn Cost, ratio: f64) -> Simplified {
-    let (placement, options) = (&mut Optimal::DEFAULT, options(ratio));
+    let (placement, options) = (&mut Optimal::default(), options(ratio));
     let found = simplify_in_blocks(mesh, cost, placement, options, N_BLOCK, Control::none());
     found.unwrap().unwrap()
 }
 
 fn in_one_queue(mesh: &TriMesh, ratio: f64) -> Simplified {
-    let (cost, placement) = (&mut Quadric::default(), &mut Optimal::DEFAULT);
+    let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
     let options = SimplifyOptions { order: Schedule::Greedy, ..options(ratio) };
     simplify(mesh, cost, placement, options, Control::none()).unwrap()
 }
@@ -55,7 +58,7 @@ fn topology(mesh: &TriMesh) -> (i64, usize) {
 fn joined_blocks_are_the_mesh_and_its_quadrics() {
     let mesh = sheet(40);
     let whole = |mesh: &TriMesh, origin: Origin| {
-        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::DEFAULT);
+        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
         let control = Control::none();
         let engine =
             Engine::new(mesh, cost, placement, &mut [], options(0.1), origin, control).unwrap();
@@ -202,7 +205,7 @@ fn blocks_hear_a_cancel_and_report_forwards() {
             *last.lock().unwrap() = share;
             if share < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::DEFAULT);
+        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
         let control = Control::new(&report);
         simplify_in_blocks(&mesh, cost, placement, options(0.1), N_BLOCK, control).map(|_| ())
     };
@@ -216,7 +219,7 @@ fn blocks_hear_a_cancel_and_report_forwards() {
 fn what_does_not_fit_is_left_alone() {
     let mesh = torus(1.0, 0.4, 32);
     let run = |options: SimplifyOptions| {
-        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::DEFAULT);
+        let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
         simplify_in_blocks(&mesh, cost, placement, options, 200, Control::none()).unwrap()
     };
     assert!(run(options(0.1)).is_some());
@@ -224,4 +227,36 @@ fn what_does_not_fit_is_left_alone() {
     assert!(run(SimplifyOptions::DEFAULT).is_none());
     let cost = Stop { cost: Some(1.0), ..options(0.1).stop };
     assert!(run(SimplifyOptions { stop: cost, ..options(0.1) }).is_none());
+}
+
+#[test]
+fn prices_of_a_block_are_those_of_the_whole() {
+    let mesh = sheet(40);
+    let cut = Cut::new(&mesh, 4, Control::none()).unwrap();
+    let blocks: Vec<Block> = (0..4).map(|at| cut.block(&mesh, at)).collect();
+    for (cost, placement) in [
+        (&mut Quadric::default() as &mut dyn Cost, &mut Optimal::default() as &mut dyn Placement),
+        (&mut LindstromTurk, &mut crate::placement::LindstromTurk),
+        (&mut EdgeLength, &mut Midpoint),
+        (&mut EdgeLength, &mut Endpoint),
+    ] {
+        let mut cost_of_block = cost.for_block().unwrap();
+        let mut placement_of_block = placement.for_block().unwrap();
+        let whole: HashMap<[u32; 2], f64> = first_prices(&mesh, cost, placement)
+            .into_iter()
+            .map(|(from, to, price)| ([from, to], price))
+            .collect();
+        let mut n_inner = 0;
+        for block in &blocks {
+            let (cost, placement) = (cost_of_block.as_mut(), placement_of_block.as_mut());
+            for (from, to, price) in first_prices(&block.mesh, cost, placement) {
+                if [from, to].iter().all(|v| !block.is_cut[*v as usize]) {
+                    let expected = whole[&[from, to].map(|v| block.vertices[v as usize])];
+                    assert!((price - expected).abs() <= 1e-9 * expected, "{price} {expected}");
+                    n_inner += 1;
+                }
+            }
+        }
+        assert!(n_inner > 2000, "{n_inner}");
+    }
 }

@@ -15,6 +15,18 @@ pub struct Simplified {
     pub seconds: Seconds,
 }
 
+impl Simplified {
+    /// Adds the counts and seconds of a run with another cost that made the input of this one. The
+    /// dearest collapse stays that of this one, as prices of two costs do not compare.
+    pub fn add_start(&mut self, start: &Self) {
+        let largest_cost = self.statistics.largest_cost;
+        self.statistics.add(&start.statistics);
+        self.statistics.largest_cost = largest_cost;
+        self.seconds.first_prices += start.seconds.first_prices;
+        self.seconds.collapses += start.seconds.collapses;
+    }
+}
+
 /// How long the parts of a run took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seconds {

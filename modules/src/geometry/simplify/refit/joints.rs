@@ -107,7 +107,8 @@ impl<'a> JointFinder<'a> {
         per_face: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let sampler = SurfaceSampler::new(original, 0, 0, control)?;
+        let order = queries.tree().faces().iter().copied();
+        let sampler = SurfaceSampler::along(original, order, 0, 0, control)?;
         Ok(Self { original, queries, sampler, per_face })
     }
 
@@ -134,7 +135,8 @@ impl<'a> JointFinder<'a> {
                 Joint::new(hit.face, &ours, from, sample.point, ours.normal())
             },
         )?;
-        let own = SurfaceSampler::new(mesh, n.div_ceil(2), 2 * seed + 1, control.part(0.6, 0.7))?;
+        let (order, n_own) = (tree.faces().iter().copied(), n.div_ceil(2));
+        let own = SurfaceSampler::along(mesh, order, n_own, 2 * seed + 1, control.part(0.6, 0.7))?;
         let of_simplified = join(&own, self.queries, control.part(0.7, 1.0), |sample, hit| {
             let ours = PreparedTriangle::new(mesh.corners(sample.face));
             let theirs = PreparedTriangle::new(self.original.corners(hit.face));

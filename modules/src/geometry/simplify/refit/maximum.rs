@@ -8,7 +8,6 @@ use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::distance::bvh::{Bvh, Hit};
 use crate::geometry::distance::many::ManyQueries;
 use crate::mesh::adjacency::Adjacency;
-use crate::mesh::morton::morton_order;
 
 /// What the limit is below the largest distance of a point, since points miss the largest.
 const SAFETY: f64 = 0.97;
@@ -68,11 +67,16 @@ impl<'a> Maximum<'a> {
         known: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let mut is_used = vec![false; original.positions.len()];
-        original.faces.iter().flatten().for_each(|v| is_used[v.idx()] = true);
-        let order = morton_order(&original.positions, control.part(0.0, 0.2))?;
-        let used = order.into_iter().filter(|&v| is_used[v as usize]);
-        let points: Vec<DVec3> = used.map(|v| original.positions[v as usize]).collect();
+        let mut is_known = vec![false; original.positions.len()];
+        let mut points = Vec::with_capacity(original.positions.len());
+        for (at, face) in queries.tree().faces().iter().enumerate() {
+            control.item(at, usize::MAX)?;
+            for v in original.faces[face.idx()] {
+                if !std::mem::replace(&mut is_known[v.idx()], true) {
+                    points.push(original.positions[v.idx()]);
+                }
+            }
+        }
         let riders = riders(mesh, tree, control.part(0.2, 0.3))?;
         let places: Vec<DVec3> = riders.iter().map(|rider| rider.place(mesh)).collect();
 
