@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mve_core::{Better, csv_table, exact};
+use mve_core::{Better, csv_table, exact, is_steering};
 
 use crate::answers::Answer;
 use crate::case::{Case, Cell};
@@ -104,7 +104,7 @@ fn plain(text: &str) -> String {
     for c in text.chars() {
         match c {
             '|' | '*' | '_' | '`' | '\\' | '[' | ']' | '<' | '&' => out.extend(['\\', c]),
-            c if labels::is_odd(c) => out.push(' '),
+            c if is_steering(c) => out.push(' '),
             c => out.push(c),
         }
     }

@@ -96,7 +96,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let samples = samples(io, &view)?;
     let kind = if is_gray { PixelKind::Gray } else { PixelKind::Rgb };
     let options = PictureOptions { samples, ..view.pictures(kind) };
-    io.reserve(needs(&mesh, numbers.len(), &options))?;
+    io.reserve(options.bytes(&mesh, numbers.len()))?;
     let frame_mesh = io.maybe(FRAME_IN);
     let frame = Frame::around(view.cameras, frame_mesh.as_deref().unwrap_or(&mesh));
     let images = match frame {
@@ -114,18 +114,6 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     io.put(IMAGES_OUT, images);
     Ok(())
-}
-
-/// Bytes that pictures of so many cameras take, with what is drawn into on each thread.
-fn needs(mesh: &TriMesh, n_cameras: usize, options: &PictureOptions) -> usize {
-    /// The nearest face and its depth, and the picture itself.
-    const BYTES_A_SAMPLE: usize = 16;
-    /// A corner in the picture.
-    const BYTES_A_VERTEX: usize = 12;
-    let n_pixels = options.size * options.size;
-    let n_samples = n_pixels * options.samples * options.samples;
-    let of_thread = n_samples * BYTES_A_SAMPLE + mesh.positions.len() * BYTES_A_VERTEX;
-    n_cameras * n_pixels * options.kind.n_bytes() + rayon::current_num_threads() * of_thread
 }
 
 /// The cameras to take pictures with.

@@ -199,6 +199,13 @@ impl View {
         PictureOptions { size, sides, background, kind, samples: 1 }
     }
 
+    /// Bytes that [`View::pair`] takes at most.
+    pub fn bytes_of_pair(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+        let kind = if self.albedo == Albedo::White { PixelKind::Gray } else { PixelKind::Rgb };
+        let (options, n_cameras) = (self.pictures(kind), self.cameras.len());
+        options.bytes(original, n_cameras) + options.bytes(simplified, n_cameras)
+    }
+
     /// Pictures of both meshes, from cameras around the original; normals of both are computed from
     /// their faces. In color if either of them has colors, else gray. `None` where the original's
     /// box has no size or is not finite.

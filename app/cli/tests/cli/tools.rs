@@ -34,6 +34,19 @@ fn modules_are_listed_and_described() {
     let found = folder.mve(&["modules", "decimate"]).succeeds();
     assert!(found.says("Simplificator").out.ends_with("3 modules; `mve modules ID` tells more\n"));
     folder.mve(&["modules", "hausdorff"]).succeeds().says("MeshComparer");
+    let found = folder.mve(&["modules", "albedo"]).succeeds().says("Render");
+    let found = found.says("in metric.ImageRms, metric.ImageSsim\n");
+    found.says("in cost.ImageMse, cost.ImageSsim\n");
+    let part = folder.mve(&["modules", "MeshComparer.ImageSsim"]).succeeds();
+    let part =
+        part.says("### MeshComparer.ImageSsim\n").says("- `albedo` (").says("- `ssim` (SSIM of");
+    let whole = folder.mve(&["modules", "MeshComparer.metric.ImageSsim"]).succeeds().out;
+    assert_eq!(part.out, whole.replace("metric.", ""));
+    folder.mve(&["modules", "Simplificator.cost"]).succeeds().says("- `Quadric`:");
+    let far = folder.mve(&["modules", "Simplificator.ImageMse.cameras.Direction.x"]).succeeds();
+    far.says("; default 1; only where from is Vector): How far");
+    let wrong = folder.mve(&["modules", "MeshComparer.ImageSim"]);
+    wrong.fails(2, "no parameter or entry \"ImageSim\"; did you mean \"ImageSsim\"?\n");
     std::fs::create_dir(folder.path().join("docs")).unwrap();
     folder.mve(&["modules", "--write", "docs/modules.md"]).succeeds();
     assert!(folder.read("docs/modules.md").contains("### Constant"));

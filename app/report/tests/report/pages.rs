@@ -303,6 +303,34 @@ fn plots_stand_alone() {
     plots_of(&json!({ "against": ["cut.faces", "seconds.cut"] }));
 }
 
+/// Of a measure that a report names, and of a parameter that is varied.
+#[test]
+fn axes_of_plots_have_titles() {
+    let mut maker = Maker::new(json!({
+        "axes": [{ "cut.cost": ["A", "B"] }, { "cut.n_rings": [1, 2, 3] }],
+        "report": {
+            "measures": [{ "column": "compare.err" }, { "column": "compare.like", "title": "Likeness" }],
+            "against": ["compare.like", "cut.n_rings"]
+        }
+    }));
+    for (series, cost) in ["A", "B"].into_iter().enumerate() {
+        for n in [1, 2, 3] {
+            let err = f64::from(n) + series as f64;
+            let outputs = json!({ "err": err, "like": 1.0 / err, "faces": 100 });
+            maker.step(json!({ "cut.cost": cost, "cut.n_rings": n }), 0, Some(outputs));
+        }
+    }
+    let folder = maker.finish();
+    let plots = Report::read(folder.path()).unwrap().plots();
+    let names: Vec<String> = plots.iter().map(|plot| plot.name()).collect();
+    let svg = |name: &str| {
+        let plot = names.iter().position(|known| known == name).unwrap();
+        String::from_utf8(plots[plot].svg().unwrap()).unwrap()
+    };
+    assert!(svg("compare.err-by-compare.like").contains(">Likeness<"), "{names:?}");
+    assert!(svg("compare.err-by-cut.n_rings").contains(">n rings<"), "{names:?}");
+}
+
 fn plots_of(report: &Json) {
     let axes = json!([{ "cut.cost": ["A", "B"] }, { "cut.n": [1, 2, 3] }]);
     let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
