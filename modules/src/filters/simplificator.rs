@@ -15,7 +15,7 @@ use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
-use mve_core::{Control, MissedTarget, Quantities};
+use mve_core::{Cancelled, Control, MissedTarget, Quantities};
 
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -104,13 +104,13 @@ const WELD: Param<Option<f64>> = Param::maybe_number(
 .usually((0.0, 1e-4));
 const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
-    "Quadric and Optimal, which are fast, first take the mesh down to this many times the target; \
-     cost and placement do the rest, and see what was left as their input. 3 makes a dear cost \
-     several times as fast for a little error. Counts where faces are the \
-     only target. Off: they do all.",
+    "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
+     target; cost and placement do the rest, and see what it left as their input. 3 makes a dear \
+     cost several times as fast for a little error. Counts where faces are the only target. Off: 3 \
+     for Quadric with less memory; other costs do all.",
     None,
 )
-.within((1.0, 1e6))
+.within((1.0, 1e9))
 .usually((1.5, 10.0));
 const REFIT: Param<i64> = Param::integer(
     "refit",
@@ -203,7 +203,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     let n_refits = io.param(REFIT)? as usize;
     let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
-    let start = head_start(io, &mesh, options, collapses.part(0.0, 0.3))?;
+    let asked = (cost.entry.build)(&mesh, &cost.params)?.head_start();
+    let factor = io.param(HEAD_START)?.or(asked);
+    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
     // What was the target of the input is that of what the start left.
     options.stop.faces = options.stop.target_faces(mesh.faces.len());
     options.stop.ratio = None;
@@ -235,14 +237,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 
 /// What quadrics leave for the cost that was asked for, if they are to begin.
 fn head_start(
-    io: &Io,
+    factor: Option<f64>,
     mesh: &TriMesh,
     options: SimplifyOptions,
     control: Control,
-) -> Result<Option<Simplified>, ModuleError> {
-    let (Some(factor), Some(target)) =
-        (io.param(HEAD_START)?, options.stop.target_faces(mesh.faces.len()))
-    else {
+) -> Result<Option<Simplified>, Cancelled> {
+    let (Some(factor), Some(target)) = (factor, options.stop.target_faces(mesh.faces.len())) else {
         return Ok(None);
     };
     let left = (factor * target as f64).ceil();
@@ -252,7 +252,7 @@ fn head_start(
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
     let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
-    Ok(Some(simplify(mesh, cost, placement, options, control)?))
+    simplify(mesh, cost, placement, options, control).map(Some)
 }
 
 /// The result after the steps of Refit that are asked for; as it is where it has no surface.

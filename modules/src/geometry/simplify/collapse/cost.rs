@@ -85,6 +85,13 @@ pub trait Cost: Send {
         false
     }
 
+    /// How many times the target may be left by quadrics with all their memory, which are several
+    /// times as fast, before this cost does the rest, where nobody says otherwise; `None` where it
+    /// is to do all.
+    fn head_start(&self) -> Option<f64> {
+        None
+    }
+
     /// The quadrics that the working mesh must keep for this cost, if it reads any.
     fn quadrics(&self) -> Option<QuadricOptions> {
         None

@@ -124,6 +124,12 @@ impl WorkingMesh {
         self.quadrics.get(vertex.0).copied().unwrap_or_default()
     }
 
+    /// Whether the quadric of a contraction has less than all planes that its ends stand for.
+    #[inline]
+    pub fn forgets_planes(&self) -> bool {
+        self.quadrics.forget()
+    }
+
     /// The layers over vertices and corners.
     pub fn layers(&self) -> impl Iterator<Item = LayerId> + '_ {
         let numbered = (0u32..).zip(&self.attributes.layers);

@@ -102,11 +102,14 @@ pub struct QuadricOptions {
     /// Weight of the plane on a border edge relative to a face of the same size, under
     /// [`Boundary::Weighted`], and of the two on an edge of a seam under [`Seams::Kept`].
     pub boundary_weight: f64,
+    /// How much the planes of all faces that the ends of an edge stand for count, 0 to 1. Those of
+    /// the faces around the edge as they are make up the rest.
+    pub memory: f64,
 }
 
 impl QuadricOptions {
     /// The default.
-    pub const DEFAULT: Self = Self { boundary_weight: 10.0 };
+    pub const DEFAULT: Self = Self { boundary_weight: 10.0, memory: 1.0 };
 }
 
 impl Default for QuadricOptions {

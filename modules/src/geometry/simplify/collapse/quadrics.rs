@@ -7,6 +7,7 @@ use super::complex::{Complex, Face};
 use super::engine::Origin;
 use super::options::QuadricOptions;
 use super::order::{NONE, Order};
+use super::rings::MAX_VALENCE;
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;
 
@@ -25,6 +26,11 @@ pub(super) struct Planes<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Quadrics {
     by_vertex: Vec<Quadric>,
+    /// How much the quadrics of both ends count; the planes of the faces around them make up the
+    /// rest.
+    memory: f64,
+    /// The weight of border edges among those planes.
+    border_weight: f64,
 }
 
 impl Quadrics {
@@ -56,7 +62,8 @@ impl Quadrics {
             Some(quadrics) => ticker.collect(&order.vertices, |&v| quadrics[v as usize])?,
             None => ticker.fill(complex.vertices.len(), Quadric::default())?,
         };
-        let mut quadrics = Self { by_vertex };
+        let border_weight = if is_weighted { options.boundary_weight } else { 0.0 };
+        let mut quadrics = Self { by_vertex, memory: options.memory, border_weight };
         for (number, face) in complex.faces.iter().enumerate() {
             if number.is_multiple_of(CHUNK) {
                 ticker.tick(complex.n_faces)?;
@@ -95,6 +102,42 @@ impl Quadrics {
         Ok(quadrics)
     }
 
+    /// Adds the planes of the faces around both ends as they are, and of border edges there, about
+    /// the position of `kept`.
+    fn add_around(&self, sum: &mut Quadric, complex: &Complex, [kept, gone]: [u32; 2]) {
+        let origin = complex.position(kept);
+        let share = 1.0 - self.memory;
+        // Edges at vertices with more faces do not collapse.
+        let corners = |v: u32| complex.corners_around(v).take(MAX_VALENCE);
+        let faces = |v: u32| corners(v).map(|corner| complex.face_at(corner));
+        let at_gone_alone = faces(gone).filter(|face| !face.vertices.contains(&kept));
+        for face in faces(kept).chain(at_gone_alone) {
+            let corners = face.vertices.map(|v| complex.position(v) - origin);
+            let [a, b, c] = corners;
+            let twice_area = (b - a).cross(c - a);
+            let length = twice_area.length();
+            let normal = twice_area / length;
+            if !normal.is_finite() {
+                continue;
+            }
+            sum.add(&Quadric::from_plane(normal, normal.dot(a), share * length / 6.0));
+            for (k, edge) in face.edges.iter().enumerate() {
+                if self.border_weight == 0.0 || !complex.irregular[edge.idx()] {
+                    continue;
+                }
+                let ends = [face.vertices[k], face.vertices[(k + 1) % 3]];
+                let along = corners[(k + 1) % 3] - corners[k];
+                let across = along.cross(normal).try_normalize();
+                if let Some(across) =
+                    across.filter(|_| ends.iter().any(|v| [kept, gone].contains(v)))
+                {
+                    let weight = share * self.border_weight * along.length_squared();
+                    sum.add(&Quadric::from_plane(across, across.dot(corners[k]), weight));
+                }
+            }
+        }
+    }
+
     /// Adds the plane through edge `k` of a face at a right angle to it.
     fn add_border_plane(
         &mut self,
@@ -120,13 +163,23 @@ impl Quadrics {
         self.by_vertex.get(vertex as usize)
     }
 
-    /// The sum of the quadrics of `kept` and `gone` about the position of `kept`; zero if there are
-    /// none.
+    /// Whether contractions have less than all planes.
+    #[inline]
+    pub fn forget(&self) -> bool {
+        self.memory < 1.0 && !self.by_vertex.is_empty()
+    }
+
+    /// The quadric of a contraction about the position of `kept`: the sum of those of `kept` and
+    /// `gone`, or a mixture with the planes of the faces around; zero if there are none.
     #[inline]
     pub fn of_ends(&self, complex: &Complex, [kept, gone]: [u32; 2]) -> Quadric {
         let Some(other) = self.get(gone) else { return Quadric::default() };
         let mut sum = other.shifted(complex.position(kept) - complex.position(gone));
         sum.add(&self.by_vertex[kept as usize]);
+        if self.memory < 1.0 {
+            sum.scale(self.memory);
+            self.add_around(&mut sum, complex, [kept, gone]);
+        }
         sum
     }
 
