@@ -232,20 +232,7 @@ pub static MODULE: Module = Module {
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let mut mesh = io.get(MESH_IN)?;
-    match io.param(WELD)? {
-        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
-        None => warn_of_seams(io, &mesh)?,
-    }
-    let policy = io.param(SMALL_COMPONENTS)?;
-    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
-    let size = io.param(COMPONENT_SIZE)? * diagonal;
-    if policy == SmallComponents::Removed {
-        let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
-        mesh = Arc::new(without_faces(&mesh, &is_small));
-    }
-    // Below 0 no component is small.
-    let kept_size = if policy == SmallComponents::Kept { size } else { -1.0 };
+    let (mesh, kept_size) = prepared(io)?;
     let order = io.param(ORDER)?;
     let in_blocks = order == Schedule::Blocks && mesh.faces.len() >= SMALLEST_IN_BLOCKS;
     io.reserve(mesh.faces.len() * BYTES_A_FACE[usize::from(in_blocks)])?;
@@ -295,6 +282,27 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     io.put(MESH_OUT, simplified);
     io.put(STATISTICS_OUT, measures);
     Ok(())
+}
+
+/// The mesh that is simplified, and how large components are at most that stay; below 0 none do.
+fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
+    let mut mesh = io.get(MESH_IN)?;
+    match io.param(WELD)? {
+        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
+        None => warn_of_seams(io, &mesh)?,
+    }
+    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+    let size = io.param(COMPONENT_SIZE)? * diagonal;
+    match io.param(SMALL_COMPONENTS)? {
+        SmallComponents::Simplified => Ok((mesh, -1.0)),
+        SmallComponents::Kept => Ok((mesh, size)),
+        SmallComponents::Removed => {
+            let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
+            let n_gone = is_small.iter().filter(|is_small| **is_small).count();
+            io.log(format!("{n_gone} faces of small components are removed"));
+            Ok((Arc::new(without_faces(&mesh, &is_small)), -1.0))
+        }
+    }
 }
 
 /// What quadrics leave for the cost that was asked for, if they are to begin.

@@ -19,9 +19,10 @@ use rayon::prelude::*;
 
 use super::cost::Cost;
 use super::cut::{Block, Cut};
-use super::engine::{Engine, Halt, Origin};
+use super::engine::{Engine, Halt};
 use super::join::{Remains, join};
 use super::options::SimplifyOptions;
+use super::origin::Origin;
 use super::outcome::{Simplified, Statistics};
 use super::placement::Placement;
 use super::stop::Stop;
