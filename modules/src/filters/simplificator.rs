@@ -3,19 +3,21 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::cost::{COSTS, MakeCost, Quadric};
+use crate::cost::{COSTS, MakeCost};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
     Blocked, Boundary, Cost, Outcome, Placement, SMALLEST_IN_BLOCKS, Schedule, Seams, Simplified,
     SimplifyOptions, Statistics, Stop, Turns, simplify, simplify_around,
 };
+use crate::geometry::simplify::optimal::Optimal;
+use crate::geometry::simplify::quadric::Quadric;
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::components::{small_components, without_faces};
 use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::mesh::adjacency::Adjacency;
-use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
+use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
 
 use mve_core::{Cancelled, Condition, Control, MissedTarget, Quantities};

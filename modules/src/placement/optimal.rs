@@ -1,21 +1,9 @@
-//! The point of least quadric error (Garland and Heckbert 1997, section 4).
-//!
-//! Rule for singular systems: the search starts in the middle of the edge and moves only along
-//! directions that the planes determine, so a flat area gives the projection of the midpoint onto
-//! the plane and a straight crease its projection onto the crease; the derivation stands at
-//! [`Quadric::minimum_near`](crate::mesh::quadric::Quadric::minimum_near). A vertex without planes
-//! takes the midpoint. Where the corners of a face merge, its middle stands for that of the edge.
-//!
-//! Where quadrics forget planes, those of the tip of a thin limb are soon gone, and the planes that
-//! are left let it shrink. There only places count that keep the volume (P. Lindstrom and G. Turk,
-//! "Fast and memory efficient polygonal simplification", IEEE Visualization 1998, section 4).
+//! See [`crate::geometry::simplify::optimal`].
 
 use mve_core::Entry;
 
-use super::{MakePlacement, Placement};
-use crate::geometry::simplify::collapse::{Candidates, Contraction, QuadricOptions, WorkingMesh};
-use crate::geometry::simplify::lindstrom_turk::volume_plane;
-use crate::mesh::quadric::Quadric;
+use super::MakePlacement;
+pub use crate::geometry::simplify::optimal::Optimal;
 use crate::prelude::*;
 
 const STIFFNESS: Param<f64> = Param::number(
@@ -27,9 +15,6 @@ const STIFFNESS: Param<f64> = Param::number(
 .within((1e-12, 1.0))
 .usually((1e-8, 1e-2));
 
-/// The plane of the places that keep the volume counts so many times as all others.
-const VOLUME_WEIGHT: f64 = 1000.0;
-
 pub static PLACEMENT: Entry<MakePlacement> = Entry {
     id: "Optimal",
     summary: "Where the quadric error is least; along directions that no plane determines, the \
@@ -39,62 +24,6 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
         Ok(Box::new(Optimal { stiffness: settings.get(&STIFFNESS)?, ..Optimal::DEFAULT }))
     },
 };
-
-/// See the file's header. The quadrics themselves live in the engine's mesh.
-#[derive(Clone, Copy, Debug)]
-pub struct Optimal {
-    /// The share of the sum of eigenvalues below which a direction counts as undetermined.
-    /// Twice the square root of it is about the angle in radians by which a surface
-    /// must bend around the edge before the bend pulls the vertex along it.
-    pub stiffness: f64,
-    /// Which planes the quadrics sum, when the cost asks for none.
-    pub options: QuadricOptions,
-}
-
-impl Optimal {
-    /// The default.
-    pub const DEFAULT: Self = Self { stiffness: 1e-6, options: QuadricOptions::DEFAULT };
-}
-
-impl Default for Optimal {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-impl Placement for Optimal {
-    fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, also_gone, quadric }) in batch.iter().enumerate() {
-            let from = mesh.position(*kept);
-            let along = mesh.position(*gone) - from;
-            let middle =
-                also_gone.map_or(0.5 * along, |third| (along + mesh.position(third) - from) / 3.0);
-            let (mut quadric, mut stiffness) = (*quadric, self.stiffness);
-            if mesh.forgets_planes()
-                && let Some((normal, volume)) = volume_plane(mesh, &batch[at])
-            {
-                let weight = VOLUME_WEIGHT * quadric.weight();
-                quadric.add(&Quadric::from_plane(normal, volume, weight));
-                // A direction is as flat as it was.
-                stiffness /= 1.0 + VOLUME_WEIGHT;
-            }
-            out.push(at, from + quadric.minimum_near(middle, stiffness).unwrap_or(middle));
-        }
-    }
-
-    fn for_block(&self) -> Option<Box<dyn Placement>> {
-        Some(Box::new(*self))
-    }
-
-    // The minimum of a sum is at least that of a part, and the sums only gain parts.
-    fn only_grows(&self) -> bool {
-        true
-    }
-
-    fn quadrics(&self) -> Option<QuadricOptions> {
-        Some(self.options)
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -2,4 +2,6 @@
 
 pub mod collapse;
 pub mod lindstrom_turk;
+pub mod optimal;
+pub mod quadric;
 pub mod refit;
