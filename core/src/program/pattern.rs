@@ -135,7 +135,9 @@ impl Search<'_> {
             Err(error) => {
                 // What was there a moment ago, and what is no folder, tells nobody anything.
                 if self.n_looked == 0 || error.kind() == ErrorKind::PermissionDenied {
-                    let closed = || format!("{}: {error}", folder.display());
+                    let why = error.to_string();
+                    let why = why.split(" (os error").next().unwrap_or_default().to_owned();
+                    let closed = || format!("{}: {why}", folder.display());
                     self.found.closed.get_or_insert_with(closed);
                 }
                 return Some(Vec::new());
