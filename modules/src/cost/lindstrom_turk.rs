@@ -26,10 +26,13 @@ pub struct LindstromTurk;
 impl Cost for LindstromTurk {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let patch = Patch::around(mesh, &proposal.contraction);
             let offset = proposal.position - mesh.position(proposal.contraction.kept);
-            *price = patch.map_or(f64::NAN, |patch| patch.cost(offset));
+            *price = Patch::cost(mesh, &proposal.contraction, offset).unwrap_or(f64::NAN);
         }
+    }
+
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
     }
 
     fn reach(&self) -> Reach {
