@@ -64,7 +64,7 @@ pub use program::{
     ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,
     ProgramOptions, ProgramOutcome, Question, ReportFault, ReportSpec, Requirement, Retry, RunNote,
     Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing,
-    Unneeded, are_alike, brief, brief_value, exact, meant, median, run_program,
+    Unneeded, are_alike, brief, brief_value, csv_table, exact, meant, median, run_program,
 };
 pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};

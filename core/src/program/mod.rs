@@ -25,7 +25,7 @@ pub use report_spec::{Measure, Question, ReportFault, ReportSpec, TIMES, meant};
 pub use requirement::Requirement;
 pub use rounds::TIMINGS;
 pub use store::{Store, StoreError};
-pub use tables::{brief, brief_value, exact};
+pub use tables::{brief, brief_value, csv_table, exact};
 pub use timing::{Timing, median};
 pub use unneeded::Unneeded;
 pub use work::run_program;

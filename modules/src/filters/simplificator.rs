@@ -7,11 +7,14 @@ use crate::cost::{COSTS, MakeCost, Quadric};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Blocked, Boundary, Outcome, Schedule, Seams, Simplified, SimplifyOptions, Statistics, Stop,
-    Turns, simplify,
+    Blocked, Boundary, Cost, Outcome, Placement, Schedule, Seams, Simplified, SimplifyOptions,
+    Statistics, Stop, Turns, simplify, simplify_around,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
+use crate::geometry::surface::components::{small_components, without_faces};
+use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
+use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
@@ -45,6 +48,23 @@ impl Enumeration for Schedule {
         ),
     ];
     const VALUES: &'static [Self] = &[Self::Greedy, Self::Blocks];
+}
+
+/// What happens to the components of a surface that are small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SmallComponents {
+    Simplified,
+    Kept,
+    Removed,
+}
+
+impl Enumeration for SmallComponents {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Simplified", "As the rest; closed ones stop at four faces."),
+        ("Kept", "They stay as they are."),
+        ("Removed", "They go before anything else."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Simplified, Self::Kept, Self::Removed];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -103,6 +123,18 @@ const WELD: Param<Option<f64>> = Param::maybe_number(
 )
 .within((0.0, 0.1))
 .usually((0.0, 1e-4));
+const SMALL_COMPONENTS: Param<SmallComponents> = Param::one_of(
+    "small_components",
+    "What happens to parts of the surface that hang together with nothing else and are small.",
+    "Simplified",
+);
+const COMPONENT_SIZE: Param<f64> = Param::number(
+    "component_size",
+    "How large small components are at most: the diagonal of their box, as a part of that of the \
+     mesh. The largest component is never small.",
+    0.02,
+)
+.within((0.0, 1.0));
 const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
     "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
@@ -146,6 +178,16 @@ const WIDE_TURNS: Quantity = Quantity::new(
     "Collapses that turned a face by more than 45 degrees, as they may where flip_angle is off.",
 )
 .titled("wide turns");
+const FOLDED_EDGES: Quantity = Quantity::new(
+    "folded_edges",
+    "Edges of the result whose two faces are folded onto each other, by more than 150 degrees.",
+)
+.titled("folded edges")
+.lower();
+const SLIVERS: Quantity =
+    Quantity::new("slivers", "Faces of the result with an angle of less than 1 degree.")
+        .titled("slivers")
+        .lower();
 const STATISTICS_OUT: Out<Measures> =
     Out::new("statistics", "Counts of the run.").giving(Quantities::Row(&[
         FACES,
@@ -155,6 +197,8 @@ const STATISTICS_OUT: Out<Measures> =
         REJECTED_BY_FLIP,
         REJECTED_BY_BOUNDARY,
         WIDE_TURNS,
+        FOLDED_EDGES,
+        SLIVERS,
     ]));
 
 /// What the working mesh, the queue and the quadrics take for each face, in blocks as well: measured
@@ -178,6 +222,8 @@ pub static MODULE: Module = Module {
         FLIP_ANGLE.spec(),
         SLIVER_ANGLE.spec(),
         WELD.spec(),
+        SMALL_COMPONENTS.spec(),
+        COMPONENT_SIZE.spec(),
         HEAD_START.spec(),
         REFIT.spec(),
     ],
@@ -190,6 +236,15 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
         None => warn_of_seams(io, &mesh)?,
     }
+    let policy = io.param(SMALL_COMPONENTS)?;
+    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+    let size = io.param(COMPONENT_SIZE)? * diagonal;
+    if policy == SmallComponents::Removed {
+        let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
+        mesh = Arc::new(without_faces(&mesh, &is_small));
+    }
+    // Below 0 no component is small.
+    let kept_size = if policy == SmallComponents::Kept { size } else { -1.0 };
     io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
@@ -206,7 +261,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
     let asked = (cost.entry.build)(&mesh, &cost.params)?.head_start();
     let factor = io.param(HEAD_START)?.or(asked);
-    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
+    let start = head_start(factor, &mesh, kept_size, options, collapses.part(0.0, 0.3))?;
     // What was the target of the input is that of what the start left.
     options.stop.faces = options.stop.target_faces(mesh.faces.len());
     options.stop.ratio = None;
@@ -214,7 +269,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut cost = (cost.entry.build)(left, &cost.params)?;
     let mut placement = (placement.entry.build)(left, &placement.params)?;
     let rest = collapses.part(if start.is_some() { 0.3 } else { 0.0 }, 1.0);
-    let mut simplified = simplify(left, cost.as_mut(), placement.as_mut(), options, rest)?;
+    let (cost, placement) = (cost.as_mut(), placement.as_mut());
+    let mut simplified = collapsed(left, kept_size, cost, placement, options, rest)?;
     if let Some(start) = start {
         simplified.add_start(&start);
     }
@@ -231,8 +287,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     let simplified = refitted(io, &mesh, simplified.mesh, n_refits)?;
     warn_of_drift(io, &mesh, &simplified)?;
+    let mut measures = measures(&found);
+    measures.0.extend(faults(&simplified, io.control().part(1.0, 1.0))?);
     io.put(MESH_OUT, simplified);
-    io.put(STATISTICS_OUT, measures(&found));
+    io.put(STATISTICS_OUT, measures);
     Ok(())
 }
 
@@ -240,6 +298,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 fn head_start(
     factor: Option<f64>,
     mesh: &TriMesh,
+    kept_size: f64,
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Option<Simplified>, Cancelled> {
@@ -253,7 +312,26 @@ fn head_start(
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
     let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
-    simplify(mesh, cost, placement, options, control).map(Some)
+    collapsed(mesh, kept_size, cost, placement, options, control).map(Some)
+}
+
+/// The mesh simplified, but for components of at most this size.
+fn collapsed(
+    mesh: &TriMesh,
+    kept_size: f64,
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    options: SimplifyOptions,
+    control: Control,
+) -> Result<Simplified, Cancelled> {
+    if kept_size < 0.0 {
+        return simplify(mesh, cost, placement, options, control);
+    }
+    let is_small = small_components(mesh, kept_size, control.part(0.0, 0.0))?;
+    let mut stays = vec![false; mesh.positions.len()];
+    let kept = mesh.faces.iter().zip(is_small).filter(|(_, is_small)| *is_small);
+    kept.for_each(|(face, _)| face.iter().for_each(|v| stays[v.idx()] = true));
+    simplify_around(mesh, &stays, cost, placement, options, control)
 }
 
 /// The result after the steps of Refit that are asked for; as it is where it has no surface.
@@ -296,7 +374,10 @@ fn reasons(blocked: &Blocked, turns: Turns) -> String {
         (blocked.turn, format!("would turn a face by more than {limit} (set flip_angle higher)")),
         (blocked.fold, "would fold faces onto each other (flip_angle 180 allows it)".to_owned()),
         (blocked.topology, "would change the topology".to_owned()),
-        (blocked.rules, "are held by boundary, by seams or by odd coordinates".to_owned()),
+        (
+            blocked.rules,
+            "are held by boundary, by seams, by small_components or by odd coordinates".to_owned(),
+        ),
         (blocked.price, "have no price".to_owned()),
     ];
     let named = reasons.iter().filter(|(n, _)| *n > 0);
@@ -347,96 +428,14 @@ fn measures(found: &Statistics) -> Measures {
     ])
 }
 
-#[cfg(test)]
-mod tests {
-    use mve_core::testing::Trial;
-    use serde_json::json;
-
-    use crate::data::VertexId;
-    use crate::geometry::generate::{BoxOptions, subdivided_box};
-    use crate::prelude::*;
-
-    fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
-        simplified_from(subdivided_box(&BoxOptions::DEFAULT), params)
-    }
-
-    fn simplified_from(mesh: TriMesh, params: &[(&str, serde_json::Value)]) -> TriMesh {
-        let trial = Trial::of(&super::MODULE).input("mesh", mesh);
-        let trial =
-            params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
-        trial.run().unwrap()["mesh"].clone().take().unwrap()
-    }
-
-    #[test]
-    fn a_box_keeps_its_volume_and_area_by_quadrics() {
-        let mesh = simplified(&[("target_faces", json!(12))]);
-        assert_eq!(mesh.faces.len(), 12);
-        assert!((mesh.signed_volume() - 1.0).abs() < 1e-9 && (mesh.area() - 6.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn faces_that_share_no_vertices_are_joined_where_that_is_asked_for() {
-        let whole = subdivided_box(&BoxOptions::DEFAULT);
-        let corners = whole.faces.iter().flatten().map(|vertex| whole.positions[vertex.idx()]);
-        let faces = (0..whole.faces.len() as u32).map(|f| [0, 1, 2].map(|k| VertexId(3 * f + k)));
-        let soup = TriMesh::new(corners.collect(), faces.collect());
-        assert_eq!(simplified_from(soup.clone(), &[]).faces.len(), 768);
-        let welded = simplified_from(soup, &[("weld", json!(0.0)), ("target_faces", json!(12))]);
-        assert_eq!(welded.faces.len(), 12);
-        assert!((welded.signed_volume() - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_missed_target_names_the_limit_and_what_to_set() {
-        let run = |flip_angle: serde_json::Value| {
-            let trial = Trial::of(&super::MODULE).input("mesh", ball());
-            trial.set("target_faces", json!(8)).set("flip_angle", flip_angle).log().unwrap()
-        };
-        let lines = run(json!(1.0)).join("\n");
-        assert!(lines.contains("more than flip_angle 1 (set flip_angle higher)"), "{lines}");
-        assert!(!run(json!(null)).join("\n").contains("flip_angle"));
-    }
-
-    /// A ball of 768 faces.
-    fn ball() -> TriMesh {
-        let mut mesh = subdivided_box(&BoxOptions::DEFAULT);
-        let (low, high) = mesh.bounds().unwrap();
-        mesh.positions.iter_mut().for_each(|p| *p = (*p - low.midpoint(high)).normalize());
-        mesh
-    }
-
-    #[test]
-    fn quadrics_begin_and_the_cost_ends_where_that_is_asked_for() {
-        let run = |head_start: serde_json::Value, target: i64| {
-            simplified_from(
-                ball(),
-                &[
-                    ("cost", json!("LindstromTurk")),
-                    ("placement", json!("LindstromTurk")),
-                    ("target_faces", json!(target)),
-                    ("head_start", head_start),
-                ],
-            )
-        };
-        // The volume is kept by the cost alone, so what is lost of it says how much it did.
-        let lost = |mesh: &TriMesh| (ball().signed_volume() - mesh.signed_volume()).abs();
-        let [alone, half, hardly] =
-            [json!(null), json!(2.0), json!(1.0)].map(|start| run(start, 80));
-        assert_eq!([alone.faces.len(), half.faces.len(), hardly.faces.len()], [80; 3]);
-        assert!(lost(&alone) < 1e-9 && lost(&half) > 1e-6, "{} {}", lost(&alone), lost(&half));
-        assert!(lost(&hardly) > 2.0 * lost(&half), "{} {}", lost(&hardly), lost(&half));
-        // There is nothing to begin with.
-        assert_eq!(run(json!(3.0), 400).positions, run(json!(null), 400).positions);
-    }
-
-    #[test]
-    fn targets_placements_and_costs_are_followed() {
-        assert_eq!(simplified(&[]).faces.len(), 384);
-        assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
-        let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];
-        assert_eq!(simplified(&by_cost).faces.len(), 12);
-        let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
-        let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
-        assert!(ends.positions.iter().all(|p| originals.contains(p)));
-    }
+/// What the result has that no distance tells.
+fn faults(mesh: &TriMesh, control: Control) -> Result<[Measure; 2], Cancelled> {
+    let adjacency = Adjacency::new(mesh, control)?;
+    let n_folded = n_folded_edges(mesh, &adjacency, control)?;
+    let n_slivers = n_slivers(mesh, control)?;
+    Ok([(FOLDED_EDGES, n_folded), (SLIVERS, n_slivers)].map(|(q, n)| Measure::of(&q, n as f64)))
 }
+
+#[cfg(test)]
+#[path = "simplificator_tests.rs"]
+mod tests;

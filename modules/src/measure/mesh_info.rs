@@ -31,6 +31,8 @@ numbers! {
     ISOLATED_VERTICES: "isolated_vertices", "Vertices without a face.";
     DUPLICATE_FACES: "duplicate_faces", "Faces with the vertices of an earlier one.";
     FLAT_FACES: "flat_faces", "Faces without area.";
+    FOLDED_EDGES: "folded_edges", "Edges of two faces folded onto each other, by over 150°.", lower();
+    SLIVERS: "slivers", "Faces with an angle of less than 1°, flat ones among them.", lower();
     EULER: "euler", "Euler characteristic: vertices with faces, less edges, plus faces.";
     GENUS: "genus", "Handles; not a number unless the mesh is manifold and oriented.";
     AREA: "area", "Sum over the faces.", in_unit(SQUARED);
@@ -65,6 +67,8 @@ pub static MODULE: Module = Module {
         ISOLATED_VERTICES.spec(),
         DUPLICATE_FACES.spec(),
         FLAT_FACES.spec(),
+        FOLDED_EDGES.spec(),
+        SLIVERS.spec(),
         EULER.spec(),
         GENUS.spec(),
         AREA.spec(),
@@ -96,6 +100,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         (ISOLATED_VERTICES, info.n_isolated_vertices as f64),
         (DUPLICATE_FACES, info.n_duplicate_faces as f64),
         (FLAT_FACES, info.n_zero_area_faces as f64),
+        (FOLDED_EDGES, info.n_folded_edges as f64),
+        (SLIVERS, info.n_slivers as f64),
         (EULER, info.euler_characteristic as f64),
         (GENUS, info.genus.map_or(f64::NAN, |genus| genus as f64)),
         (AREA, info.area),

@@ -32,7 +32,7 @@ impl Enumeration for Sides {
     const VALUES: &'static [Self] = &[Self::Both, Self::Front];
 }
 
-impl Enumeration for Albedo<'static> {
+impl Enumeration for Albedo {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("White", "White everywhere: pictures show shape alone."),
         (
@@ -56,7 +56,7 @@ pub struct View {
     /// With how many pixels a side.
     pub size: usize,
     /// What colors the surface.
-    pub albedo: Albedo<'static>,
+    pub albedo: Albedo,
     /// How the surface is lit.
     pub shading: Shading,
     /// Which sides of it are drawn.
@@ -89,7 +89,7 @@ pub struct ViewParams {
     /// Pixels a side.
     pub resolution: Param<i64>,
     /// What colors the surface.
-    pub albedo: Param<Albedo<'static>>,
+    pub albedo: Param<Albedo>,
     /// How the surface is lit.
     pub shading: Param<Shading>,
     /// Which sides of it are drawn.

@@ -95,7 +95,7 @@ pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<
         selection.is_empty() || selection.contains(&item)
     };
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        for (name, node) in session.document.map().nodes.iter().filter(|(n, _)| is_shown(n)) {
+        for (name, node) in session.document.map().nodes.iter().filter(|(name, _)| is_shown(name)) {
             let Some(info) = shared.registry.find(&node.module) else { continue };
             ui.horizontal(|ui| {
                 ui.strong(name);

@@ -62,7 +62,7 @@ fn tolerance(n_pixels: usize) -> SnapshotOptions {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state }
+    Pinned { title, value: Some(value), state, mesh: None }
 }
 
 /// A view by itself, once everything in it is made.

@@ -181,6 +181,15 @@ fn what_is_missing_is_said_in_every_format() {
 }
 
 #[test]
+fn no_cell_of_a_table_is_a_formula() {
+    let mut maker = small(json!({ "measures": [{ "column": "compare.err" }] }), [1.0; 4]);
+    let outputs = json!({ "err": -1.5, "faces": 100 });
+    maker.step(json!({ "model.module": "=cmd|x", "cut.cost": "A" }), 0, Some(outputs));
+    let csv = text(maker.finish().path(), Format::Csv);
+    assert!(csv.contains("\n'=cmd|x,A,-1.5,"), "{csv}");
+}
+
+#[test]
 fn nothing_from_a_store_becomes_markup() {
     let bad = "<script>alert(1)</script>";
     let mut maker = Maker::new(json!({

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
+use super::folds::{n_folded_edges, n_slivers};
 use super::weld::{coincident, same_places};
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
@@ -44,6 +45,10 @@ pub struct MeshInfo {
     pub n_degenerate_index_faces: usize,
     /// Faces without area whose corners are finite, those that name a vertex twice among them.
     pub n_zero_area_faces: usize,
+    /// Faces with an angle of less than 1°, those without area among them.
+    pub n_slivers: usize,
+    /// Edges of two faces that are folded onto each other, by more than 150°.
+    pub n_folded_edges: usize,
     /// Faces with a coordinate that is not finite; they enter neither area nor volume.
     pub n_non_finite_faces: usize,
     /// Vertices that have faces, less edges, plus faces.
@@ -124,9 +129,11 @@ pub fn mesh_info(mesh: &TriMesh, control: Control) -> Result<MeshInfo, Cancelled
             .filter(|&e| adjacency.sides_of(e).len() == 2 && !adjacency.is_oriented(mesh, e))
             .count(),
         n_doubled_vertices: n_doubled,
-        n_duplicate_faces: duplicate_faces(mesh, &adjacency, control.part(0.85, 1.0))?,
+        n_duplicate_faces: duplicate_faces(mesh, &adjacency, control.part(0.85, 0.95))?,
         n_degenerate_index_faces: mesh.faces.iter().filter(|f| names_twice(f)).count(),
         n_zero_area_faces: shape.n_zero_area,
+        n_slivers: n_slivers(mesh, control.part(0.95, 0.97))?,
+        n_folded_edges: n_folded_edges(mesh, &adjacency, control.part(0.97, 1.0))?,
         n_non_finite_faces: shape.n_non_finite,
         euler_characteristic: euler,
         genus: None,

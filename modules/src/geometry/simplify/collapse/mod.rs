@@ -95,6 +95,22 @@ pub fn simplify(
     simplify_observed(mesh, cost, placement, &mut [], options, control)
 }
 
+/// Simplifies a mesh by one queue, but for the edges at some vertices, which stay where they are.
+///
+/// # Errors
+/// As [`simplify`].
+pub fn simplify_around(
+    mesh: &TriMesh,
+    stays: &[bool],
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    options: SimplifyOptions,
+    control: Control,
+) -> Result<Simplified, Cancelled> {
+    let origin = Origin::Block(stays);
+    Engine::new(mesh, cost, placement, &mut [], options, origin, control)?.run()
+}
+
 /// Simplifies a mesh as [`simplify`] does, while observers follow the run.
 ///
 /// # Errors
