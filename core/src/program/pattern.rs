@@ -1,5 +1,5 @@
-//! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is a stranger's
-//! too, and may lead through all of a disk.
+//! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is also a
+//! stranger's, and may lead through all of a disk.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -10,8 +10,8 @@ use crate::problem::{did_you_mean, nearest};
 use crate::quantity::Better;
 
 const COLUMN: &str = "the name of a column, such as \"compare.rms\"";
-const COMPARED: &str = "one parameter with its two values, such as {\"simplify.cost\": [\"Quadric\", \
-                        \"EdgeLength\"]}";
+const COMPARED: &str = "one parameter with its two values, such as \
+                        {\"simplify.cost\": [\"Quadric\", \"EdgeLength\"]}";
 
 /// Reads a report, and keeps what is wrong with it.
 #[derive(Default)]
