@@ -149,7 +149,7 @@ def faults(results):
 
 
 def targets(results):
-    """What issue 12 asks for, what was found, and whether that is enough."""
+    """What is to be reached, what was found, and whether that is enough."""
     rows = []
     own = [program for program in mve.SETTINGS if results.all_of(program)]
     if not own or not results.all_of(REFERENCE):

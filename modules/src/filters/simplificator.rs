@@ -7,8 +7,8 @@ use crate::cost::{COSTS, MakeCost, Quadric};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Blocked, Boundary, Cost, Outcome, Placement, Schedule, Seams, Simplified, SimplifyOptions,
-    Statistics, Stop, Turns, simplify, simplify_around,
+    Blocked, Boundary, Cost, Outcome, Placement, SMALLEST_IN_BLOCKS, Schedule, Seams, Simplified,
+    SimplifyOptions, Statistics, Stop, Turns, simplify, simplify_around,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::components::{small_components, without_faces};
@@ -201,9 +201,10 @@ const STATISTICS_OUT: Out<Measures> =
         SLIVERS,
     ]));
 
-/// What the working mesh, the queue and the quadrics take for each face, in blocks as well: measured
-/// from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at pictures take more.
-const BYTES_A_FACE: usize = 260;
+/// What the working mesh, the queue and the quadrics take for each face, by one queue and in blocks:
+/// measured from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at pictures take
+/// more.
+const BYTES_A_FACE: [usize; 2] = [200, 350];
 
 pub static MODULE: Module = Module {
     id: "Simplificator",
@@ -231,21 +232,10 @@ pub static MODULE: Module = Module {
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let mut mesh = io.get(MESH_IN)?;
-    match io.param(WELD)? {
-        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
-        None => warn_of_seams(io, &mesh)?,
-    }
-    let policy = io.param(SMALL_COMPONENTS)?;
-    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
-    let size = io.param(COMPONENT_SIZE)? * diagonal;
-    if policy == SmallComponents::Removed {
-        let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
-        mesh = Arc::new(without_faces(&mesh, &is_small));
-    }
-    // Below 0 no component is small.
-    let kept_size = if policy == SmallComponents::Kept { size } else { -1.0 };
-    io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
+    let (mesh, kept_size) = prepared(io)?;
+    let order = io.param(ORDER)?;
+    let in_blocks = order == Schedule::Blocks && mesh.faces.len() >= SMALLEST_IN_BLOCKS;
+    io.reserve(mesh.faces.len() * BYTES_A_FACE[usize::from(in_blocks)])?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
     let ratio = io.param(RATIO)?.filter(|_| faces.is_none());
@@ -253,7 +243,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
         boundary: io.param(BOUNDARY)?,
         seams: io.param(SEAMS)?,
-        order: io.param(ORDER)?,
+        order,
         turns: turns(io.param(FLIP_ANGLE)?),
         sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
@@ -292,6 +282,27 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     io.put(MESH_OUT, simplified);
     io.put(STATISTICS_OUT, measures);
     Ok(())
+}
+
+/// The mesh that is simplified, and how large components are at most that stay; below 0 none do.
+fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
+    let mut mesh = io.get(MESH_IN)?;
+    match io.param(WELD)? {
+        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
+        None => warn_of_seams(io, &mesh)?,
+    }
+    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+    let size = io.param(COMPONENT_SIZE)? * diagonal;
+    match io.param(SMALL_COMPONENTS)? {
+        SmallComponents::Simplified => Ok((mesh, -1.0)),
+        SmallComponents::Kept => Ok((mesh, size)),
+        SmallComponents::Removed => {
+            let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
+            let n_gone = is_small.iter().filter(|is_small| **is_small).count();
+            io.log(format!("{n_gone} faces of small components are removed"));
+            Ok((Arc::new(without_faces(&mesh, &is_small)), -1.0))
+        }
+    }
 }
 
 /// What quadrics leave for the cost that was asked for, if they are to begin.

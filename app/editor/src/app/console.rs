@@ -45,6 +45,7 @@ impl Console {
             if ui.button("Clear").clicked() {
                 session.runner.log.clear();
             }
+            ui.weak("times in UTC");
         });
         ui.separator();
         let letters = self.letters.to_lowercase();

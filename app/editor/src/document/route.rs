@@ -12,6 +12,8 @@ const APART: f64 = 10.0;
 const MOST: usize = 4;
 /// From a node to where a wire leaves its way around it.
 const REACH: f64 = 30.0;
+/// So much longer a way may be that leaves out one more node: else that is passed as well.
+const BEHIND: f64 = 400.0;
 /// Points of a wire's curve that are looked at.
 const N_SAMPLES: usize = 24;
 
@@ -57,9 +59,40 @@ fn detours(wires: &[Wire], nodes: &[Area]) -> Vec<Option<[[f64; 2]; 2]>> {
 }
 
 fn around(wire: &Wire, nodes: &[Area], taken: &[[[f64; 2]; 2]]) -> Option<[[f64; 2]; 2]> {
+    let is_behind = |node: &&Area| runs_behind(wire.from, wire.to, node);
+    let mut avoided: Vec<&Area> = nodes.iter().filter(is_behind).collect();
+    let (mut found, mut least) = (None, avoided.len());
+    while least > 0 {
+        let Some([left, right]) = way(wire, nodes, taken, &avoided) else { break };
+        // Where the way to it or from it runs behind others, it is to begin before those, too.
+        let legs = [(wire.from, left), (right, wire.to)];
+        let is_behind = |node: &&Area| legs.iter().any(|leg| runs_behind(leg.0, leg.1, node));
+        let behind: Vec<&Area> = nodes.iter().filter(is_behind).collect();
+        if behind.len() < least {
+            (found, least) = (Some([left, right]), behind.len());
+        }
+        let n_before = avoided.len();
+        for node in behind {
+            if !avoided.contains(&node) {
+                avoided.push(node);
+            }
+        }
+        if avoided.len() == n_before {
+            break;
+        }
+    }
+    found
+}
+
+/// The ends of the shortest free way past some nodes.
+fn way(
+    wire: &Wire,
+    nodes: &[Area],
+    taken: &[[[f64; 2]; 2]],
+    avoided: &[&Area],
+) -> Option<[[f64; 2]; 2]> {
     let Wire { from, to } = *wire;
-    let behind: Vec<&Area> = nodes.iter().filter(|node| runs_behind(from, to, node)).collect();
-    let least = |end: fn(&Area) -> f64| behind.iter().map(|node| end(node)).reduce(f64::min);
+    let least = |end: fn(&Area) -> f64| avoided.iter().map(|node| end(node)).reduce(f64::min);
     let left = least(|node| node.at[0])? - REACH;
     let right = -least(|node| -node.at[0] - node.size[0])? + REACH;
     let (left, right) = (left.max(from[0] + CLEAR), right.min(to[0] - CLEAR));
@@ -84,13 +117,14 @@ fn around(wire: &Wire, nodes: &[Area], taken: &[[[f64; 2]; 2]]) -> Option<[[f64;
     };
     let ways = between.iter().flat_map(beside).filter(|height| is_free(*height));
     let length = |height: &f64| (height - from[1]).abs() + (height - to[1]).abs();
-    let n_behind = |height: f64| {
-        let legs = [(from, [left, height]), ([right, height], to)];
-        nodes.iter().filter(|node| legs.iter().any(|leg| runs_behind(leg.0, leg.1, node))).count()
+    let n_behind = |height: &f64| {
+        let legs = [(from, [left, *height]), ([right, *height], to)];
+        let is_behind = |node: &&Area| legs.iter().any(|leg| runs_behind(leg.0, leg.1, node));
+        nodes.iter().filter(is_behind).count() as f64
     };
-    let rated = ways.map(|height| (n_behind(height), length(&height), height));
-    let best = rated.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
-    (best.0 < behind.len()).then_some([[left, best.2], [right, best.2]])
+    let rated = ways.map(|height| (length(&height) + BEHIND * n_behind(&height), height));
+    let (_, height) = rated.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some([[left, height], [right, height]])
 }
 
 /// Whether a wire's curve, as the canvas draws it, runs behind a node. One that goes back does so
@@ -135,6 +169,19 @@ mod tests {
         for (from, to) in [([100.0, 40.0], left), (left, right), (right, [320.0, 40.0])] {
             assert!(!nodes.iter().any(|node| runs_behind(from, to, node)), "{from:?} {to:?}");
         }
+    }
+
+    #[test]
+    fn the_way_begins_before_what_stands_on_the_way_to_it() {
+        // The second one is passed below, where the first, which is no obstacle by itself, stands.
+        let tall = Area { at: [320.0, -2000.0], size: [100.0, 2300.0] };
+        let nodes = [node(0.0, 0.0), node(160.0, 130.0), tall, node(480.0, 0.0)];
+        let wire = Wire { from: [100.0, 40.0], to: [480.0, 40.0] };
+        let [Some([left, right])] = detours(&[wire], &nodes)[..] else { panic!() };
+        for (from, to) in [(wire.from, left), (left, right), (right, wire.to)] {
+            assert!(!nodes.iter().any(|node| runs_behind(from, to, node)), "{left:?} {right:?}");
+        }
+        assert!(left[0] < 160.0, "it begins before the first one: {left:?}");
     }
 
     #[test]

@@ -299,11 +299,13 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     let mut harness = front(red_and_green());
     let corners = [DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
     let places = corners.map(|corner| place_of(&harness, "a.mesh", corner));
-    harness.hover_at(places[0]);
-    harness.step();
+    click(&mut harness, places[0]);
+    harness.get_by_label("of a.mesh");
     harness.key_press(egui::Key::M);
     settle(&mut harness);
     harness.get_by_label_contains("Click the first point");
+    assert!(harness.query_by_label("of a.mesh").is_none(), "it would hide what to click");
+    harness.state_mut().viewer.picked = None;
     click(&mut harness, places[0]);
     harness.get_by_label_contains("Click the second point");
     click(&mut harness, places[1]);

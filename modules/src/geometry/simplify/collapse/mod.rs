@@ -45,6 +45,7 @@ mod observer;
 mod observer_tests;
 mod options;
 mod order;
+mod origin;
 mod outcome;
 mod placement;
 mod pricer;
@@ -64,6 +65,7 @@ pub(crate) mod trial;
 mod wedge;
 
 pub use blocked::Blocked;
+pub use blocks::SMALLEST_IN_BLOCKS;
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use merging::Merging;
@@ -78,8 +80,9 @@ pub use stop::{Outcome, Stop};
 pub use wedge::{AttributeValue, LayerId, Role, WedgeId};
 
 use crate::data::TriMesh;
-use engine::{Engine, Origin};
+use engine::Engine;
 use mve_core::{Cancelled, Control};
+use origin::Origin;
 
 /// Simplifies a mesh; see the file's header.
 ///

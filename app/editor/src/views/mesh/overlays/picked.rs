@@ -55,8 +55,10 @@ impl Overlay for Picked {
         match (shown, scene.meshes.first()) {
             (Some((picked, mesh, rect, camera)), _) => {
                 paint_mark(ui, &Screen { rect }, &camera, (&mesh, &picked));
-                // In a picture that is too small for it, it would hide all there is.
-                if rect.width() >= LEAST.x && rect.height() >= LEAST.y {
+                // In a picture that is too small for it, it would hide all there is; and while
+                // distances are measured, what to click next.
+                let has_room = rect.width() >= LEAST.x && rect.height() >= LEAST.y;
+                if has_room && !scene.settings.is_measuring {
                     self.read_out(ui, rect, scene, (&mesh, picked));
                 }
             }
