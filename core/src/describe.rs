@@ -55,8 +55,8 @@ pub fn describe_module(info: &ModuleInfo) -> String {
 }
 
 /// A parameter of a module, or an entry of a choice, by its path, in which either may stand alone:
-/// `MeshComparer.metric.ImageSsim`, `MeshComparer.ImageSsim`, `Simplificator.cost`. The error is the
-/// part that nothing is named like, with a near name.
+/// `MeshComparer.metric.ImageSsim`, `MeshComparer.ImageSsim`, `Simplificator.cost`. The error is
+/// the part that nothing is named like, with a near name.
 pub fn describe_part(info: &ModuleInfo, path: &str) -> Result<String, String> {
     let title = format!("### {}.{path}\n\n", info.module.id);
     let mut params = info.module.params;

@@ -6,7 +6,22 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map as JsonMap, Number, Value as Json};
 
-use crate::map::Step;
+/// A step of a path through JSON.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// The key of an object.
+    Key(String),
+    /// The place of an item in an array.
+    Item(usize),
+    /// The item of an array that is this text, whatever its spaces; the last of several.
+    Text(String),
+}
+
+impl From<&str> for Step {
+    fn from(key: &str) -> Self {
+        Self::Key(key.to_owned())
+    }
+}
 
 /// Reads JSON text; also gives the path to every key that stands twice in its object. Of two values
 /// for one key the last counts.

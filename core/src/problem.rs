@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::map::Step;
+use crate::json::Step;
 
 /// Whether a problem stops a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

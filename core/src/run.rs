@@ -148,17 +148,15 @@ pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
     if is_damaged && !options.cancel.is_cancelled() {
         (outcome, _) = run_once(plan, options, &audience, Attempt::Last);
     }
-    // What was held back, should there be no other attempt.
     for (node, NodeOutcome { record, .. }) in &outcome.nodes {
         audience.tell(&Event { node, kind: EventKind::Ended { record, outputs: &[] } });
     }
     outcome
 }
 
-/// Which run of a plan it is.
+/// Which run of a plan it is: after the first another one follows if a value is damaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Attempt {
-    /// Another one follows if a value is damaged.
     First,
     Last,
 }

@@ -85,3 +85,20 @@ pub fn explain(error: &std::io::Error) -> String {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_says_how_to_go_on() {
+        let said = |kind: ErrorKind| {
+            let (path, source) = ("store/results.csv".into(), kind.into());
+            Stop::from(StoreError::Io { path, source }).message
+        };
+        let full = said(ErrorKind::StorageFull);
+        assert!(full.starts_with("store/results.csv: the disk is full; finished steps"), "{full}");
+        assert!(full.ends_with("make room, and the same command goes on"), "{full}");
+        assert_eq!(said(ErrorKind::NotADirectory).matches(';').count(), 0);
+    }
+}

@@ -23,8 +23,8 @@ use crate::table::wrap;
   mve modules --write docs/modules.md
   mve modules --json | jq -r .id")]
 pub struct Args {
-    /// Id of one module, with a parameter or an entry behind a point; or words to search for in what
-    /// modules and entries say of themselves
+    /// Id of one module, with a parameter or an entry behind a point; or words to search for in
+    /// what modules and entries say of themselves
     #[arg(value_name = "ID|WORDS")]
     words: Vec<String>,
     /// Write the documentation as Markdown to a file: of all modules, or of the one named

@@ -7,7 +7,6 @@ use mve_core::{PlanFile, ReportSpec};
 use serde_json::Value as Json;
 
 use crate::case::Case;
-use crate::columns::node_of;
 use crate::labels;
 
 /// Series of which a reader still keeps apart the lines of a plot and the columns of a table. More
@@ -112,8 +111,9 @@ fn series(axes: &[Axis], plan: &PlanFile, spec: &ReportSpec) -> Vec<usize> {
     let texts: Vec<usize> = free.iter().copied().filter(|place| !axes[*place].is_scale()).collect();
     // What is compared is what is done to models, not the models.
     let fed = fed(plan);
-    let is_done =
-        |place: &usize| axes[*place].paths.first().is_some_and(|path| fed.contains(node_of(path)));
+    let is_done = |place: &usize| {
+        axes[*place].paths.first().is_some_and(|path| fed.contains(labels::node_of(path)))
+    };
     let done: Vec<usize> = texts.iter().copied().filter(is_done).collect();
     let mut chosen =
         if done.is_empty() { texts.last().copied().into_iter().collect() } else { done };
@@ -134,7 +134,7 @@ fn series(axes: &[Axis], plan: &PlanFile, spec: &ReportSpec) -> Vec<usize> {
 fn fed(plan: &PlanFile) -> HashSet<&str> {
     let links = plan.map["links"].as_array().into_iter().flatten();
     let ends = links.filter_map(|link| link.as_str()?.split_once("->"));
-    ends.map(|(_, to)| node_of(to.trim())).collect()
+    ends.map(|(_, to)| labels::node_of(to.trim())).collect()
 }
 
 fn holds(axis: &Axis, paths: &[String]) -> bool {

@@ -12,6 +12,7 @@ use serde_json::Value as Json;
 
 use crate::axes::Axis;
 use crate::case::{Case, Cell};
+use crate::labels::node_of;
 use crate::results::Results;
 use crate::stats::Estimate;
 
@@ -235,11 +236,6 @@ pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> Str
         of_column(results, column).iter().map(MeasureColumn::title_with_unit).collect();
     titles.dedup();
     titles.join(" or ")
-}
-
-/// The node of a column or parameter, `node.output`.
-pub fn node_of(path: &str) -> &str {
-    path.split_once('.').map_or(path, |(node, _)| node)
 }
 
 /// Whether a column holds what a step or a node took.

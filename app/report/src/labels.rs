@@ -22,6 +22,11 @@ pub fn word(value: &Json) -> String {
     }
 }
 
+/// The node of a column or parameter, `node.output`.
+pub fn node_of(path: &str) -> &str {
+    path.split_once('.').map_or(path, |(node, _)| node)
+}
+
 /// Names of the values of an axis, as short as they can be and still be told apart.
 pub fn of_axis(values: &[Vec<Option<Json>>]) -> Vec<String> {
     let n_paths = values.first().map_or(0, Vec::len);

@@ -47,8 +47,8 @@ pub fn latex(title: &str, notes: &[String], answers: &[Answer], tables: &[Pivot]
     out + &body
 }
 
-/// Whether pdfLaTeX sets a sign as it stands, in its font encodings T1 and TS1: what is left of them
-/// are the letters of Western and Central European languages, and some signs of text.
+/// Whether pdfLaTeX sets a sign as it stands, in its font encodings T1 and TS1: what is left of
+/// them are the letters of Western and Central European languages, and some signs of text.
 fn is_of_pdflatex(c: char) -> bool {
     let is_letter = ('\0'..='\u{17e}').contains(&c) || ('\u{218}'..='\u{21b}').contains(&c);
     (is_letter && !"ĦħĸĿŀŉŦŧ".contains(c)) || "–—‘’‚„‰€•".contains(c)

@@ -15,8 +15,7 @@ use serde_json::Value as Json;
 use crate::ReportError;
 use crate::axes::{self, Axis};
 use crate::case::{Case, StepOf};
-use crate::columns::node_of;
-use crate::labels;
+use crate::labels::{self, node_of};
 
 /// What a store holds.
 pub struct Results {

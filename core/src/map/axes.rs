@@ -23,7 +23,7 @@ fn is_spread(value: &Json) -> bool {
     fields.is_some_and(|fields| fields.keys().all(|key| KEYS.contains(&key.as_str())))
 }
 
-/// What is wrong with an axis that cannot be read: its place, its key where it is one, and a sentence.
+/// What is wrong with an axis that cannot be read: its place, its key if it is one, a sentence.
 pub(super) fn misfit(axes: &Json) -> Option<(usize, Option<String>, String)> {
     let axes = axes.as_array()?.iter().enumerate();
     axes.into_iter().find_map(|(place, axis)| {
@@ -32,11 +32,14 @@ pub(super) fn misfit(axes: &Json) -> Option<(usize, Option<String>, String)> {
             let form = "an axis, such as {\"simplify.ratio\": [0.5, 0.2]}";
             return Some((place, None, format!("axis {n}: {} is not {form}", shown(axis))));
         };
-        let (path, value) = lists.iter().find(|(_, value)| !value.is_array() && !is_spread(value))?;
+        let (path, value) =
+            lists.iter().find(|(_, value)| !value.is_array() && !is_spread(value))?;
         let mut keys = value.as_object().filter(|fields| fields.len() == 1).into_iter().flatten();
-        let hint = keys.next().map_or_else(String::new, |(key, _)| did_you_mean(key, KEYS.into_iter()));
-        let form = "a list of values, such as [0.5, 0.2], or what stands for many: {\"range\": [0.1, \
-                    0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or {\"glob\": \"scans/*.obj\"}";
+        let hint = keys.next().map(|(key, _)| did_you_mean(key, KEYS.into_iter()));
+        let hint = hint.unwrap_or_default();
+        let form = "a list of values, such as [0.5, 0.2], or what stands for many: \
+                    {\"range\": [0.1, 0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or \
+                    {\"glob\": \"scans/*.obj\"}";
         let message = format!("axis {n}: {path}: {} is not {form}{hint}", shown(value));
         Some((place, Some(path.clone()), message))
     })

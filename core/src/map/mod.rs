@@ -23,10 +23,9 @@ use thiserror::Error;
 
 pub use link::{Link, PortRef};
 pub use position::Position;
-pub(crate) use position::Step;
 
 use crate::files::fresh_file;
-use crate::json;
+use crate::json::{self, Step};
 use crate::problem::{LONGEST_NAME, Problem, is_steering};
 
 /// The version of the format that this mve writes.
@@ -192,7 +191,7 @@ impl Map {
         for path in repeated {
             let keys = path.iter().filter_map(|step| match step {
                 Step::Key(key) => Some(key.as_str()),
-                Step::Item(_) | Step::Link(_) => None,
+                Step::Item(_) | Step::Text(_) => None,
             });
             let keys = keys.collect::<Vec<_>>().join(".");
             let message = format!("\"{keys}\" stands twice in the file; rename or remove one");

@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{Link, Map, Step, axes, words};
+use super::{Link, Map, axes, words};
+use crate::json::Step;
 use crate::param::shown;
 use crate::problem::{Problem, did_you_mean};
 

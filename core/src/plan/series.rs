@@ -1,8 +1,8 @@
 //! Plans of one map for many values of the same parameters.
 //!
 //! The first of them is planned as a whole. What hangs on no parameter that is set stays for the
-//! next ones; in place are settled the parameters that are, and once repeats are asked for the seeds
-//! too, and then the names, keys and paths of the nodes that they reach. Where that gives any
+//! next ones; in place are settled the parameters that are, and once repeats are asked for the
+//! seeds too, and then the names, keys and paths of the nodes that they reach. Where that gives any
 //! problem, the map is planned as a whole once more, so that problems read the same.
 
 use std::collections::HashMap;

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use super::{PlanNode, Source, no_such_node};
 use crate::data::DataType;
-use crate::map::{Link, Map, Step};
+use crate::json::Step;
+use crate::map::{Link, Map};
 use crate::module::Module;
 use crate::port::ANY;
 use crate::problem::{LONGEST_NAME, Problem, did_you_mean, plain};
@@ -148,7 +149,7 @@ fn no_such_output(module: &Module, link: &Link) -> Problem {
 
 /// A problem that stands where its link does.
 fn of_link(problem: Problem, link: &Link) -> Problem {
-    problem.along(["links".into(), Step::Link(link.clone())])
+    problem.along(["links".into(), Step::Text(link.to_string())])
 }
 
 fn no_such_input(module: &Module, link: &Link) -> Problem {

@@ -1,5 +1,5 @@
-//! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is a stranger's
-//! too, and may lead through all of a disk.
+//! Files whose names fit a pattern, `scans/**/*.obj`, found within a bound: a pattern is also a
+//! stranger's, and may lead through all of a disk.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -135,7 +135,9 @@ impl Search<'_> {
             Err(error) => {
                 // What was there a moment ago, and what is no folder, tells nobody anything.
                 if self.n_looked == 0 || error.kind() == ErrorKind::PermissionDenied {
-                    let closed = || format!("{}: {error}", folder.display());
+                    let why = error.to_string();
+                    let why = why.split(" (os error").next().unwrap_or_default().to_owned();
+                    let closed = || format!("{}: {why}", folder.display());
                     self.found.closed.get_or_insert_with(closed);
                 }
                 return Some(Vec::new());

@@ -4,26 +4,35 @@ use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json};
 
 use super::report_spec::{Measure, Question, ReportFault, ReportSpec};
-use crate::map::Step;
+use crate::json::Step;
 use crate::param::shown;
 use crate::problem::{did_you_mean, nearest};
 use crate::quantity::Better;
 
 const COLUMN: &str = "the name of a column, such as \"compare.rms\"";
-const COMPARED: &str = "one parameter with its two values, such as {\"simplify.cost\": [\"Quadric\", \
-                        \"EdgeLength\"]}";
+const COMPARED: &str = "one parameter with its two values, such as \
+                        {\"simplify.cost\": [\"Quadric\", \"EdgeLength\"]}";
+
+impl ReportSpec {
+    /// Reads what a program says, or lists what is wrong with it.
+    pub fn parse(json: &Json) -> Result<Self, Vec<ReportFault>> {
+        let mut reader = Reader::default();
+        let spec = reader.report(json);
+        if reader.faults.is_empty() { Ok(spec) } else { Err(reader.faults) }
+    }
+}
 
 /// Reads a report, and keeps what is wrong with it.
 #[derive(Default)]
-pub(super) struct Reader {
-    pub faults: Vec<ReportFault>,
+struct Reader {
+    faults: Vec<ReportFault>,
     /// Where it reads.
     path: Vec<Step>,
 }
 
 impl Reader {
     /// The whole of it.
-    pub fn report(&mut self, json: &Json) -> ReportSpec {
+    fn report(&mut self, json: &Json) -> ReportSpec {
         let known = ["measures", "against", "group", "series", "questions"];
         let Some(fields) = self.object(json, &known, "an object; see `mve schema`") else {
             return ReportSpec::default();

@@ -22,8 +22,7 @@ use indexmap::IndexMap;
 use serde_json::Value as Json;
 
 use super::columns::Columns;
-use super::report_reader::Reader;
-use crate::map::Step;
+use crate::json::Step;
 use crate::problem::did_you_mean;
 use crate::quantity::Better;
 
@@ -94,7 +93,7 @@ impl ReportFault {
             match step {
                 Step::Key(key) => place.extend([".", key]),
                 Step::Item(item) => place.push_str(&format!("[{item}]")),
-                Step::Link(link) => place.push_str(&link.to_string()),
+                Step::Text(text) => place.push_str(text),
             }
         }
         Self { path: path.to_vec(), message: format!("\"{place}\": {why}") }
@@ -108,13 +107,6 @@ impl fmt::Display for ReportFault {
 }
 
 impl ReportSpec {
-    /// Reads what a program says, or lists what is wrong with it.
-    pub fn parse(json: &Json) -> Result<Self, Vec<ReportFault>> {
-        let mut reader = Reader::default();
-        let spec = reader.report(json);
-        if reader.faults.is_empty() { Ok(spec) } else { Err(reader.faults) }
-    }
-
     /// What does not fit the results that it is about.
     pub(super) fn faults(&self, about: &About) -> Vec<ReportFault> {
         let values = &about.values;

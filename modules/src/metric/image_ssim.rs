@@ -71,11 +71,11 @@ struct Index {
 
 impl Metric for ImageSsimMetric {
     fn bytes(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
-        // The map is a third set of pictures. What is made of two pictures on each thread: the map
-        // in full, twice in color, and a channel of each.
-        const BYTES_A_PIXEL: usize = 24;
+        // Of two pictures, on each thread: the map in full, twice in color, and a channel of each;
+        // of these 24 bytes a pixel 16 are there from drawing.
+        const BYTES_A_PIXEL: usize = 8;
         let of_thread = self.view.size * self.view.size * BYTES_A_PIXEL;
-        self.view.bytes_of_pair(original, simplified) * 3 / 2
+        self.view.bytes_of_comparison(original, simplified)
             + rayon::current_num_threads() * of_thread
     }
 

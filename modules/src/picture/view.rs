@@ -199,11 +199,12 @@ impl View {
         PictureOptions { size, sides, background, kind, samples: 1 }
     }
 
-    /// Bytes that [`View::pair`] takes at most.
-    pub fn bytes_of_pair(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+    /// Bytes that [`View::pair`] takes at most, and as many pictures of how the two differ.
+    pub fn bytes_of_comparison(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
         let kind = if self.albedo == Albedo::White { PixelKind::Gray } else { PixelKind::Rgb };
         let (options, n_cameras) = (self.pictures(kind), self.cameras.len());
-        options.bytes(original, n_cameras) + options.bytes(simplified, n_cameras)
+        let of_one = options.bytes(original, n_cameras).max(options.bytes(simplified, n_cameras));
+        of_one + 2 * n_cameras * self.size * self.size * kind.n_bytes()
     }
 
     /// Pictures of both meshes, from cameras around the original; normals of both are computed from

@@ -309,7 +309,8 @@ fn axes_of_plots_have_titles() {
     let mut maker = Maker::new(json!({
         "axes": [{ "cut.cost": ["A", "B"] }, { "cut.n_rings": [1, 2, 3] }],
         "report": {
-            "measures": [{ "column": "compare.err" }, { "column": "compare.like", "title": "Likeness" }],
+            "measures": [{ "column": "compare.err" },
+                { "column": "compare.like", "title": "Likeness" }],
             "against": ["compare.like", "cut.n_rings"]
         }
     }));
