@@ -1,3 +1,5 @@
+//! Simplificator as its parameters say.
+
 use mve_core::testing::Trial;
 use serde_json::json;
 

@@ -10,8 +10,8 @@
 //! the corners of a face merge, the quadric is the sum of all three and the longest edge counts.
 //!
 //! With less than all `memory` the planes of the faces around the edge as they are count too, or
-//! alone, as in the measures of P. Lindstrom and G. Turk, "Evaluation of memoryless simplification",
-//! IEEE TVCG 5(2), 1999: old planes keep a vertex from going where the surface is now.
+//! alone, as in the measures of P. Lindstrom and G. Turk, "Evaluation of memoryless
+//! simplification", IEEE TVCG 5(2), 1999: old planes keep a vertex from going where the surface is now.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};

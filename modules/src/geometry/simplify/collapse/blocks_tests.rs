@@ -1,3 +1,5 @@
+//! Blocks against one queue, and what comes through the cuts.
+
 use std::collections::HashMap;
 
 use glam::DVec3;

@@ -39,8 +39,8 @@ impl Quadrics {
     /// A face gives each corner a third of its area (a common factor that changes no order); a
     /// border edge gives both ends the plane through it at a right angle to its face, weighted by
     /// its squared length; so does each face at an edge of a seam (M. Garland and P. S. Heckbert,
-    /// "Simplifying surfaces with color and texture using quadric error metrics", IEEE Visualization
-    /// 1998, section 5).
+    /// "Simplifying surfaces with color and texture using quadric error metrics", IEEE
+    /// Visualization 1998, section 5).
     pub fn sum(
         complex: &Complex,
         order: &Order,
