@@ -121,7 +121,7 @@ impl Stored {
     /// # Errors
     /// [`ErrorKind::UnexpectedEof`] beyond the end, and [`ErrorKind::InvalidData`] for a block that
     /// has changed on disk or cannot be read. A file with such a block is deleted and no handle
-    /// reads it any more; [`run`](crate::run) then makes the value anew, once.
+    /// reads it any more; [`run`](fn@crate::run) then makes the value anew, once.
     pub fn read(&self, start: u64, bytes: &mut [u8]) -> io::Result<()> {
         let end = start.checked_add(bytes.len() as u64).filter(|end| *end <= self.0.n_bytes);
         let end = end.ok_or_else(|| io::Error::from(ErrorKind::UnexpectedEof))?;
