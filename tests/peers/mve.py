@@ -11,18 +11,23 @@ import meshes
 COMMAND = meshes.ROOT / "target" / "release" / "mve"
 
 LINDSTROM_TURK = {"cost": "LindstromTurk", "placement": "LindstromTurk"}
+BEGUN = {**LINDSTROM_TURK, "head_start": 3}
+CLASSIC = {"cost": {"Quadric": {"memory": 1}}}
 
 # Settings of `Simplificator`, by their names in the table: a line each.
 SETTINGS = {
     "mve": {},
-    "mve Quadric, Optimal": {"cost": "Quadric", "placement": "Optimal"},
-    "mve Quadric, Optimal, refit 1": {"cost": "Quadric", "placement": "Optimal", "refit": 1},
-    "mve Quadric, Optimal, refit 2": {"cost": "Quadric", "placement": "Optimal", "refit": 2},
-    "mve Quadric, Optimal, refit 6": {"cost": "Quadric", "placement": "Optimal", "refit": 6},
+    "mve, refit 1": {"refit": 1},
+    "mve, refit 2": {"refit": 2},
+    "mve, refit 6": {"refit": 6},
+    "mve, Greedy": {"order": "Greedy"},
+    "mve, memory 1": CLASSIC,
+    "mve, memory 1, refit 1": {**CLASSIC, "refit": 1},
     "mve LindstromTurk": LINDSTROM_TURK,
-    "mve LindstromTurk, refit 1": {**LINDSTROM_TURK, "refit": 1},
-    "mve LindstromTurk, refit 2": {**LINDSTROM_TURK, "refit": 2},
     "mve LindstromTurk, refit 6": {**LINDSTROM_TURK, "refit": 6},
+    "mve LindstromTurk, head start 3": BEGUN,
+    "mve LindstromTurk, head start 3, refit 1": {**BEGUN, "refit": 1},
+    "mve LindstromTurk, head start 3, refit 6": {**BEGUN, "refit": 6},
 }
 
 # The seconds that pass on two threads and on one, in place of those of the processor.
@@ -47,8 +52,10 @@ def map_of(setting, target, n_calls, source):
     nodes = {"load": {"module": "ObjLoader", "params": {"path": str(source)}}}
     links = ["cut0.mesh -> save.mesh"]
     for call in range(n_calls):
-        # Equal nodes would be computed once: a limit that never counts tells them apart.
-        params = {"target_faces": target, "largest_cost": (1 + call) * 1e300, **setting}
+        # Equal nodes are computed once; a billionth of a degree tells them apart and changes
+        # nothing. The first, which is saved, is as asked for.
+        params = {"target_faces": target, **({"sliver_angle": 3 + call * 1e-9} if call else {})}
+        params.update(setting)
         nodes[f"cut{call}"] = {"module": "Simplificator", "params": params}
         links.append(f"load.mesh -> cut{call}.mesh")
     nodes["save"] = {"module": "ObjSaver", "params": {"path": "simplified.obj"}}

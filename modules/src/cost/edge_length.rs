@@ -26,6 +26,10 @@ impl Cost for EdgeLength {
             *price = proposal.contraction.length_squared(|v| mesh.position(v)).sqrt();
         }
     }
+
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
+    }
 }
 
 #[cfg(test)]

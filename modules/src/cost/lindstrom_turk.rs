@@ -26,10 +26,13 @@ pub struct LindstromTurk;
 impl Cost for LindstromTurk {
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]) {
         for (price, proposal) in prices.iter_mut().zip(batch) {
-            let patch = Patch::around(mesh, &proposal.contraction);
             let offset = proposal.position - mesh.position(proposal.contraction.kept);
-            *price = patch.map_or(f64::NAN, |patch| patch.cost(offset));
+            *price = Patch::cost(mesh, &proposal.contraction, offset).unwrap_or(f64::NAN);
         }
+    }
+
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
     }
 
     fn reach(&self) -> Reach {
@@ -82,13 +85,8 @@ mod tests {
         // Two triangles in a plane that share the origin alone, in every order of their corners, so
         // that in some the numbers behind the origin and those before it have one sum. No face has
         // a volume, so what an edge costs is what border edges sweep: a triangle at least.
-        let points = [
-            [0.0; 3],
-            [1.0, 0.2, 0.0],
-            [0.2, 1.0, 0.0],
-            [-1.0, 0.5, 0.0],
-            [-0.4, -1.0, 0.0],
-        ];
+        let points =
+            [[0.0; 3], [1.0, 0.2, 0.0], [0.2, 1.0, 0.0], [-1.0, 0.5, 0.0], [-0.4, -1.0, 0.0]];
         let orders = (0..256_u32).map(|k| [0, 2, 4, 6].map(|bit| 1 + (k >> bit & 3)));
         for [a, b, c, d] in orders.filter(|order| (1..5).all(|v| order.contains(&v))) {
             let mesh = mesh_of(&points, &[[0, a, b], [0, c, d]]);

@@ -8,13 +8,19 @@
 //! edges go first, which keeps the faces there well shaped; elsewhere it does not count. An error
 //! that is no larger than this term is none: coordinates of seven digits are off by less. Where
 //! the corners of a face merge, the quadric is the sum of all three and the longest edge counts.
+//!
+//! With less than all `memory` the planes of the faces around the edge as they are count too, or
+//! alone, as in the measures of P. Lindstrom and G. Turk, "Evaluation of memoryless simplification",
+//! IEEE TVCG 5(2), 1999: old planes keep a vertex from going where the surface is now.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control, Entry};
 
 use super::{Cost, MakeCost};
 use crate::data::VertexId;
-use crate::geometry::simplify::collapse::{Batch, Contraction, QuadricOptions, WorkingMesh};
+use crate::geometry::simplify::collapse::{
+    Batch, Contraction, QuadricOptions, Reach, Renewal, WorkingMesh,
+};
 use crate::prelude::*;
 
 const BOUNDARY_WEIGHT: Param<f64> = Param::number(
@@ -25,13 +31,25 @@ const BOUNDARY_WEIGHT: Param<f64> = Param::number(
 .within((0.0, 1e6))
 .usually((0.0, 1000.0));
 
+const MEMORY: Param<f64> = Param::number(
+    "memory",
+    "How much the planes of all faces count that the ends of an edge stand for, against those of the \
+     faces around it as they are. 1 is the classic quadric, which is fastest; with less the result \
+     errs less.",
+    0.1,
+)
+.within((0.0, 1.0));
+
 pub static COST: Entry<MakeCost> = Entry {
     id: "Quadric",
     summary: "The squared distance of the new vertex from the planes of the faces that it stands \
               for, weighted by their area (Garland and Heckbert 1997).",
-    params: &[BOUNDARY_WEIGHT.spec()],
+    params: &[BOUNDARY_WEIGHT.spec(), MEMORY.spec()],
     build: |_, settings| {
-        let options = QuadricOptions { boundary_weight: settings.get(&BOUNDARY_WEIGHT)? };
+        let options = QuadricOptions {
+            boundary_weight: settings.get(&BOUNDARY_WEIGHT)?,
+            memory: settings.get(&MEMORY)?,
+        };
         Ok(Box::new(Quadric { options }))
     },
 };
@@ -64,6 +82,10 @@ impl Cost for Quadric {
         }
     }
 
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        Some(Box::new(*self))
+    }
+
     fn is_patient(&self) -> bool {
         true
     }
@@ -91,9 +113,22 @@ impl Cost for Quadric {
         Ok(MARGIN * 2.0 * TIE * weight * (high - low).length_squared())
     }
 
-    // Quadrics only gain planes, and none of them is ever negative.
+    // Quadrics with all memory only gain planes, and none of them is ever negative.
     fn only_grows(&self) -> bool {
-        true
+        self.options.memory == 1.0
+    }
+
+    fn reach(&self) -> Reach {
+        if self.options.memory < 1.0 { Reach::NEIGHBORS } else { Reach::MERGED }
+    }
+
+    fn renewal(&self) -> Renewal {
+        if self.options.memory < 1.0 { Renewal::Lazy } else { Renewal::AtOnce }
+    }
+
+    // Nearly all error comes with the last collapses, and it is then that memory is in the way.
+    fn head_start(&self) -> Option<f64> {
+        (self.options.memory < 1.0).then_some(3.0)
     }
 
     fn quadrics(&self) -> Option<QuadricOptions> {

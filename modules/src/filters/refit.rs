@@ -76,7 +76,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             ModuleError::input(&MESH_IN, error.to_string())
         }
     })?;
-    let (before, after) = (fitted.before, fitted.after);
+    let (before, after) = (fitted.before, fitted.after.unwrap_or(fitted.before));
     io.put(MESH_OUT, fitted.mesh);
     io.put(
         STATISTICS_OUT,

@@ -3,17 +3,18 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::cost::{COSTS, MakeCost};
+use crate::cost::{COSTS, MakeCost, Quadric};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Blocked, Boundary, Outcome, Seams, SimplifyOptions, Statistics, Stop, Turns, simplify,
+    Blocked, Boundary, Outcome, Schedule, Seams, Simplified, SimplifyOptions, Statistics, Stop,
+    Turns, simplify,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::mesh::adjacency::Adjacency;
-use crate::placement::{MakePlacement, PLACEMENTS};
+use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
 use mve_core::{Cancelled, Control, MissedTarget, Quantities};
@@ -33,6 +34,19 @@ impl Enumeration for Seams {
         ("Free", "Seams hold nothing up; the texture may be pulled across them."),
     ];
     const VALUES: &'static [Self] = &[Self::Kept, Self::Free];
+}
+
+impl Enumeration for Schedule {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Greedy", "Of all collapses the cheapest is made first."),
+        (
+            "Blocks",
+            "Blocks of a large mesh are simplified side by side on all cores, all up to the same \
+             price; then the cheapest is made first. Needs a number of faces and a cost that looks \
+             no farther than the faces around.",
+        ),
+    ];
+    const VALUES: &'static [Self] = &[Self::Greedy, Self::Blocks];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -63,6 +77,8 @@ const BOUNDARY: Param<Boundary> =
     Param::one_of("boundary", "What may happen to borders.", "Weighted");
 const SEAMS: Param<Seams> =
     Param::one_of("seams", "What may happen to seams of texture coordinates.", "Kept");
+const ORDER: Param<Schedule> =
+    Param::one_of("order", "In which order collapses are made.", "Blocks");
 const FLIP_ANGLE: Param<Option<f64>> = Param::maybe_number(
     "flip_angle",
     "No collapse turns a face by more than this; at 180 faces may turn over and fold. Off: 45 \
@@ -88,6 +104,16 @@ const WELD: Param<Option<f64>> = Param::maybe_number(
 )
 .within((0.0, 0.1))
 .usually((0.0, 1e-4));
+const HEAD_START: Param<Option<f64>> = Param::maybe_number(
+    "head_start",
+    "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
+     target; cost and placement do the rest, and see what it left as their input. 3 makes a dear \
+     cost several times as fast for a little error. Counts where faces are the only target. Off: 3 \
+     for Quadric with less memory; other costs do all.",
+    None,
+)
+.within((1.0, 1e9))
+.usually((1.5, 10.0));
 const REFIT: Param<i64> = Param::integer(
     "refit",
     "How many steps of Refit follow, which moves vertices so that the result lies closer to the \
@@ -144,9 +170,9 @@ const STATISTICS_OUT: Out<Measures> =
         SLIVERS,
     ]));
 
-/// What the working mesh, the queue and the quadrics take for each face: measured from 100,000 to
-/// 400,000 faces (docs/BENCHMARKS.md). Costs that look at pictures take more.
-const BYTES_A_FACE: usize = 200;
+/// What the working mesh, the queue and the quadrics take for each face, in blocks as well: measured
+/// from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at pictures take more.
+const BYTES_A_FACE: usize = 260;
 
 pub static MODULE: Module = Module {
     id: "Simplificator",
@@ -161,9 +187,11 @@ pub static MODULE: Module = Module {
         PLACEMENT.spec(),
         BOUNDARY.spec(),
         SEAMS.spec(),
+        ORDER.spec(),
         FLIP_ANGLE.spec(),
         SLIVER_ANGLE.spec(),
         WELD.spec(),
+        HEAD_START.spec(),
         REFIT.spec(),
     ],
     run,
@@ -177,20 +205,32 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
-    let mut cost = (cost.entry.build)(&mesh, &cost.params)?;
-    let mut placement = (placement.entry.build)(&mesh, &placement.params)?;
     let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
     let ratio = io.param(RATIO)?.filter(|_| faces.is_none());
-    let options = SimplifyOptions {
+    let mut options = SimplifyOptions {
         stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
         boundary: io.param(BOUNDARY)?,
         seams: io.param(SEAMS)?,
+        order: io.param(ORDER)?,
         turns: turns(io.param(FLIP_ANGLE)?),
         sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
     let n_refits = io.param(REFIT)? as usize;
     let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
-    let simplified = simplify(&mesh, cost.as_mut(), placement.as_mut(), options, collapses)?;
+    let asked = (cost.entry.build)(&mesh, &cost.params)?.head_start();
+    let factor = io.param(HEAD_START)?.or(asked);
+    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
+    // What was the target of the input is that of what the start left.
+    options.stop.faces = options.stop.target_faces(mesh.faces.len());
+    options.stop.ratio = None;
+    let left = start.as_ref().map_or(&*mesh, |start| &start.mesh);
+    let mut cost = (cost.entry.build)(left, &cost.params)?;
+    let mut placement = (placement.entry.build)(left, &placement.params)?;
+    let rest = collapses.part(if start.is_some() { 0.3 } else { 0.0 }, 1.0);
+    let mut simplified = simplify(left, cost.as_mut(), placement.as_mut(), options, rest)?;
+    if let Some(start) = start {
+        simplified.add_start(&start);
+    }
     io.phase("first_prices", simplified.seconds.first_prices);
     io.phase("collapses", simplified.seconds.collapses);
     let found = simplified.statistics;
@@ -211,6 +251,26 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     Ok(())
 }
 
+/// What quadrics leave for the cost that was asked for, if they are to begin.
+fn head_start(
+    factor: Option<f64>,
+    mesh: &TriMesh,
+    options: SimplifyOptions,
+    control: Control,
+) -> Result<Option<Simplified>, Cancelled> {
+    let (Some(factor), Some(target)) = (factor, options.stop.target_faces(mesh.faces.len())) else {
+        return Ok(None);
+    };
+    let left = (factor * target as f64).ceil();
+    if left >= mesh.faces.len() as f64 || options.stop.cost.is_some() {
+        return Ok(None);
+    }
+    let stop = Stop { faces: Some(left as usize), ..Stop::default() };
+    let options = SimplifyOptions { stop, ..options };
+    let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
+    simplify(mesh, cost, placement, options, control).map(Some)
+}
+
 /// The result after the steps of Refit that are asked for; as it is where it has no surface.
 fn refitted(
     io: &mut Io,
@@ -222,7 +282,7 @@ fn refitted(
         return Ok(mesh);
     }
     io.reserve(needs(&mesh, input))?;
-    let options = RefitOptions { n_steps, ..RefitOptions::DEFAULT };
+    let options = RefitOptions { n_steps, measures_result: false, ..RefitOptions::DEFAULT };
     let start = Instant::now();
     let fitted = refit(&mesh, input, options, io.control().part(0.5, 1.0));
     io.phase("refit", start.elapsed().as_secs_f64());
@@ -367,6 +427,30 @@ mod tests {
         let (low, high) = mesh.bounds().unwrap();
         mesh.positions.iter_mut().for_each(|p| *p = (*p - low.midpoint(high)).normalize());
         mesh
+    }
+
+    #[test]
+    fn quadrics_begin_and_the_cost_ends_where_that_is_asked_for() {
+        let run = |head_start: serde_json::Value, target: i64| {
+            simplified_from(
+                ball(),
+                &[
+                    ("cost", json!("LindstromTurk")),
+                    ("placement", json!("LindstromTurk")),
+                    ("target_faces", json!(target)),
+                    ("head_start", head_start),
+                ],
+            )
+        };
+        // The volume is kept by the cost alone, so what is lost of it says how much it did.
+        let lost = |mesh: &TriMesh| (ball().signed_volume() - mesh.signed_volume()).abs();
+        let [alone, half, hardly] =
+            [json!(null), json!(2.0), json!(1.0)].map(|start| run(start, 80));
+        assert_eq!([alone.faces.len(), half.faces.len(), hardly.faces.len()], [80; 3]);
+        assert!(lost(&alone) < 1e-9 && lost(&half) > 1e-6, "{} {}", lost(&alone), lost(&half));
+        assert!(lost(&hardly) > 2.0 * lost(&half), "{} {}", lost(&hardly), lost(&half));
+        // There is nothing to begin with.
+        assert_eq!(run(json!(3.0), 400).positions, run(json!(null), 400).positions);
     }
 
     #[test]

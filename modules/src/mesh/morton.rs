@@ -24,7 +24,19 @@ pub fn coarse_order(points: &[DVec3], control: Control) -> Result<Vec<u32>, Canc
     order_by_cells(points, 10, control)
 }
 
+/// The code of each point in the order of [`coarse_order`], the largest number where it is not
+/// finite.
+pub fn coarse_codes(points: &[DVec3], control: Control) -> Result<Vec<u64>, Cancelled> {
+    codes(points, 10, control)
+}
+
 fn order_by_cells(points: &[DVec3], bits: u32, control: Control) -> Result<Vec<u32>, Cancelled> {
+    let mut keys: Vec<(u64, u32)> = codes(points, bits, control)?.into_iter().zip(0..).collect();
+    sort_by_code(&mut keys, control)?;
+    Ok(keys.into_iter().map(|(_, idx)| idx).collect())
+}
+
+fn codes(points: &[DVec3], bits: u32, control: Control) -> Result<Vec<u64>, Cancelled> {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for chunk in points.chunks(STRIDE) {
@@ -38,14 +50,12 @@ fn order_by_cells(points: &[DVec3], bits: u32, control: Control) -> Result<Vec<u
     let extent = (high - low).max_element();
     let scale = if extent > 0.0 && extent.is_finite() { (cells - 1.0) / extent } else { 0.0 };
     let code = |p: &DVec3| if p.is_finite() { code((*p - low) * scale) } else { u64::MAX };
-    let mut keys: Vec<(u64, u32)> = Vec::with_capacity(points.len());
+    let mut codes = Vec::with_capacity(points.len());
     for chunk in points.chunks(STRIDE) {
         control.at(0.0)?;
-        let first = keys.len() as u32;
-        keys.extend(chunk.iter().zip(first..).map(|(p, idx)| (code(p), idx)));
+        codes.extend(chunk.iter().map(code));
     }
-    sort_by_code(&mut keys, control)?;
-    Ok(keys.into_iter().map(|(_, idx)| idx).collect())
+    Ok(codes)
 }
 
 /// Sorts by the first number, lowest digits first (Seward 1954), O(n); equal ones keep their order.

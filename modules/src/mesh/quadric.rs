@@ -43,6 +43,14 @@ impl Quadric {
         self.c += other.c;
     }
 
+    /// Multiplies all weights.
+    #[inline]
+    pub fn scale(&mut self, by: f64) {
+        self.a.iter_mut().for_each(|entry| *entry *= by);
+        self.b *= by;
+        self.c *= by;
+    }
+
     /// The same function about an origin moved by `by`: `shifted(by).at(d) == at(d + by)`.
     #[inline]
     pub fn shifted(&self, by: DVec3) -> Self {

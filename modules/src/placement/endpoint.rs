@@ -27,6 +27,10 @@ impl Placement for Endpoint {
             also_gone.iter().for_each(|third| out.push(at, mesh.position(*third)));
         }
     }
+
+    fn for_block(&self) -> Option<Box<dyn Placement>> {
+        Some(Box::new(*self))
+    }
 }
 
 #[cfg(test)]

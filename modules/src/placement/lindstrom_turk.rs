@@ -31,6 +31,10 @@ impl Placement for LindstromTurk {
         }
     }
 
+    fn for_block(&self) -> Option<Box<dyn Placement>> {
+        Some(Box::new(*self))
+    }
+
     fn reach(&self) -> Reach {
         Reach::NEIGHBORS
     }

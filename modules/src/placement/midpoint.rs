@@ -24,6 +24,10 @@ impl Placement for Midpoint {
             out.push(at, of_face.unwrap_or_else(|| from.midpoint(to)));
         }
     }
+
+    fn for_block(&self) -> Option<Box<dyn Placement>> {
+        Some(Box::new(*self))
+    }
 }
 
 #[cfg(test)]

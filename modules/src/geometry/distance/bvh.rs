@@ -174,9 +174,26 @@ impl<'a> Walker<'a> {
 
     /// The same, if no more than so many nodes have to be looked at; of a usable point.
     pub(super) fn closest_by(&mut self, point: DVec3, most_visits: usize) -> Option<Hit> {
+        self.near(point, 0.0, most_visits)
+    }
+
+    /// A face at most this squared distance from a usable point, if one is found among so many
+    /// nodes.
+    pub(super) fn within_reach(
+        &mut self,
+        point: DVec3,
+        distance_sq: f64,
+        most_visits: usize,
+    ) -> Option<Hit> {
+        let found = self.near(point, distance_sq, most_visits);
+        found.filter(|hit| hit.distance_sq <= distance_sq)
+    }
+
+    /// The nearest face, or one at most `enough` away, squared.
+    fn near(&mut self, point: DVec3, enough: f64, most_visits: usize) -> Option<Hit> {
         let slot = self.last.unwrap_or(0);
         let distance_sq = self.bvh.triangles.get(slot as usize)?.distance_sq(point);
-        let (distance_sq, slot) = self.descend(point, (distance_sq, slot), most_visits)?;
+        let (distance_sq, slot) = self.descend(point, (distance_sq, slot), enough, most_visits)?;
         self.last = Some(slot);
         Some(Hit { distance_sq, face: self.bvh.faces[slot as usize], slot })
     }
@@ -214,11 +231,13 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Walks the tree, near boxes first, for a face nearer than that of the slot.
+    /// Walks the tree, near boxes first, for a face nearer than that of the slot, until one is at
+    /// most `enough` away.
     fn descend(
         &mut self,
         point: DVec3,
         (mut best, mut best_slot): (f64, u32),
+        enough: f64,
         most_visits: usize,
     ) -> Option<(f64, u32)> {
         let bvh = self.bvh;
@@ -229,7 +248,7 @@ impl<'a> Walker<'a> {
         stack.clear();
         let mut next = Some(Pending { distance_sq: 0.0, child: 0 });
         while let Some(pending) = next {
-            if best == 0.0 {
+            if best <= enough {
                 break;
             }
             if pending.distance_sq > bound {

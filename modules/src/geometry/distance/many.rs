@@ -18,6 +18,8 @@ const FEW_HARD: usize = 16;
 const HARD_SHARE: usize = 32;
 /// Nodes that points may take on average before it ends, too.
 const VISITS_PER_POINT: usize = 128;
+/// Nodes that show whether a point is near enough, where that is so.
+const FEW_VISITS: usize = 64;
 /// Trees of pieces are given so many times as many: lists are long where faces lie across each
 /// other.
 const PATIENCE: usize = 8;
@@ -86,6 +88,57 @@ impl<'a> ManyQueries<'a> {
         Ok(hits)
     }
 
+    /// For every point in order, a face that is at most so far away, or the nearest one where none
+    /// is; nothing for points that are not finite. Fast where most points have one.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn nearby(
+        &self,
+        points: &[DVec3],
+        distance: f64,
+        control: Control,
+    ) -> Result<Vec<Option<Hit>>, Cancelled> {
+        let distance_sq = distance * distance;
+        let first_look = control.part(0.0, 0.5);
+        let near = |chunk: &[DVec3]| {
+            let mut walker = self.bvh.walker();
+            let near = |&point: &DVec3| {
+                let is_usable = is_usable(point);
+                is_usable.then(|| walker.within_reach(point, distance_sq, FEW_VISITS)).flatten()
+            };
+            let hits: Vec<Option<Hit>> = chunk.iter().map(near).collect();
+            self.n_looks.fetch_add(walker.n_visits(), Ordering::Relaxed);
+            first_look.at(0.0)?;
+            Ok(hits)
+        };
+        let hits = points.par_chunks(CHUNK).map(near).collect::<Result<Vec<_>, Cancelled>>()?;
+        let mut hits = hits.concat();
+        let far = |at: &usize| hits[*at].is_none() && is_usable(points[*at]);
+        let far: Vec<usize> = (0..points.len()).filter(far).collect();
+        let places: Vec<DVec3> = far.iter().map(|&at| points[at]).collect();
+        let found = self.closest(&places, control.part(0.5, 1.0))?;
+        far.into_iter().zip(found).for_each(|(at, hit)| hits[at] = hit);
+        Ok(hits)
+    }
+
+    /// The points that are farther than a distance from the surface, by their places in the list in
+    /// order, with the faces nearest to them; points that are not finite are not. Fast where few
+    /// are.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `control` says so.
+    pub fn farther(
+        &self,
+        points: &[DVec3],
+        distance: f64,
+        control: Control,
+    ) -> Result<Vec<(usize, Hit)>, Cancelled> {
+        let found = self.nearby(points, distance, control)?.into_iter().enumerate();
+        let all = found.filter_map(|(at, hit)| Some((at, hit?)));
+        Ok(all.filter(|(_, hit)| hit.distance_sq > distance * distance).collect())
+    }
+
     /// What [`ManyQueries::closest`] gives, but nothing for the points that take long, which are
     /// returned as well. They are for [`ManyQueries::hard_hits`], the more at a time the better.
     fn easy_hits(
@@ -133,7 +186,7 @@ impl<'a> ManyQueries<'a> {
         Ok(hard.points)
     }
 
-    /// The face nearest to every point that [`ManyQueries::easy_hits`] found hard, in order.
+    /// The face nearest to every point that `easy_hits` found hard, in order.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.

@@ -97,17 +97,31 @@ impl<'a> SurfaceSampler<'a> {
             let center = corners_of(mesh, face).map(|[a, b, c]| (a + b + c) / 3.0);
             centers.push(center.unwrap_or(DVec3::NAN));
         }
+        let order = morton_order(&centers, control.part(0.1, 0.1))?;
+        let order = order.into_iter().map(FaceId);
+        Self::along(mesh, order, n_samples, seed, control.part(0.5, 1.0))
+    }
+
+    /// The same with the faces in this order, in which neighbors are to follow each other.
+    pub fn along(
+        mesh: &'a TriMesh,
+        order: impl ExactSizeIterator<Item = FaceId>,
+        n_samples: usize,
+        seed: u64,
+        control: Control,
+    ) -> Result<Self, Cancelled> {
+        let n_faces = order.len();
         let mut faces = Vec::with_capacity(n_faces);
         let mut areas_before = Vec::with_capacity(n_faces + 1);
         let mut total = 0.0;
-        for (k, face) in morton_order(&centers, control.part(0.1, 0.1))?.into_iter().enumerate() {
+        for (k, face) in order.enumerate() {
             if k % STRIDE == 0 {
-                control.at(0.5 + 0.5 * (k as f64 / n_faces as f64))?;
+                control.at(k as f64 / n_faces as f64)?;
             }
-            let Some([a, b, c]) = corners_of(mesh, face as usize) else { continue };
+            let Some([a, b, c]) = corners_of(mesh, face.idx()) else { continue };
             let area = 0.5 * (b - a).cross(c - a).length();
             if area > 0.0 && area.is_finite() {
-                faces.push(FaceId(face));
+                faces.push(face);
                 areas_before.push(total);
                 total += area;
             }

@@ -12,7 +12,6 @@ use glam::{DMat3, DVec3};
 
 use super::collapse::{Contraction, MAX_VALENCE, WorkingMesh};
 use crate::data::VertexId;
-use crate::geometry::distance::sample::IndexedRandom;
 
 /// A constraint is taken if it is at least so far from those before it: sines and cosines of 1°,
 /// the α of the paper.
@@ -93,37 +92,16 @@ impl Patch {
             length_sq: contraction.length_squared(|v| mesh.position(v)),
             middle: DVec3::ZERO,
         };
+        for_each_face(mesh, contraction, |normal, volume| {
+            patch.normal += normal;
+            patch.volume += volume;
+            patch.volumes.add_plane(normal, volume);
+        })?;
         let mut n = 0.0;
         for vertex in contraction.vertices() {
             patch.middle += place(vertex);
             n += 1.0;
-            // Of a closed fan the next vertices of all faces are the previous ones, too.
-            let random = IndexedRandom::new(0);
-            let mixed = |v: VertexId| random.bits(u64::from(v.0));
-            let mut turn = 0_u64;
-            for (number, face) in mesh.faces_around(vertex).enumerate() {
-                if number == MAX_VALENCE {
-                    return None;
-                }
-                let Some(corners) = mesh.face(face) else { continue };
-                let at = corners.iter().position(|v| *v == vertex).unwrap_or(0);
-                let (next, previous) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
-                turn = turn.wrapping_add(mixed(next)).wrapping_sub(mixed(previous));
-                let before = contraction.vertices().take_while(|v| *v != vertex);
-                if before.into_iter().any(|v| v == next || v == previous) {
-                    continue;
-                }
-                let [a, b, c] = corners.map(place);
-                let normal = (b - a).cross(c - a);
-                let volume = normal.dot(a);
-                if !normal.is_finite() || !volume.is_finite() {
-                    continue;
-                }
-                patch.normal += normal;
-                patch.volume += volume;
-                patch.volumes.add_plane(normal, volume);
-            }
-            if turn != 0 {
+            if mesh.is_irregular(vertex) {
                 patch.add_border(mesh, contraction, vertex, place);
             }
         }
@@ -170,9 +148,17 @@ impl Patch {
     }
 
     /// Half of the squared volumes and, times the squared length of the edge, half of the squared
-    /// areas, in model units to the sixth power: `f_C` of the papers with λ = ½.
-    pub fn cost(&self, offset: DVec3) -> f64 {
-        self.combined().at(offset)
+    /// areas, in model units to the sixth power, of a vertex so far from the one that stays: `f_C`
+    /// of the papers with λ = ½. `None` as of [`Patch::around`].
+    pub fn cost(mesh: &WorkingMesh, contraction: &Contraction, offset: DVec3) -> Option<f64> {
+        if contraction.vertices().any(|v| mesh.is_irregular(v)) {
+            return Some(Self::around(mesh, contraction)?.combined().at(offset));
+        }
+        let mut sum = 0.0;
+        for_each_face(mesh, contraction, |normal, volume| {
+            sum += (normal.dot(offset) - volume).powi(2);
+        })?;
+        Some(sum / 72.0)
     }
 
     /// The sum of ½ f_V = ½ Σ V² = Σ (6 V)² / 72, and ½ L² f_B = ½ L² Σ A² = L² Σ (2 A)² / 8.
@@ -203,6 +189,49 @@ impl Patch {
     pub fn middle(&self) -> DVec3 {
         self.middle
     }
+}
+
+/// The plane of the places for the vertex of a contraction that keep the volume: its unit normal,
+/// and how far along it from the vertex that stays. `None` where there is no such plane.
+pub fn volume_plane(mesh: &WorkingMesh, contraction: &Contraction) -> Option<(DVec3, f64)> {
+    let (mut normals, mut volumes) = (DVec3::ZERO, 0.0);
+    for_each_face(mesh, contraction, |normal, volume| {
+        normals += normal;
+        volumes += volume;
+    })?;
+    let length = normals.length();
+    let (normal, offset) = (normals / length, volumes / length);
+    (normal.is_finite() && offset.is_finite()).then_some((normal, offset))
+}
+
+/// Tells of each face at a vertex of a contraction its doubled area vector and, times six, the
+/// volume to the vertex that stays, if they are finite. `None` where a vertex has more faces than
+/// the engine collapses an edge of.
+fn for_each_face(
+    mesh: &WorkingMesh,
+    contraction: &Contraction,
+    mut tell: impl FnMut(DVec3, f64),
+) -> Option<()> {
+    let origin = mesh.position(contraction.kept);
+    for (at, vertex) in contraction.vertices().enumerate() {
+        for (number, face) in mesh.faces_around(vertex).enumerate() {
+            if number == MAX_VALENCE {
+                return None;
+            }
+            let Some(corners) = mesh.face(face) else { continue };
+            // Faces at several of the vertices count at the first.
+            if at > 0 && contraction.vertices().take(at).any(|v| corners.contains(&v)) {
+                continue;
+            }
+            let [a, b, c] = corners.map(|v| mesh.position(v) - origin);
+            let normal = (b - a).cross(c - a);
+            let volume = normal.dot(a);
+            if normal.is_finite() && volume.is_finite() {
+                tell(normal, volume);
+            }
+        }
+    }
+    Some(())
 }
 
 /// Half of the sum of the squared lengths of the edges at the new vertex.

@@ -26,6 +26,13 @@ pub trait Cost: Send {
     /// threads without changing a bit. The mesh is that before the collapse.
     fn price(&self, mesh: &WorkingMesh, batch: Batch, prices: &mut [f64]);
 
+    /// An equal cost for a block of the mesh that is simplified beside others; `None` where prices
+    /// read more than the faces around both ends, their corners and the quadrics of the ends, or
+    /// where the cost remembers collapses.
+    fn for_block(&self) -> Option<Box<dyn Cost>> {
+        None
+    }
+
     /// Told of a collapse, with the mesh after it.
     fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 
@@ -76,6 +83,13 @@ pub trait Cost: Send {
     /// saves most of the work.
     fn only_grows(&self) -> bool {
         false
+    }
+
+    /// How many times the target may be left by quadrics with all their memory, which are several
+    /// times as fast, before this cost does the rest, where nobody says otherwise; `None` where it
+    /// is to do all.
+    fn head_start(&self) -> Option<f64> {
+        None
     }
 
     /// The quadrics that the working mesh must keep for this cost, if it reads any.

@@ -13,11 +13,11 @@ use super::mesh::WorkingMesh;
 use super::observer::{
     Collapse, MovedCorner, Observer, WedgeChange, complete_changes, list_moved, list_wedges,
 };
-use super::options::SimplifyOptions;
+use super::options::{Boundary, SimplifyOptions};
 use super::outcome::{Seconds, Simplified, Statistics};
 use super::placement::Placement;
 use super::pricer::{Pricer, Verdict};
-use super::quadrics::Quadrics;
+use super::quadrics::{Planes, Quadrics};
 use super::queue::{Entry, Queue, doubled};
 use super::renewal::{Renewer, mark_parked, park};
 use super::rings::Rings;
@@ -26,6 +26,7 @@ use super::stop::Outcome;
 use super::ticker::Ticker;
 use crate::data::{TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
+use crate::mesh::quadric::Quadric;
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {
@@ -46,11 +47,37 @@ pub(super) struct Engine<'a> {
     is_patient: bool,
     /// A price above all that are free, where a largest cost is given.
     largest_free: f64,
+    memory: Memory,
+}
+
+/// Why the loop halts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Halt {
+    /// No more faces are left than asked for.
+    Faces,
+    /// The next collapse costs this, more than asked for.
+    Price(f64),
+    /// No collapse is left.
+    Exhausted,
+}
+
+/// How the mesh of a run lies in a larger one.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Origin<'a> {
+    /// It is a mesh of its own.
+    Whole,
+    /// It is a block of one; these vertices of its input have faces in other blocks, too, and stay.
+    Block(&'a [bool]),
+    /// It is what blocks left: whether each vertex of its input is of several blocks, and its
+    /// quadric, if there are quadrics.
+    Joined(&'a [bool], &'a [Quadric]),
 }
 
 /// What is noted of one collapse, in memory that the next one uses again.
 #[derive(Default)]
 struct Memory {
+    /// Edges that are to be priced before the queue is looked at again.
+    due: Vec<EdgeId>,
     rings: Rings,
     merged: Merged,
     wedges: Vec<WedgeChange>,
@@ -64,17 +91,22 @@ impl<'a> Engine<'a> {
         placement: &'a mut dyn Placement,
         observers: &'a mut [&'a mut dyn Observer],
         options: SimplifyOptions,
+        origin: Origin,
         control: Control<'a>,
     ) -> Result<Self, Cancelled> {
         let start = Instant::now();
         let mut ticker = Ticker::new(control);
         let mut marks = VertexMarks::new(input.positions.len());
         let mut mesh = WorkingMesh::new(input, options.seams, &mut marks, &mut ticker)?;
+        if let Origin::Block(is_cut) = origin {
+            mesh.freeze(is_cut);
+        }
         if let Some(quadrics) = cost.quadrics().or(placement.quadrics()) {
             let is_seam = mesh.attributes.seam_edges(&mesh.complex, &mut ticker)?;
-            let WorkingMesh { complex, .. } = &mesh;
-            let boundary = options.boundary;
-            mesh.quadrics = Quadrics::sum(complex, quadrics, boundary, &is_seam, &mut ticker)?;
+            let WorkingMesh { complex, order, .. } = &mesh;
+            let is_weighted = options.boundary == Boundary::Weighted;
+            let planes = Planes { options: quadrics, is_weighted, is_seam: &is_seam, origin };
+            mesh.quadrics = Quadrics::sum(complex, order, planes, &mut ticker)?;
         }
         mesh.lock_boundary(options.boundary);
         let still = |_| match control.at(0.0) {
@@ -112,37 +144,56 @@ impl<'a> Engine<'a> {
             limits: ShapeLimits::new(&options, is_patient),
             is_patient,
             largest_free,
+            memory: Memory::default(),
         })
     }
 
     pub fn run(mut self) -> Result<Simplified, Cancelled> {
         let target = self.statistics.target_faces;
-        let is_reached = |n_faces: usize| target.is_some_and(|target| n_faces <= target);
-        if is_reached(self.mesh.n_faces()) {
-            self.statistics.outcome = Outcome::TargetReached;
-        } else {
+        let is_reached = target.is_some_and(|target| self.mesh.n_faces() <= target);
+        if !is_reached {
             self.fill_queue()?;
         }
         let first_prices = self.start.elapsed().as_secs_f64();
-        // Edges that are to be priced before the queue is looked at again.
-        let mut due = Vec::new();
-        let mut memory = Memory::default();
-        loop {
+        let largest = self.options.stop.cost.map(|cost| cost.max(self.largest_free));
+        while !is_reached {
+            match self.advance(target, largest)? {
+                Halt::Faces => self.statistics.outcome = Outcome::TargetReached,
+                Halt::Price(_) => self.statistics.outcome = Outcome::CostReached,
+                Halt::Exhausted if self.relax()? => continue,
+                Halt::Exhausted => {}
+            }
+            break;
+        }
+        if is_reached {
+            self.statistics.outcome = Outcome::TargetReached;
+        }
+        self.finish(first_prices)
+    }
+
+    /// Collapses edges while more than so many faces are left and the next one costs no more than
+    /// `largest`.
+    pub fn advance(
+        &mut self,
+        target: Option<usize>,
+        largest: Option<f64>,
+    ) -> Result<Halt, Cancelled> {
+        let mut memory = std::mem::take(&mut self.memory);
+        let halt = loop {
+            if target.is_some_and(|target| self.mesh.n_faces() <= target) {
+                break Halt::Faces;
+            }
             let Some(entry) = self.queue.first(self.mesh.n_faces(), &mut self.ticker)? else {
-                if self.relax()? {
-                    continue;
-                }
-                break;
+                break Halt::Exhausted;
             };
-            let largest = self.options.stop.cost.map(|cost| cost.max(self.largest_free));
             if largest.is_some_and(|largest| entry.price > largest) {
-                self.statistics.outcome = Outcome::CostReached;
-                break;
+                break Halt::Price(entry.price);
             }
             self.ticker.tick(self.mesh.n_faces())?;
             if self.queue.is_stale(entry.edge) {
-                self.renewer.list_coming(entry.edge, &self.mesh, &self.queue, &mut due);
-                self.price(&due)?;
+                let due = &mut memory.due;
+                self.renewer.list_coming(entry.edge, &self.mesh, &self.queue, due);
+                self.price(due)?;
                 continue;
             }
             if self.is_too_dear(entry) {
@@ -150,16 +201,16 @@ impl<'a> Engine<'a> {
                 park(&mut self.mesh.complex, &mut self.queue, entry.edge);
                 continue;
             }
-            let Some(merged) = self.attempt(entry, &mut memory) else { continue };
-            let (mesh, queue) = (&mut self.mesh, &mut self.queue);
-            self.renewer.list_after(merged, mesh, queue, &mut self.marks, &mut due);
-            self.price(&due)?;
-            if is_reached(self.mesh.n_faces()) {
-                self.statistics.outcome = Outcome::TargetReached;
-                break;
+            if !self.attempt(entry, &mut memory) {
+                continue;
             }
-        }
-        self.finish(first_prices)
+            let Memory { merged, due, .. } = &mut memory;
+            let (mesh, queue) = (&mut self.mesh, &mut self.queue);
+            self.renewer.list_after(merged, mesh, queue, &mut self.marks, due);
+            self.price(due)?;
+        };
+        self.memory = memory;
+        Ok(halt)
     }
 
     /// Whether a collapse costs more than allowed.
@@ -190,6 +241,17 @@ impl<'a> Engine<'a> {
         Ok(is_wider || was_patient)
     }
 
+    /// Faces that are left.
+    pub fn n_faces(&self) -> usize {
+        self.mesh.n_faces()
+    }
+
+    /// What a block is now, and the counts of its run.
+    pub fn into_block(mut self) -> Result<(WorkingMesh, Statistics), Cancelled> {
+        self.ticker.call(self.mesh.n_faces())?;
+        Ok((self.mesh, self.statistics))
+    }
+
     fn finish(mut self, first_prices: f64) -> Result<Simplified, Cancelled> {
         if self.statistics.target_faces.is_some() && self.statistics.outcome == Outcome::Exhausted {
             let Self { mesh, pricer, limits, marks, ticker, statistics, .. } = &mut self;
@@ -209,7 +271,7 @@ impl<'a> Engine<'a> {
     }
 
     /// Prices every edge.
-    fn fill_queue(&mut self) -> Result<(), Cancelled> {
+    pub fn fill_queue(&mut self) -> Result<(), Cancelled> {
         let n_edges = self.mesh.complex.edges.len();
         let mut edges = Vec::new();
         for first in (0..n_edges).step_by(Pricer::largest_batch()) {
@@ -242,21 +304,22 @@ impl<'a> Engine<'a> {
         Ok(())
     }
 
-    /// Tries the collapse at the head of the queue; what it did, if it was made.
-    fn attempt<'m>(&mut self, entry: Entry, memory: &'m mut Memory) -> Option<&'m Merged> {
+    /// Tries the collapse at the head of the queue; whether it was made. Then `memory` says what it
+    /// did.
+    fn attempt(&mut self, entry: Entry, memory: &mut Memory) -> bool {
         let Self { mesh, queue, pricer, statistics, limits, .. } = self;
-        let Memory { rings, merged, wedges, moved_corners } = memory;
+        let Memory { rings, merged, wedges, moved_corners, .. } = memory;
         let edge = entry.edge;
         let choice = queue.choice(edge);
         let Some(&proposal) = pricer.proposals(mesh, edge).get(usize::from(choice)) else {
             park(&mut mesh.complex, queue, edge);
-            return None;
+            return false;
         };
         let rings = mesh.complex.neighborhood(edge, rings);
         let Some(rings) = rings.filter(|r| r.keep_topology(&mesh.complex, &mut self.marks)) else {
             statistics.n_rejected_link += 1;
             park(&mut mesh.complex, queue, edge);
-            return None;
+            return false;
         };
         let position = proposal.position;
         let Some(shape) = rings.shape_after(&mesh.complex, position, limits.as_ref()) else {
@@ -265,10 +328,10 @@ impl<'a> Engine<'a> {
                 Some((price, choice)) => queue.set(Entry { price, ..entry }, choice),
                 None => park(&mut mesh.complex, queue, edge),
             }
-            return None;
+            return false;
         };
         if shape != Shape::SOUND && self.let_wait(entry, choice, shape) {
-            return None;
+            return false;
         }
         let Self { mesh, queue, pricer, statistics, .. } = self;
         let price = queue.own_price(edge);
@@ -302,7 +365,7 @@ impl<'a> Engine<'a> {
         pricer.collapsed(mesh, &collapse);
         self.observers.iter_mut().for_each(|observer| observer.collapsed(mesh, &collapse));
         statistics.add_collapse(if is_free { price.min(0.0) } else { price }, shape.is_turned);
-        Some(merged)
+        true
     }
 
     /// Lets a collapse of poor shape wait, or tries another place first that costs less than that;

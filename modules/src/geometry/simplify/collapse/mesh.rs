@@ -59,6 +59,15 @@ impl WorkingMesh {
         }
     }
 
+    /// Lets the vertices stay, of which the input's ids are given, and all edges at them.
+    pub(super) fn freeze(&mut self, is_frozen: &[bool]) {
+        for (flags, &input) in self.complex.flags.iter_mut().zip(&self.order.vertices) {
+            if is_frozen[input as usize] {
+                *flags |= flag::NOWHERE;
+            }
+        }
+    }
+
     /// How many faces are left.
     pub fn n_faces(&self) -> usize {
         self.complex.n_faces
@@ -85,6 +94,13 @@ impl WorkingMesh {
         self.complex.position(vertex.0)
     }
 
+    /// Whether the faces around a vertex are not one closed fan: on a border, on a non-manifold
+    /// edge, or where fans touch.
+    #[inline]
+    pub fn is_irregular(&self, vertex: VertexId) -> bool {
+        self.complex.flags[vertex.idx()] & flag::IRREGULAR != 0
+    }
+
     /// The corners of a face in its order; `None` once it is gone.
     pub fn face(&self, face: FaceId) -> Option<[VertexId; 3]> {
         let face = &self.complex.faces[face.idx()];
@@ -106,6 +122,12 @@ impl WorkingMesh {
     #[inline]
     pub fn quadric(&self, vertex: VertexId) -> Quadric {
         self.quadrics.get(vertex.0).copied().unwrap_or_default()
+    }
+
+    /// Whether the quadric of a contraction has less than all planes that its ends stand for.
+    #[inline]
+    pub fn forgets_planes(&self) -> bool {
+        self.quadrics.forget()
     }
 
     /// The layers over vertices and corners.

@@ -21,14 +21,17 @@
 
 mod attributes;
 mod blocked;
+mod blocks;
 mod build;
 mod complex;
 mod cost;
+mod cut;
 mod engine;
 #[cfg(test)]
 mod engine_tests;
 #[cfg(test)]
 mod guard_tests;
+mod join;
 mod layer;
 #[cfg(test)]
 mod limit_tests;
@@ -66,7 +69,7 @@ pub use merge::DyingFace;
 pub use merging::Merging;
 pub use mesh::WorkingMesh;
 pub use observer::{Collapse, Element, MovedCorner, Observer, WedgeChange};
-pub use options::{Boundary, QuadricOptions, Seams, SimplifyOptions, Turns};
+pub use options::{Boundary, QuadricOptions, Schedule, Seams, SimplifyOptions, Turns};
 pub use outcome::{Seconds, Simplified, Statistics};
 pub use placement::Placement;
 pub use proposal::{AttributeRow, Batch, Candidates, Contraction, Proposal, Reach, Renewal};
@@ -75,6 +78,7 @@ pub use stop::{Outcome, Stop};
 pub use wedge::{AttributeValue, LayerId, Role, WedgeId};
 
 use crate::data::TriMesh;
+use engine::{Engine, Origin};
 use mve_core::{Cancelled, Control};
 
 /// Simplifies a mesh; see the file's header.
@@ -103,6 +107,13 @@ pub fn simplify_observed<'a>(
     options: SimplifyOptions,
     control: Control<'a>,
 ) -> Result<Simplified, Cancelled> {
+    if options.order == Schedule::Blocks && observers.is_empty() {
+        let block = blocks::BLOCK;
+        let found = blocks::simplify_in_blocks(mesh, cost, placement, options, block, control)?;
+        if let Some(simplified) = found {
+            return Ok(simplified);
+        }
+    }
     // Threads that are called together for each of many short batches should not have to be woken
     // each time. A pool of its own keeps the work of others out of the waits between.
     let is_shared = cost.uses_threads()
@@ -113,7 +124,8 @@ pub fn simplify_observed<'a>(
     let parts = (cost, placement, observers);
     let run = move || {
         let (cost, placement, observers) = parts;
-        engine::Engine::new(mesh, cost, placement, observers, options, control)?.run()
+        let origin = Origin::Whole;
+        Engine::new(mesh, cost, placement, observers, options, origin, control)?.run()
     };
     match is_shared.then(pool).flatten() {
         Some(pool) => pool.install(run),

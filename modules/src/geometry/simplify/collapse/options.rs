@@ -13,6 +13,8 @@ pub struct SimplifyOptions {
     pub boundary: Boundary,
     /// What may happen to the seams of texture coordinates.
     pub seams: Seams,
+    /// In which order collapses are made.
+    pub order: Schedule,
     /// How far a collapse may turn the normal of a face.
     pub turns: Turns,
     /// A collapse that leaves a face with an angle below this, in radians, and a smaller one than
@@ -27,6 +29,7 @@ impl SimplifyOptions {
         stop: Stop { faces: None, ratio: None, cost: None },
         boundary: Boundary::Weighted,
         seams: Seams::Kept,
+        order: Schedule::Blocks,
         turns: Turns::Adaptive,
         // 3 degrees.
         sliver_angle_rad: Some(PI / 60.0),
@@ -37,6 +40,20 @@ impl Default for SimplifyOptions {
     fn default() -> Self {
         Self::DEFAULT
     }
+}
+
+/// In which order collapses are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Schedule {
+    /// The cheapest of all first.
+    Greedy,
+    /// First within blocks of the mesh, side by side on all cores, up to one price that leaves the
+    /// last collapses and the seams between blocks; then the cheapest of all first. What is no
+    /// larger than a few blocks, has no number of faces as its target, is observed, or is priced by
+    /// what cannot be asked about a block ([`Cost::for_block`](super::Cost::for_block)) is
+    /// simplified as by `Greedy`. The result is the same for any number of threads.
+    #[default]
+    Blocks,
 }
 
 /// How far a collapse may turn the normal of a face. With a limit, no collapse folds two faces at
@@ -85,11 +102,14 @@ pub struct QuadricOptions {
     /// Weight of the plane on a border edge relative to a face of the same size, under
     /// [`Boundary::Weighted`], and of the two on an edge of a seam under [`Seams::Kept`].
     pub boundary_weight: f64,
+    /// How much the planes of all faces that the ends of an edge stand for count, 0 to 1. Those of
+    /// the faces around the edge as they are make up the rest.
+    pub memory: f64,
 }
 
 impl QuadricOptions {
     /// The default.
-    pub const DEFAULT: Self = Self { boundary_weight: 10.0 };
+    pub const DEFAULT: Self = Self { boundary_weight: 10.0, memory: 1.0 };
 }
 
 impl Default for QuadricOptions {

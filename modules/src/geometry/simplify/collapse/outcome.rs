@@ -15,6 +15,18 @@ pub struct Simplified {
     pub seconds: Seconds,
 }
 
+impl Simplified {
+    /// Adds the counts and seconds of a run with another cost that made the input of this one. The
+    /// dearest collapse stays that of this one, as prices of two costs do not compare.
+    pub fn add_start(&mut self, start: &Self) {
+        let largest_cost = self.statistics.largest_cost;
+        self.statistics.add(&start.statistics);
+        self.statistics.largest_cost = largest_cost;
+        self.seconds.first_prices += start.seconds.first_prices;
+        self.seconds.collapses += start.seconds.collapses;
+    }
+}
+
 /// How long the parts of a run took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seconds {
@@ -65,6 +77,16 @@ impl Statistics {
             blocked: None,
             largest_cost: None,
         }
+    }
+
+    /// Adds the collapses of a block.
+    pub(super) fn add(&mut self, block: &Self) {
+        self.n_collapses += block.n_collapses;
+        self.n_rejected_link += block.n_rejected_link;
+        self.n_rejected_flip += block.n_rejected_flip;
+        self.n_wide_turns += block.n_wide_turns;
+        let largest = self.largest_cost.into_iter().chain(block.largest_cost);
+        self.largest_cost = largest.reduce(f64::max);
     }
 
     /// Counts a collapse at this price, and whether it turned a face far.

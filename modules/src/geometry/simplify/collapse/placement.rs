@@ -15,6 +15,12 @@ pub trait Placement: Send {
     /// alone, as prices are.
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates);
 
+    /// An equal placement for a block of the mesh that is simplified beside others, as
+    /// [`Cost::for_block`](super::Cost::for_block).
+    fn for_block(&self) -> Option<Box<dyn Placement>> {
+        None
+    }
+
     /// Told of a collapse, with the mesh after it.
     fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 

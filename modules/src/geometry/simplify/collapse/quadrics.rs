@@ -4,15 +4,33 @@ use glam::DVec3;
 use mve_core::Cancelled;
 
 use super::complex::{Complex, Face};
-use super::options::{Boundary, QuadricOptions};
-use super::order::NONE;
+use super::engine::Origin;
+use super::options::QuadricOptions;
+use super::order::{NONE, Order};
+use super::rings::MAX_VALENCE;
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;
+
+/// Which planes quadrics sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planes<'a> {
+    pub options: QuadricOptions,
+    /// Whether borders have planes.
+    pub is_weighted: bool,
+    /// Whether each edge is on a seam that has planes; empty where none is.
+    pub is_seam: &'a [bool],
+    pub origin: Origin<'a>,
+}
 
 /// The quadric of each vertex about its own position; none unless a part asked for them.
 #[derive(Debug, Default)]
 pub(super) struct Quadrics {
     by_vertex: Vec<Quadric>,
+    /// How much the quadrics of both ends count; the planes of the faces around them make up the
+    /// rest.
+    memory: f64,
+    /// The weight of border edges among those planes.
+    border_weight: f64,
 }
 
 impl Quadrics {
@@ -20,18 +38,32 @@ impl Quadrics {
     ///
     /// A face gives each corner a third of its area (a common factor that changes no order); a
     /// border edge gives both ends the plane through it at a right angle to its face, weighted by
-    /// its squared length; so does each face at an edge of which `is_seam` says so (M. Garland and
-    /// P. S. Heckbert, "Simplifying surfaces with color and texture using quadric error metrics",
-    /// IEEE Visualization 1998, section 5).
+    /// its squared length; so does each face at an edge of a seam (M. Garland and P. S. Heckbert,
+    /// "Simplifying surfaces with color and texture using quadric error metrics", IEEE Visualization
+    /// 1998, section 5).
     pub fn sum(
         complex: &Complex,
-        options: QuadricOptions,
-        boundary: Boundary,
-        is_seam: &[bool],
+        order: &Order,
+        planes: Planes,
         ticker: &mut Ticker,
     ) -> Result<Self, Cancelled> {
-        let mut quadrics =
-            Self { by_vertex: ticker.fill(complex.vertices.len(), Quadric::default())? };
+        let Planes { options, is_weighted, is_seam, origin } = planes;
+        let (is_cut, by_input) = match origin {
+            Origin::Whole => (&[][..], None),
+            Origin::Block(is_cut) => (is_cut, None),
+            Origin::Joined(is_cut, quadrics) => (is_cut, Some(quadrics)),
+        };
+        // Not in a block, where not all faces of such an edge are at hand.
+        let is_along_cut = |ends: [u32; 2]| {
+            let is_cut = |v: u32| is_cut.get(order.vertices[v as usize] as usize) == Some(&true);
+            ends.into_iter().all(is_cut)
+        };
+        let by_vertex = match by_input {
+            Some(quadrics) => ticker.collect(&order.vertices, |&v| quadrics[v as usize])?,
+            None => ticker.fill(complex.vertices.len(), Quadric::default())?,
+        };
+        let border_weight = if is_weighted { options.boundary_weight } else { 0.0 };
+        let mut quadrics = Self { by_vertex, memory: options.memory, border_weight };
         for (number, face) in complex.faces.iter().enumerate() {
             if number.is_multiple_of(CHUNK) {
                 ticker.tick(complex.n_faces)?;
@@ -46,20 +78,64 @@ impl Quadrics {
             if !normal.is_finite() {
                 continue;
             }
-            // The plane goes through all three corners, so each has it at offset zero.
-            let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
-            for v in face.vertices {
-                quadrics.by_vertex[v as usize].add(&plane);
+            if by_input.is_none() {
+                // The plane goes through all three corners, so each has it at offset zero.
+                let plane = Quadric::from_plane(normal, 0.0, length / 6.0);
+                for v in face.vertices {
+                    quadrics.by_vertex[v as usize].add(&plane);
+                }
             }
             for k in 0..3 {
                 let edge = face.edges[k].idx();
-                let is_border = boundary == Boundary::Weighted && complex.irregular[edge];
-                if is_border || is_seam.get(edge).copied().unwrap_or(false) {
+                let is_border = is_weighted && complex.irregular[edge];
+                let counts = is_border || is_seam.get(edge).copied().unwrap_or(false);
+                let is_due = |ends| match origin {
+                    Origin::Whole => true,
+                    Origin::Block(_) => !is_along_cut(ends),
+                    Origin::Joined(..) => is_along_cut(ends),
+                };
+                if counts && is_due([face.vertices[k], face.vertices[(k + 1) % 3]]) {
                     quadrics.add_border_plane(complex, face, k, normal, options.boundary_weight);
                 }
             }
         }
         Ok(quadrics)
+    }
+
+    /// Adds the planes of the faces around both ends as they are, and of border edges there, about
+    /// the position of `kept`.
+    fn add_around(&self, sum: &mut Quadric, complex: &Complex, [kept, gone]: [u32; 2]) {
+        let origin = complex.position(kept);
+        let share = 1.0 - self.memory;
+        // Edges at vertices with more faces do not collapse.
+        let corners = |v: u32| complex.corners_around(v).take(MAX_VALENCE);
+        let faces = |v: u32| corners(v).map(|corner| complex.face_at(corner));
+        let at_gone_alone = faces(gone).filter(|face| !face.vertices.contains(&kept));
+        for face in faces(kept).chain(at_gone_alone) {
+            let corners = face.vertices.map(|v| complex.position(v) - origin);
+            let [a, b, c] = corners;
+            let twice_area = (b - a).cross(c - a);
+            let length = twice_area.length();
+            let normal = twice_area / length;
+            if !normal.is_finite() {
+                continue;
+            }
+            sum.add(&Quadric::from_plane(normal, normal.dot(a), share * length / 6.0));
+            for (k, edge) in face.edges.iter().enumerate() {
+                if self.border_weight == 0.0 || !complex.irregular[edge.idx()] {
+                    continue;
+                }
+                let ends = [face.vertices[k], face.vertices[(k + 1) % 3]];
+                let along = corners[(k + 1) % 3] - corners[k];
+                let across = along.cross(normal).try_normalize();
+                if let Some(across) =
+                    across.filter(|_| ends.iter().any(|v| [kept, gone].contains(v)))
+                {
+                    let weight = share * self.border_weight * along.length_squared();
+                    sum.add(&Quadric::from_plane(across, across.dot(corners[k]), weight));
+                }
+            }
+        }
     }
 
     /// Adds the plane through edge `k` of a face at a right angle to it.
@@ -87,13 +163,23 @@ impl Quadrics {
         self.by_vertex.get(vertex as usize)
     }
 
-    /// The sum of the quadrics of `kept` and `gone` about the position of `kept`; zero if there are
-    /// none.
+    /// Whether contractions have less than all planes.
+    #[inline]
+    pub fn forget(&self) -> bool {
+        self.memory < 1.0 && !self.by_vertex.is_empty()
+    }
+
+    /// The quadric of a contraction about the position of `kept`: the sum of those of `kept` and
+    /// `gone`, or a mixture with the planes of the faces around; zero if there are none.
     #[inline]
     pub fn of_ends(&self, complex: &Complex, [kept, gone]: [u32; 2]) -> Quadric {
         let Some(other) = self.get(gone) else { return Quadric::default() };
         let mut sum = other.shifted(complex.position(kept) - complex.position(gone));
         sum.add(&self.by_vertex[kept as usize]);
+        if self.memory < 1.0 {
+            sum.scale(self.memory);
+            self.add_around(&mut sum, complex, [kept, gone]);
+        }
         sum
     }
 

@@ -3,9 +3,10 @@
 use glam::DVec3;
 use mve_core::Control;
 
+use super::engine::Origin;
 use super::marks::VertexMarks;
-use super::options::{Boundary, Seams};
-use super::quadrics::Quadrics;
+use super::options::Seams;
+use super::quadrics::{Planes, Quadrics};
 use super::ticker::Ticker;
 use super::{
     Batch, Candidates, Contraction, Cost, Placement, Proposal, QuadricOptions, WorkingMesh,
@@ -17,8 +18,8 @@ fn working(mesh: &TriMesh, quadrics: Option<QuadricOptions>) -> (WorkingMesh, Ve
     let mut marks = VertexMarks::new(mesh.positions.len());
     let mut working = WorkingMesh::new(mesh, Seams::Free, &mut marks, &mut ticker).unwrap();
     if let Some(options) = quadrics {
-        let complex = &working.complex;
-        let sum = Quadrics::sum(complex, options, Boundary::Weighted, &[], &mut ticker);
+        let planes = Planes { options, is_weighted: true, is_seam: &[], origin: Origin::Whole };
+        let sum = Quadrics::sum(&working.complex, &working.order, planes, &mut ticker);
         working.quadrics = sum.unwrap();
     }
     let edges = working.edges();

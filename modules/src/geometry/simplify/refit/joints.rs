@@ -107,18 +107,20 @@ impl<'a> JointFinder<'a> {
         per_face: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let sampler = SurfaceSampler::new(original, 0, 0, control)?;
+        let order = queries.tree().faces().iter().copied();
+        let sampler = SurfaceSampler::along(original, order, 0, 0, control)?;
         Ok(Self { original, queries, sampler, per_face })
     }
 
-    /// The joints at the samples of this seed; `None` where the mesh has no surface.
+    /// The joints at the samples of this seed, and the tree of the mesh; `None` where it has no
+    /// surface.
     pub fn find(
         &self,
         mesh: &TriMesh,
         seed: u64,
         control: Control,
-    ) -> Result<Option<Joints>, Cancelled> {
-        let tree = Bvh::build(mesh, control.part(0.0, 0.1))?;
+    ) -> Result<Option<(Joints, Bvh)>, Cancelled> {
+        let tree = Bvh::build_quickly(mesh, control.part(0.0, 0.1))?;
         if tree.n_faces() == 0 {
             return Ok(None);
         }
@@ -133,14 +135,15 @@ impl<'a> JointFinder<'a> {
                 Joint::new(hit.face, &ours, from, sample.point, ours.normal())
             },
         )?;
-        let own = SurfaceSampler::new(mesh, n.div_ceil(2), 2 * seed + 1, control.part(0.6, 0.7))?;
+        let (order, n_own) = (tree.faces().iter().copied(), n.div_ceil(2));
+        let own = SurfaceSampler::along(mesh, order, n_own, 2 * seed + 1, control.part(0.6, 0.7))?;
         let of_simplified = join(&own, self.queries, control.part(0.7, 1.0), |sample, hit| {
             let ours = PreparedTriangle::new(mesh.corners(sample.face));
             let theirs = PreparedTriangle::new(self.original.corners(hit.face));
             let to = theirs.closest_point(sample.point);
             Joint::new(sample.face, &ours, sample.point, to, theirs.normal())
         })?;
-        Ok(Some(Joints { of_original, of_simplified }))
+        Ok(Some((Joints { of_original, of_simplified }, tree)))
     }
 }
 

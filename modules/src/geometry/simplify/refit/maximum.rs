@@ -7,25 +7,22 @@ use super::guard::Guard;
 use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::distance::bvh::{Bvh, Hit};
 use crate::geometry::distance::many::ManyQueries;
-use crate::geometry::distance::point_triangle::PreparedTriangle;
-use crate::geometry::distance::sample::SurfaceSampler;
 use crate::mesh::adjacency::Adjacency;
-use crate::mesh::morton::morton_order;
 
-/// Points on the simplified mesh for each of its faces, apart from its vertices.
-const PER_FACE: usize = 8;
 /// What the limit is below the largest distance of a point, since points miss the largest.
 const SAFETY: f64 = 0.97;
 /// A face with a point beyond this part of the limit is looked at more closely.
 const DEAR: f64 = 0.7;
+/// Points that began within this part of the limit, of a face, are looked at again only where that
+/// face has moved by as much as is missing to [`DEAR`].
+const NEAR: f64 = 0.5;
 /// How often vertices go back before they go all the way; after twice as many rounds all do.
 const N_ROUNDS: usize = 6;
 /// They go a little farther than the limit asks for, since distances change about evenly only.
 const MARGIN: f64 = 0.95;
 
-/// The squared distance of each of some points, with the face of the mesh that it belongs to; not a
-/// number, and any face, where a place is not finite.
-type Distances = Vec<(f64, FaceId)>;
+/// A squared distance, and the face of the mesh that it belongs to.
+type Far = (f64, FaceId);
 
 /// A point that goes with its face.
 #[derive(Clone, Copy)]
@@ -41,44 +38,67 @@ impl Rider {
     }
 }
 
-/// The distances of many points before, and the largest.
+/// A place, and a face of the mesh at the start that is near to it or has it.
+#[derive(Clone, Copy)]
+struct Watched<T> {
+    what: T,
+    /// `None` where it began far away: it is looked at in any case.
+    near: Option<FaceId>,
+}
+
+/// The largest distance before, and the points that no vertex may take farther.
 pub(super) struct Maximum<'a> {
     /// Of the original.
     queries: &'a ManyQueries<'a>,
     /// The vertices of the original that faces use, along a curve.
-    points: Vec<DVec3>,
-    riders: Vec<Rider>,
-    /// The squared distances of the points and of the riders before.
-    before: [Vec<f64>; 2],
-    limit_sq: f64,
+    points: Vec<Watched<DVec3>>,
+    /// Corners, the middles of edges and those of faces, along a curve.
+    riders: Vec<Watched<Rider>>,
+    limit: f64,
 }
 
 impl<'a> Maximum<'a> {
-    /// Of a mesh of which such a distance is already known.
+    /// Of a mesh of which such a distance is already known; `tree` is of the mesh.
     pub fn new(
         mesh: &TriMesh,
         original: &TriMesh,
+        tree: &Bvh,
         queries: &'a ManyQueries<'a>,
         known: f64,
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let mut is_used = vec![false; original.positions.len()];
-        original.faces.iter().flatten().for_each(|v| is_used[v.idx()] = true);
-        let order = morton_order(&original.positions, control.part(0.0, 0.2))?;
-        let used = order.into_iter().filter(|&v| is_used[v as usize]);
-        let points = used.map(|v| original.positions[v as usize]).collect();
-        let riders = riders(mesh, control.part(0.2, 0.3))?;
-        let before = [Vec::new(), Vec::new()];
-        let mut maximum = Self { queries, points, riders, before, limit_sq: 0.0 };
-        let found = maximum.distances(mesh, control.part(0.3, 1.0))?;
-        maximum.before = found.map(|list| list.into_iter().map(|(sq, _)| sq).collect());
-        let all = maximum.before.iter().flatten().copied().filter(|sq| sq.is_finite());
-        maximum.limit_sq = SAFETY * SAFETY * all.fold(known * known, f64::max);
-        Ok(maximum)
+        let mut is_known = vec![false; original.positions.len()];
+        let mut points = Vec::with_capacity(original.positions.len());
+        for (at, face) in queries.tree().faces().iter().enumerate() {
+            control.item(at, usize::MAX)?;
+            for v in original.faces[face.idx()] {
+                if !std::mem::replace(&mut is_known[v.idx()], true) {
+                    points.push(original.positions[v.idx()]);
+                }
+            }
+        }
+        let riders = riders(mesh, tree, control.part(0.2, 0.3))?;
+        let places: Vec<DVec3> = riders.iter().map(|rider| rider.place(mesh)).collect();
+
+        let distance = SAFETY * NEAR * known;
+        let ours = ManyQueries::new(tree, queries.tree().center());
+        let of_points = ours.nearby(&points, distance, control.part(0.3, 0.6))?;
+        let of_riders = queries.nearby(&places, distance, control.part(0.6, 1.0))?;
+        let all = of_points.iter().chain(&of_riders).flatten();
+        let most_sq = all.fold(known * known, |most, hit| most.max(hit.distance_sq));
+        let is_near = |hit: &Option<Hit>| {
+            hit.filter(|hit| hit.distance_sq <= distance * distance).map(|hit| hit.face)
+        };
+        let points = points.into_iter().zip(&of_points);
+        let points = points.map(|(what, hit)| Watched { what, near: is_near(hit) }).collect();
+        let riders = riders.into_iter().zip(&of_riders);
+        let riders = riders
+            .map(|(what, hit)| Watched { what, near: is_near(hit).map(|_| what.face) })
+            .collect();
+        Ok(Self { queries, points, riders, limit: SAFETY * most_sq.sqrt() })
     }
 
-    /// Takes vertices back towards `start` where a point is farther than any was before; whether
-    /// it did.
+    /// Takes vertices back towards `start` where a point is farther than any was before.
     pub fn hold(
         &self,
         start: &TriMesh,
@@ -86,19 +106,18 @@ impl<'a> Maximum<'a> {
         guard: &Guard,
         adjacency: &Adjacency,
         control: Control,
-    ) -> Result<bool, Cancelled> {
+    ) -> Result<(), Cancelled> {
         let ways = fitted.positions.iter().zip(&start.positions);
         // Of infinite coordinates, too, which stay, the difference is none.
         let way = |(to, from): (&DVec3, &DVec3)| if to == from { DVec3::ZERO } else { *to - *from };
         let moves: Vec<DVec3> = ways.map(way).collect();
         let mut shares = vec![1.0; moves.len()];
-        let mut found = self.distances(fitted, control.part(0.0, 0.5))?;
         for round in 0..2 * N_ROUNDS {
-            let part = |done: f64| 0.5 + 0.5 * (round as f64 + done) / (2 * N_ROUNDS) as f64;
+            let part = |done: f64| (round as f64 + done) / (2 * N_ROUNDS) as f64;
             let mut nearby = vec![1.0_f64; moves.len()];
-            let here = control.part(part(0.0), part(0.5));
-            for (sq, face) in self.beyond(start, fitted, &found, here)? {
-                let kept = MARGIN * (self.limit_sq / sq).sqrt();
+            let here = control.part(part(0.0), part(0.8));
+            for (sq, face) in self.beyond(start, fitted, here)? {
+                let kept = MARGIN * self.limit / sq.sqrt();
                 fitted.faces[face.idx()].iter().for_each(|v| {
                     nearby[v.idx()] = nearby[v.idx()].min(kept);
                 });
@@ -116,112 +135,115 @@ impl<'a> Maximum<'a> {
                 *share *= if round + 1 < N_ROUNDS { parts[v] } else { 0.0 };
             }
             if !has_moved {
-                return Ok(round > 0);
+                return Ok(());
             }
-            let (now, here) = (&start.positions, control.part(part(0.5), part(0.6)));
-            let back = guard.moved(start, now, &moves, shares.clone(), adjacency, here)?;
-            let is_moved = |v: VertexId| back[v.idx()] != fitted.positions[v.idx()];
-            let touched: Vec<bool> =
-                fitted.faces.iter().map(|face| face.iter().any(|v| is_moved(*v))).collect();
-            fitted.positions = back;
-            self.renew(fitted, &touched, &mut found, control.part(part(0.6), part(1.0)))?;
+            let (now, here) = (&start.positions, control.part(part(0.8), part(1.0)));
+            fitted.positions = guard.moved(start, now, &moves, shares.clone(), adjacency, here)?;
         }
         // What is still farther would take others along without end.
         fitted.positions.clone_from(&start.positions);
-        Ok(true)
+        Ok(())
     }
 
-    /// Those of the distances that are farther than the limit and than they were, and the faces of
-    /// the mesh that they belong to.
+    /// The distances that are larger than the limit and than they were, and the faces of the mesh
+    /// that they belong to.
     fn beyond(
         &self,
         start: &TriMesh,
         mesh: &TriMesh,
-        found: &[Distances; 2],
         control: Control,
-    ) -> Result<Distances, Cancelled> {
-        let dear = found[1].iter().filter(|(sq, _)| *sq > DEAR * DEAR * self.limit_sq);
-        let mut dear: Vec<FaceId> = dear.map(|(_, face)| *face).collect();
-        dear.sort_unstable();
-        dear.dedup();
-        let riders: Vec<Rider> = dear.into_iter().flat_map(grid).collect();
-        let now = self.rider_distances(&riders, mesh, control.part(0.0, 0.5))?;
-        let before = self.rider_distances(&riders, start, control.part(0.5, 1.0))?;
-        let dense = now.into_iter().zip(before.into_iter().map(|(sq, _)| sq));
-        let pairs = found.iter().zip(&self.before);
-        let all = pairs.flat_map(|(now, before)| now.iter().copied().zip(before.iter().copied()));
-        let beyond = all.chain(dense).filter(|((sq, _), before)| sq > before);
-        Ok(beyond.map(|(now, _)| now).filter(|(sq, _)| *sq > self.limit_sq).collect())
-    }
-
-    /// The distances of the points and of the riders.
-    fn distances(&self, mesh: &TriMesh, control: Control) -> Result<[Distances; 2], Cancelled> {
-        let points = self.point_distances(&self.points, mesh, control.part(0.0, 0.6))?;
-        let riders = self.rider_distances(&self.riders, mesh, control.part(0.6, 1.0))?;
-        Ok([points, riders])
-    }
-
-    /// Finds anew what belongs to faces that were touched.
-    fn renew(
-        &self,
-        mesh: &TriMesh,
-        touched: &[bool],
-        found: &mut [Distances; 2],
-        control: Control,
-    ) -> Result<(), Cancelled> {
-        let stale = |found: &Distances| -> Vec<usize> {
-            let all = found.iter().enumerate();
-            all.filter(|(_, (_, face))| touched[face.idx()]).map(|(at, _)| at).collect()
+    ) -> Result<Vec<Far>, Cancelled> {
+        // What was within a part of the limit, of a face that has hardly moved, still is.
+        let slack = (DEAR - NEAR) * self.limit;
+        let has_moved = |face: &[VertexId; 3]| {
+            face.iter().any(|v| mesh.positions[v.idx()].distance(start.positions[v.idx()]) > slack)
         };
-        let [points, riders] = [stale(&found[0]), stale(&found[1])];
-        let places: Vec<DVec3> = points.iter().map(|&at| self.points[at]).collect();
-        let renewed = self.point_distances(&places, mesh, control.part(0.0, 0.6))?;
-        points.into_iter().zip(renewed).for_each(|(at, renewed)| found[0][at] = renewed);
-        let on_mesh: Vec<Rider> = riders.iter().map(|&at| self.riders[at]).collect();
-        let renewed = self.rider_distances(&on_mesh, mesh, control.part(0.6, 1.0))?;
-        riders.into_iter().zip(renewed).for_each(|(at, renewed)| found[1][at] = renewed);
-        Ok(())
+        let has_moved: Vec<bool> = mesh.faces.iter().map(has_moved).collect();
+        let is_due = |near: Option<FaceId>| near.is_none_or(|face| has_moved[face.idx()]);
+        let points: Vec<DVec3> =
+            self.points.iter().filter(|w| is_due(w.near)).map(|w| w.what).collect();
+        let riders: Vec<Rider> =
+            self.riders.iter().filter(|w| is_due(w.near)).map(|w| w.what).collect();
+        let far = self.points_beyond(&points, mesh, control.part(0.0, 0.4))?;
+        let dear = self.riders_beyond(&riders, mesh, DEAR * self.limit, control.part(0.4, 0.8))?;
+        let mut dense: Vec<Rider> = dear.into_iter().map(|(at, _)| riders[at]).collect();
+        let mut faces: Vec<FaceId> = dense.iter().map(|rider| rider.face).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        dense.extend(faces.into_iter().flat_map(grid));
+        let found = self.riders_beyond(&dense, mesh, self.limit, control.part(0.8, 0.9))?;
+
+        let control = control.part(0.9, 1.0);
+        let was: Vec<DVec3> = far.iter().map(|(at, _)| points[*at]).collect();
+        let before = self.point_distances_sq(&was, start, control)?;
+        let of_points = far.into_iter().map(|(_, hit)| (hit.distance_sq, hit.face)).zip(before);
+        let was: Vec<DVec3> = found.iter().map(|(at, _)| dense[*at].place(start)).collect();
+        let before = distances_sq(self.queries, &was, control)?;
+        let face_of = |(at, hit): (usize, Hit)| (hit.distance_sq, dense[at].face);
+        let of_riders = found.into_iter().map(face_of).zip(before);
+        let all = of_points.chain(of_riders);
+        Ok(all.filter(|((sq, _), before)| sq > before).map(|(now, _)| now).collect())
     }
 
-    fn point_distances(
+    /// The points farther than the limit from a mesh.
+    fn points_beyond(
         &self,
         points: &[DVec3],
         mesh: &TriMesh,
         control: Control,
-    ) -> Result<Distances, Cancelled> {
-        let tree = Bvh::build(mesh, control.part(0.0, 0.3))?;
+    ) -> Result<Vec<(usize, Hit)>, Cancelled> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let tree = Bvh::build_quickly(mesh, control.part(0.0, 0.4))?;
         let queries = ManyQueries::new(&tree, self.queries.tree().center());
-        distances(&queries, points, control.part(0.3, 1.0))
+        queries.farther(points, self.limit, control.part(0.4, 1.0))
     }
 
-    fn rider_distances(
+    /// The riders farther than this from the original, where the mesh takes them.
+    fn riders_beyond(
         &self,
         riders: &[Rider],
         mesh: &TriMesh,
+        distance: f64,
         control: Control,
-    ) -> Result<Distances, Cancelled> {
+    ) -> Result<Vec<(usize, Hit)>, Cancelled> {
         let places: Vec<DVec3> = riders.iter().map(|rider| rider.place(mesh)).collect();
-        let mut found = distances(self.queries, &places, control)?;
-        found.iter_mut().zip(riders).for_each(|((_, face), rider)| *face = rider.face);
-        Ok(found)
+        self.queries.farther(&places, distance, control)
+    }
+
+    /// The squared distances of points from a mesh.
+    fn point_distances_sq(
+        &self,
+        points: &[DVec3],
+        mesh: &TriMesh,
+        control: Control,
+    ) -> Result<Vec<f64>, Cancelled> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let tree = Bvh::build_quickly(mesh, control.part(0.0, 0.3))?;
+        let queries = ManyQueries::new(&tree, self.queries.tree().center());
+        distances_sq(&queries, points, control.part(0.3, 1.0))
     }
 }
 
-/// The corners of all faces, and samples between.
-fn riders(mesh: &TriMesh, control: Control) -> Result<Vec<Rider>, Cancelled> {
-    let n = PER_FACE * mesh.faces.len();
-    let sampler = SurfaceSampler::new(mesh, n, 0, control.part(0.0, 0.3))?;
-    let mut riders = Vec::with_capacity((PER_FACE + 3) * mesh.faces.len());
-    let corner = |k: usize| [0, 1, 2].map(|other| f64::from(u8::from(other == k)));
-    for face in 0..mesh.faces.len() {
-        control.item(face, mesh.faces.len())?;
-        let face = FaceId(face as u32);
-        riders.extend([0, 1, 2].map(|k| Rider { face, shares: corner(k) }));
-    }
-    for (at, sample) in sampler.samples(0..sampler.n_samples()).enumerate() {
-        control.item(at, n)?;
-        let triangle = PreparedTriangle::new(mesh.corners(sample.face));
-        riders.push(Rider { face: sample.face, shares: triangle.coordinates(sample.point) });
+/// Points of the mesh that its faces take along, in the order of its tree.
+fn riders(mesh: &TriMesh, tree: &Bvh, control: Control) -> Result<Vec<Rider>, Cancelled> {
+    const HALF: f64 = 0.5;
+    const PLACES: [[f64; 3]; 4] =
+        [[1.0 / 3.0; 3], [0.0, HALF, HALF], [HALF, 0.0, HALF], [HALF, HALF, 0.0]];
+    let mut is_known = vec![false; mesh.positions.len()];
+    let mut riders = Vec::with_capacity(5 * mesh.faces.len());
+    for (at, &face) in tree.faces().iter().enumerate() {
+        control.item(at, tree.n_faces())?;
+        for (k, v) in mesh.faces[face.idx()].into_iter().enumerate() {
+            if !std::mem::replace(&mut is_known[v.idx()], true) {
+                let shares = [0, 1, 2].map(|other| f64::from(u8::from(other == k)));
+                riders.push(Rider { face, shares });
+            }
+        }
+        riders.extend(PLACES.map(|shares| Rider { face, shares }));
     }
     Ok(riders)
 }
@@ -234,13 +256,12 @@ fn grid(face: FaceId) -> impl Iterator<Item = Rider> {
     (0..=N).flat_map(row).map(move |shares| Rider { face, shares })
 }
 
-/// The distances of points from a surface, with its nearest faces.
-fn distances(
+/// The squared distances of points from a surface; of those that are not finite, infinite.
+fn distances_sq(
     queries: &ManyQueries,
     points: &[DVec3],
     control: Control,
-) -> Result<Distances, Cancelled> {
+) -> Result<Vec<f64>, Cancelled> {
     let found = queries.closest(points, control)?.into_iter();
-    let of_hit = |hit: Hit| (hit.distance_sq, hit.face);
-    Ok(found.map(|hit| hit.map_or((f64::NAN, FaceId(0)), of_hit)).collect())
+    Ok(found.map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance_sq)).collect())
 }

@@ -57,11 +57,14 @@ pub struct RefitOptions {
     pub samples_per_face: f64,
     /// How strongly a vertex is held where it is, as a part of what holds it along its joints.
     pub stiffness: f64,
+    /// Whether the distances of the result are measured, which takes about as long as half a step.
+    pub measures_result: bool,
 }
 
 impl RefitOptions {
     /// The default.
-    pub const DEFAULT: Self = Self { n_steps: 6, samples_per_face: 6.0, stiffness: 0.004 };
+    pub const DEFAULT: Self =
+        Self { n_steps: 6, samples_per_face: 6.0, stiffness: 0.004, measures_result: true };
 }
 
 impl Default for RefitOptions {
@@ -90,8 +93,8 @@ pub struct Refitted {
     pub mesh: TriMesh,
     /// Distances before.
     pub before: Spread,
-    /// Distances after.
-    pub after: Spread,
+    /// Distances after, if they were to be measured.
+    pub after: Option<Spread>,
 }
 
 /// Bytes that a fit takes at most, beside its meshes.
@@ -118,7 +121,7 @@ pub fn refit(
 ) -> Result<Refitted, RefitError> {
     /// What the samples of a step still count in the next one.
     const MEMORY: f64 = 0.7;
-    let original_tree = Bvh::build(original, control.part(0.0, 0.1))?;
+    let original_tree = Bvh::build_quickly(original, control.part(0.0, 0.1))?;
     if original_tree.n_faces() == 0 {
         return Err(RefitError::NoSurface(MeshRole::Original));
     }
@@ -128,13 +131,19 @@ pub fn refit(
     let queries = ManyQueries::new(&original_tree, center);
     let finder =
         JointFinder::new(original, &queries, options.samples_per_face, control.part(0.13, 0.15))?;
-    let find = |mesh: &TriMesh, step: usize, control: Control| -> Result<Joints, RefitError> {
+    let find = |mesh: &TriMesh,
+                step: usize,
+                control: Control|
+     -> Result<(Joints, Bvh), RefitError> {
         finder.find(mesh, step as u64, control)?.ok_or(RefitError::NoSurface(MeshRole::Simplified))
     };
     let mut fitted = mesh.clone();
-    let mut joints = find(mesh, 0, control.part(0.15, 0.2))?;
+    let (mut joints, tree) = find(mesh, 0, control.part(0.15, 0.2))?;
     let before = joints.spread();
-    let maximum = Maximum::new(mesh, original, &queries, before.max(), control.part(0.2, 0.25))?;
+    let maximum = {
+        let control = control.part(0.2, 0.25);
+        Maximum::new(mesh, original, &tree, &queries, before.max(), control)?
+    };
     let mut elements = vec![Element::default(); mesh.faces.len()];
     let n_steps = options.n_steps;
     for step in 0..n_steps {
@@ -154,14 +163,18 @@ pub fn refit(
         let positions = guard.moved(mesh, &fitted.positions, &moves, shares, &adjacency, here)?;
         elements = system.remembered(&fitted.positions, &positions, MEMORY);
         fitted.positions = positions;
-        joints = find(&fitted, step + 1, control.part(part(0.5), part(1.0)))?;
+        if step + 1 < n_steps {
+            (joints, _) = find(&fitted, step + 1, control.part(part(0.5), part(1.0)))?;
+        }
     }
     if n_steps > 0 {
-        let control = control.part(0.9, 0.99);
-        if maximum.hold(mesh, &mut fitted, &guard, &adjacency, control)? {
-            joints = find(&fitted, n_steps, control)?;
-        }
+        let control = control.part(0.9, 0.95);
+        maximum.hold(mesh, &mut fitted, &guard, &adjacency, control)?;
         attributes::carry(mesh, &adjacency, &mut fitted, control)?;
     }
-    Ok(Refitted { mesh: fitted, before, after: joints.spread() })
+    let after = match options.measures_result {
+        true => Some(find(&fitted, n_steps, control.part(0.95, 1.0))?.0.spread()),
+        false => None,
+    };
+    Ok(Refitted { mesh: fitted, before, after })
 }
