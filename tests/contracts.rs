@@ -9,8 +9,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use mve_core::testing::{Outputs, Trial, plan_options, run_options};
 use mve_core::{
-    Better, Control, Data, InputSpec, Module, ModuleError, ModuleInfo, ParamSpec, Quantities,
-    Quantity, Role, Settings, Stored, StoredWriter, Value,
+    Better, Control, Data, InputFileSpec, InputSpec, Module, ModuleError, ModuleInfo, Param,
+    ParamSpec, Quantities, Quantity, Role, Settings, Stored, StoredWriter, Value,
 };
 use mve_modules::data::{
     DATA_TYPES, Domain, Image, Layer, LayerValues, Material, NO_VALUE, PixelKind, Texture,
@@ -139,7 +139,7 @@ pub fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, 
             return Some(json!(folder.join(format!("{of}.{}.{extension}", spec.name))));
         }
         if let Some(file) = spec.input_file() {
-            return Some(json!(example_file(file.extensions, folder)));
+            return Some(json!(example_file(&file, folder)));
         }
         let choice = spec.choice().filter(|_| spec.default_setting().is_none())?;
         let entry = choice.list.find(choice.default)?;
@@ -149,18 +149,30 @@ pub fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, 
     params.iter().filter_map(named).collect()
 }
 
-/// A file that a loader of these extensions can read: `tests/data/example.*`, with what it names.
-/// One that reads anything gets a mesh.
-fn example_file(extensions: &[&str], folder: &Path) -> PathBuf {
+/// A file that a loader can read: the example that it declares, or `tests/data/example.*`, with
+/// what it names. One that reads anything gets a mesh.
+fn example_file(spec: &InputFileSpec, folder: &Path) -> PathBuf {
     let examples = mve_tests::root().join("tests/data");
     for file in std::fs::read_dir(&examples).expect("the folder is there") {
         let file = file.expect("a file");
         std::fs::copy(file.path(), folder.join(file.file_name())).expect("it can be copied");
     }
-    let extension = extensions.first().copied().unwrap_or("obj");
+    let extension = spec.extensions.first().copied().unwrap_or("obj");
     let path = folder.join("example").with_extension(extension);
-    assert!(path.is_file(), "put a small example.{extension} into {}", examples.display());
+    if !spec.example.is_empty() {
+        std::fs::write(&path, spec.example).expect("the folder can be written");
+    }
+    let examples = examples.display();
+    assert!(path.is_file(), "declare an example, or put example.{extension} into {examples}");
     path
+}
+
+#[test]
+fn an_example_that_is_declared_is_what_is_loaded() {
+    let param = Param::input_file("path", "The file.", &["png"]).example(b"mine");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = example_file(&param.spec().input_file().expect("a file"), folder.path());
+    assert_eq!(std::fs::read(path).expect("it is there"), b"mine");
 }
 
 /// Whole files, cut ones, ones with bytes changed, and noise.
@@ -195,7 +207,7 @@ fn loaders_give_a_result_or_an_error_for_any_bytes() {
             let Some(file) = spec.input_file() else { continue };
             n_loaders.set(n_loaders.get() + 1);
             let folder = tempfile::tempdir().expect("a temporary folder");
-            let path = example_file(file.extensions, folder.path());
+            let path = example_file(&file, folder.path());
             let example = std::fs::read(&path).expect("the example");
             let load = |bytes: &[u8]| {
                 std::fs::write(&path, bytes).expect("the folder can be written");

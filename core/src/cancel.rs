@@ -1,8 +1,8 @@
 //! The token that stops a run.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 /// Asks work to stop: by hand, at a deadline, or because the token that it was made from was
 /// cancelled. Clones share their state.
@@ -11,6 +11,8 @@ pub struct CancelToken {
     flag: Arc<AtomicBool>,
     parent: Option<Arc<CancelToken>>,
     deadline: Option<Instant>,
+    /// Nanoseconds by which the deadline is later than it was set.
+    waited: Arc<AtomicU64>,
 }
 
 impl CancelToken {
@@ -21,7 +23,8 @@ impl CancelToken {
 
     /// A token that is cancelled with this one, and by itself at `deadline` where there is one.
     pub fn child(&self, deadline: Option<Instant>) -> Self {
-        Self { flag: Arc::default(), parent: Some(Arc::new(self.clone())), deadline }
+        let parent = Some(Arc::new(self.clone()));
+        Self { parent, deadline, ..Self::default() }
     }
 
     /// Cancels this token and its children.
@@ -38,7 +41,18 @@ impl CancelToken {
 
     /// Whether the deadline has passed.
     pub fn is_overdue(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        let late = self.deadline.and_then(|end| Instant::now().checked_duration_since(end));
+        late.is_some_and(|late| late.as_nanos() >= self.waited.load(Ordering::Relaxed).into())
+    }
+
+    /// Puts its deadline off, and those of the tokens that it was made from: the work has waited
+    /// for others so long.
+    pub(crate) fn put_off(&self, waited: Duration) {
+        let nanoseconds = u64::try_from(waited.as_nanos()).unwrap_or(u64::MAX);
+        self.waited.fetch_add(nanoseconds, Ordering::Relaxed);
+        if let Some(parent) = &self.parent {
+            parent.put_off(waited);
+        }
     }
 }
 
@@ -61,5 +75,8 @@ mod tests {
     fn a_deadline_cancels() {
         let token = CancelToken::new().child(Some(Instant::now()));
         assert!(token.is_cancelled() && token.is_overdue());
+        let below = token.child(None);
+        below.put_off(Duration::from_secs(3600));
+        assert!(!token.is_overdue() && !below.is_cancelled());
     }
 }

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use serde_json::json;
 
-use crate::param::{ParamSpec, Setting};
+use crate::param::{OptionSpec, ParamSpec, Setting};
+use crate::problem::did_you_mean;
 use crate::quantity::{Better, Quantities, Quantity};
 use crate::registry::{ModuleInfo, Registry};
 
@@ -53,6 +54,76 @@ pub fn describe_module(info: &ModuleInfo) -> String {
     text
 }
 
+/// A parameter of a module, or an entry of a choice, by its path, in which either may stand alone:
+/// `MeshComparer.metric.ImageSsim`, `MeshComparer.ImageSsim`, `Simplificator.cost`. The error is the
+/// part that nothing is named like, with a near name.
+pub fn describe_part(info: &ModuleInfo, path: &str) -> Result<String, String> {
+    let title = format!("### {}.{path}\n\n", info.module.id);
+    let mut params = info.module.params;
+    let mut last: Option<(ParamSpec, Option<OptionSpec>)> = None;
+    for part in path.split('.') {
+        let of_choice = match last {
+            // Only the entries of this choice are meant.
+            Some((spec, None)) => vec![spec],
+            _ => params.to_vec(),
+        };
+        let entries =
+            || of_choice.iter().flat_map(|spec| spec.options().into_iter().map(|o| (*spec, o)));
+        let param =
+            params.iter().find(|spec| spec.name == part && !matches!(last, Some((_, None))));
+        last = match (param, entries().find(|(_, option)| option.id == part)) {
+            (Some(spec), _) => Some((*spec, None)),
+            (None, Some((spec, option))) => {
+                params = option.params;
+                Some((spec, Some(option)))
+            }
+            (None, None) => {
+                let ids = entries().map(|(_, option)| option.id);
+                let all: Vec<&str> = params.iter().map(|spec| spec.name).chain(ids).collect();
+                let hint = did_you_mean(part, all.into_iter());
+                let id = info.module.id;
+                return Err(format!("{id} has no parameter or entry \"{part}\"{hint}"));
+            }
+        };
+    }
+    let mut text = title;
+    match last {
+        Some((spec, Some(option))) => {
+            let _ = writeln!(text, "{}", option.summary);
+            if !option.params.is_empty() {
+                text.push_str("\nParameters:\n\n");
+                describe_below(option.params, &mut text);
+            }
+            let numbers = numbers_of(&spec, option.id);
+            if !numbers.is_empty() {
+                text.push_str("\nGives:\n\n");
+            }
+            for quantity in numbers {
+                let _ = writeln!(text, "- {}", line_of(quantity));
+            }
+        }
+        Some((spec, None)) if path.contains('.') => describe_below(&[spec], &mut text),
+        Some((spec, None)) => describe_params(&[spec], 0, &mut text),
+        None => {}
+    }
+    Ok(text)
+}
+
+/// Parameters of an entry, which no link leads to, as a list of their own.
+fn describe_below(params: &[ParamSpec], text: &mut String) {
+    let mut indented = String::new();
+    describe_params(params, 1, &mut indented);
+    for line in indented.lines() {
+        let _ = writeln!(text, "{}", line.strip_prefix("  ").unwrap_or(line));
+    }
+}
+
+/// The numbers that an entry of a choice gives.
+fn numbers_of(spec: &ParamSpec, id: &str) -> &'static [Quantity] {
+    let entry = spec.choice().and_then(|choice| choice.list.find(id));
+    entry.map_or(&[][..], |entry| entry.quantities)
+}
+
 /// What the numbers of an output are measured in, and which are better; those of a row by name.
 fn describe_quantities(quantities: Quantities, text: &mut String) {
     let row = match quantities {
@@ -62,7 +133,7 @@ fn describe_quantities(quantities: Quantities, text: &mut String) {
             return;
         }
         Quantities::Row(row) => row,
-        _ => return,
+        Quantities::Plain | Quantities::OfChoice(_) | Quantities::FirstOfChoice(_) => return,
     };
     for quantity in row {
         let _ = writeln!(text, "  - {}", line_of(quantity));
@@ -99,9 +170,7 @@ fn describe_params(params: &[ParamSpec], depth: usize, text: &mut String) {
         for part in spec.kind.answers().parts() {
             let _ = writeln!(text, "{indent}  - `{}`: {}", part.id, part.summary);
             describe_params(part.params, depth + 2, text);
-            let entry = spec.choice().and_then(|choice| choice.list.find(part.id));
-            let numbers = entry.map_or(&[][..], |entry| entry.quantities);
-            for quantity in numbers {
+            for quantity in numbers_of(spec, part.id) {
                 let _ = writeln!(text, "{indent}    - gives {}", line_of(quantity));
             }
         }
@@ -124,6 +193,9 @@ fn facts(spec: &ParamSpec, depth: usize) -> String {
         Some(default) if default.to_json() == json!([]) => "default empty".to_owned(),
         Some(default) => format!("default {}", default.to_word()),
     });
+    if let Some(condition) = spec.counts {
+        facts.push(format!("only where {condition}"));
+    }
     if depth == 0
         && let Some(data_type) = spec.link_type()
     {

@@ -6,9 +6,11 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map as JsonMap, Number, Value as Json};
 
-/// Reads JSON text; also gives the dotted path of every key that stands twice in its object. Of
-/// two values for one key the last counts.
-pub(crate) fn parse(text: &str) -> Result<(Json, Vec<String>), serde_json::Error> {
+use crate::map::Step;
+
+/// Reads JSON text; also gives the path to every key that stands twice in its object. Of two values
+/// for one key the last counts.
+pub(crate) fn parse(text: &str) -> Result<(Json, Vec<Vec<Step>>), serde_json::Error> {
     let repeated = RefCell::new(Vec::new());
     let mut reader = serde_json::Deserializer::from_str(text);
     let json = Strict { path: &Path::Root, repeated: &repeated }.deserialize(&mut reader)?;
@@ -19,22 +21,26 @@ pub(crate) fn parse(text: &str) -> Result<(Json, Vec<String>), serde_json::Error
 enum Path<'a> {
     Root,
     Key(&'a Path<'a>, &'a str),
+    Item(&'a Path<'a>, usize),
 }
 
-impl fmt::Display for Path<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Root => Ok(()),
-            Self::Key(Self::Root, key) => f.write_str(key),
-            Self::Key(above, key) => write!(f, "{above}.{key}"),
-        }
+impl Path<'_> {
+    fn steps(&self) -> Vec<Step> {
+        let (above, step) = match self {
+            Self::Root => return Vec::new(),
+            Self::Key(above, key) => (above, Step::from(*key)),
+            Self::Item(above, place) => (above, Step::Item(*place)),
+        };
+        let mut steps = above.steps();
+        steps.push(step);
+        steps
     }
 }
 
 #[derive(Clone, Copy)]
 struct Strict<'a> {
     path: &'a Path<'a>,
-    repeated: &'a RefCell<Vec<String>>,
+    repeated: &'a RefCell<Vec<Vec<Step>>>,
 }
 
 impl<'de> DeserializeSeed<'de> for Strict<'_> {
@@ -78,7 +84,11 @@ impl<'de> Visitor<'de> for Strict<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Json, A::Error> {
         let mut array = Vec::new();
-        while let Some(item) = items.next_element_seed(self)? {
+        loop {
+            let path = Path::Item(self.path, array.len());
+            let Some(item) = items.next_element_seed(Strict { path: &path, ..self })? else {
+                break;
+            };
             array.push(item);
         }
         Ok(Json::Array(array))
@@ -89,10 +99,10 @@ impl<'de> Visitor<'de> for Strict<'_> {
         while let Some(key) = items.next_key::<String>()? {
             let path = Path::Key(self.path, &key);
             let value = items.next_value_seed(Strict { path: &path, ..self })?;
-            let name = path.to_string();
-            if object.insert(key, value).is_some() {
-                self.repeated.borrow_mut().push(name);
+            if object.contains_key(&key) {
+                self.repeated.borrow_mut().push(path.steps());
             }
+            object.insert(key, value);
         }
         Ok(Json::Object(object))
     }
@@ -111,10 +121,12 @@ mod tests {
     }
 
     #[test]
-    fn reports_a_repeated_key_with_its_path() {
-        let (json, repeated) = parse(r#"{"nodes": {"a": 1, "a": 2}}"#).unwrap();
-        assert_eq!(repeated, ["nodes.a"]);
+    fn reports_a_repeated_key_with_its_path() -> Result<(), serde_json::Error> {
+        let (json, repeated) = parse(r#"{"nodes": {"a": 1, "a": 2}, "b": [0, {"c": 1, "c": 2}]}"#)?;
+        assert_eq!(repeated[0], ["nodes".into(), "a".into()]);
+        assert_eq!(repeated[1], ["b".into(), Step::Item(1), "c".into()]);
         assert_eq!(json["nodes"]["a"], 2);
+        Ok(())
     }
 
     #[test]

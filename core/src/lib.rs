@@ -44,7 +44,7 @@ pub use cache::{Cache, CacheUse};
 pub use cancel::CancelToken;
 pub use control::{Cancelled, Control, MissedTarget, Report, Reporter, Steps};
 pub use data::{Data, DataType, DecodeError, Scalar, Value};
-pub use describe::{describe_all, describe_module};
+pub use describe::{describe_all, describe_module, describe_part};
 pub use disk_cache::DiskCache;
 pub use error::ModuleError;
 pub use files::{FileHashes, is_below, refuse_special};
@@ -62,9 +62,9 @@ pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};
 pub use program::{
     ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,
-    ProgramOptions, ProgramOutcome, Question, ReportSpec, Retry, RunNote, Shard, Sharing, Step,
-    StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing, Unneeded, are_alike, brief,
-    brief_value, exact, meant, median, run_program,
+    ProgramOptions, ProgramOutcome, Question, ReportFault, ReportSpec, Requirement, Retry, RunNote,
+    Shard, Sharing, Step, StepRecord, StepStatus, Store, StoreError, TIMES, TIMINGS, Timing,
+    Unneeded, are_alike, brief, brief_value, csv_table, exact, meant, median, run_program,
 };
 pub use quantity::{Better, Quantities, Quantity, Role, Unit};
 pub use registry::{ModuleInfo, ModuleList, Registry};
@@ -72,7 +72,7 @@ pub use run::{
     Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus, RunOptions, RunOutcome, run,
 };
 pub use schema::schema;
-pub use search::{Synonym, rank_of_word, search};
+pub use search::{Synonym, entries_with, rank_of_word, search};
 pub use stored::{BLOCK, Stored, StoredWriter};
 
 /// The version of mve, as packages name it.

@@ -6,7 +6,7 @@
 
 use std::fs;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::cancel::CancelToken;
 use crate::control::Cancelled;
@@ -47,7 +47,8 @@ impl MemoryBudget {
         Self { bytes, resident: resident_bytes, state, changed }
     }
 
-    /// Sets bytes aside; waits while they do not fit and somebody else holds some.
+    /// Sets bytes aside; waits while they do not fit and somebody else holds some. What it waits
+    /// puts the deadline of `cancel` off.
     pub(crate) fn reserve(
         &self,
         bytes: usize,
@@ -58,8 +59,10 @@ impl MemoryBudget {
             if cancel.is_cancelled() {
                 return Err(Cancelled);
             }
+            let start = Instant::now();
             let waited = self.changed.wait_timeout(state, PAUSE);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
+            cancel.put_off(start.elapsed());
         }
         if state.n_held == 0 {
             state.before = (self.resident)().unwrap_or(0);

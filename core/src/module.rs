@@ -177,8 +177,15 @@ impl<'a> Io<'a> {
     }
 
     /// Says how many bytes of memory the work will take at most, before it takes them: beside what
-    /// its inputs have, and with its outputs. Waits while the steps of a program that run at once
-    /// would take more than they may together. The last call counts; an estimate will do.
+    /// its inputs have, and with its outputs. An estimate will do.
+    ///
+    /// In a program it waits while the steps that run at once would take more than they may
+    /// together (`--memory`), which counts neither as seconds of the node nor against the time
+    /// limit of the step. Elsewhere it does nothing. A second call takes the place of the first;
+    /// what is reserved is given back when the module returns.
+    ///
+    /// # Errors
+    /// [`ModuleError::Cancelled`] where the run is stopped while it waits.
     pub fn reserve(&mut self, bytes: usize) -> Result<(), ModuleError> {
         self.reservation = None;
         if let Some(memory) = self.memory {

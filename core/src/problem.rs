@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::map::Step;
+
 /// Whether a problem stops a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -27,6 +29,9 @@ pub struct Place {
     /// Name of the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub program: Option<String>,
+    /// The way to it through the JSON of the map, or of the program where one is named.
+    #[serde(skip)]
+    pub(crate) path: Option<Box<[Step]>>,
 }
 
 /// One problem of a map.
@@ -60,9 +65,25 @@ impl Problem {
         self
     }
 
+    /// Says where it stands in the JSON of the map, or of the program where one is named.
+    pub(crate) fn along<const N: usize>(mut self, path: [Step; N]) -> Self {
+        self.place.path = Some(Box::new(path));
+        self
+    }
+
     pub(crate) fn in_program(mut self, program: &str) -> Self {
         self.place.program = Some(program.to_owned());
         self
+    }
+
+    /// What stands for so many more that would say nothing new.
+    pub(crate) fn more(n: usize) -> Self {
+        Self::error(format!("{n} {MORE}"))
+    }
+
+    /// Whether it stands for others that are not listed.
+    pub fn counts_others(&self) -> bool {
+        self.message.ends_with(MORE)
     }
 
     /// Whether it stops a run.
@@ -73,7 +94,7 @@ impl Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { node, port, program } = &self.place;
+        let Place { node, port, program, .. } = &self.place;
         if let Some(program) = program {
             write!(f, "program \"{}\": ", plain(program, LONGEST_NAME))?;
         }
@@ -86,6 +107,8 @@ impl fmt::Display for Problem {
         f.write_str(&plain(&self.message, LONGEST_MESSAGE))
     }
 }
+
+const MORE: &str = "more problems of this kind";
 
 /// Longest name and message that are shown whole, in characters.
 pub(crate) const LONGEST_NAME: usize = 100;
@@ -107,6 +130,10 @@ pub fn is_steering(c: char) -> bool {
         || ('\u{2066}'..='\u{2069}').contains(&c);
     c.is_control() || is_directional || matches!(c, '\u{2028}' | '\u{2029}')
 }
+
+/// What is said of a name with such a character.
+pub(crate) const HOLDS_NO_STEERING: &str =
+    "cannot hold control characters, nor signs that turn the direction of a text";
 
 /// A text with what would steer a terminal, a log or a page written out, in one line: `\u{1b}`.
 pub fn printable(text: &str) -> Cow<'_, str> {

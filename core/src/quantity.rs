@@ -127,3 +127,13 @@ pub enum Quantities {
     /// The first of those, under the name of the output.
     FirstOfChoice(&'static str),
 }
+
+impl Quantities {
+    /// The choice whose entry decides which they are.
+    pub(crate) fn choice(self) -> Option<&'static str> {
+        match self {
+            Self::Plain | Self::One(_) | Self::Row(_) => None,
+            Self::OfChoice(param) | Self::FirstOfChoice(param) => Some(param),
+        }
+    }
+}

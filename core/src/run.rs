@@ -1,5 +1,6 @@
 //! Running a plan: nodes start as soon as their inputs are there, on a few threads.
 
+mod audience;
 mod listener;
 mod record;
 
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use audience::Audience;
 use indexmap::IndexMap;
 use listener::Listener;
 pub use record::{NodeRecord, NodeStatus};
@@ -135,18 +137,41 @@ impl RunOutcome {
     }
 }
 
-/// Runs a plan to its end. Failures are part of the outcome. Where a value that stays in a file was
-/// found damaged, all runs once more: what is sound is taken from the cache, and it is made anew.
+/// Runs a plan to its end. Failures are part of the outcome.
+///
+/// Where a value that stays in a file was found damaged, all runs once more and it is made anew:
+/// what is sound is taken from the cache where there is one, else every node runs again. The
+/// observer hears once of each node that it starts and that it ends.
 pub fn run(plan: &Plan, options: &RunOptions) -> RunOutcome {
-    let (outcome, is_damaged) = run_once(plan, options);
-    let is_over = !is_damaged || options.cancel.is_cancelled();
-    if is_over { outcome } else { run_once(plan, options).0 }
+    let audience = Audience::new(options.observer);
+    let (mut outcome, is_damaged) = run_once(plan, options, &audience, Attempt::First);
+    if is_damaged && !options.cancel.is_cancelled() {
+        (outcome, _) = run_once(plan, options, &audience, Attempt::Last);
+    }
+    // What was held back, should there be no other attempt.
+    for (node, NodeOutcome { record, .. }) in &outcome.nodes {
+        audience.tell(&Event { node, kind: EventKind::Ended { record, outputs: &[] } });
+    }
+    outcome
+}
+
+/// Which run of a plan it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Attempt {
+    /// Another one follows if a value is damaged.
+    First,
+    Last,
 }
 
 /// Runs a plan, and tells whether a node failed on a damaged value.
-fn run_once(plan: &Plan, options: &RunOptions) -> (RunOutcome, bool) {
-    let runner =
-        Runner { plan, options, state: Mutex::new(State::new(plan)), changed: Condvar::new() };
+fn run_once(
+    plan: &Plan,
+    options: &RunOptions,
+    audience: &Audience,
+    attempt: Attempt,
+) -> (RunOutcome, bool) {
+    let (state, changed) = (Mutex::new(State::new(plan)), Condvar::new());
+    let runner = Runner { plan, options, audience, attempt, state, changed };
     let threads = options.threads.clamp(1, plan.nodes.len().max(1));
     std::thread::scope(|scope| {
         for _ in 1..threads {
@@ -168,6 +193,8 @@ fn stored_in(values: &[Option<Value>]) -> Vec<Stored> {
 struct Runner<'a> {
     plan: &'a Plan,
     options: &'a RunOptions<'a>,
+    audience: &'a Audience<'a>,
+    attempt: Attempt,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -230,6 +257,9 @@ impl Runner<'_> {
             state = self.lock();
             let is_failed = matches!(outcome.record.status, NodeStatus::Failed { .. });
             state.is_damaged |= is_failed && files.iter().any(|file| !file.is_sound());
+            if outputs.is_none() {
+                self.tell_of_failure(&state, node, &outcome);
+            }
             self.end(&mut state, place, outcome, outputs);
             self.changed.notify_all();
         }
@@ -263,7 +293,9 @@ impl Runner<'_> {
         while let Some(place) = lost.pop() {
             if state.outcomes[place].is_none() {
                 let node = &self.plan.nodes[place];
-                state.outcomes[place] = Some(self.not_run(node, status.clone(), Vec::new()));
+                let outcome = not_run(node, status.clone(), Vec::new());
+                self.tell_of_failure(state, node, &outcome);
+                state.outcomes[place] = Some(outcome);
                 state.n_ended += 1;
                 lost.extend(&node.consumers);
             }
@@ -280,15 +312,15 @@ impl Runner<'_> {
         }
     }
 
-    fn not_run(&self, node: &PlanNode, status: NodeStatus, log: Vec<LogLine>) -> NodeOutcome {
-        let record = NodeRecord { log, ..NodeRecord::blank(node, status) };
-        let outcome = NodeOutcome { record, outputs: IndexMap::new() };
-        self.tell(node, EventKind::Ended { record: &outcome.record, outputs: &[] });
-        outcome
+    /// Tells that a node ended without outputs, unless all will run once more.
+    fn tell_of_failure(&self, state: &State, node: &PlanNode, outcome: &NodeOutcome) {
+        if !(state.is_damaged && self.attempt == Attempt::First) {
+            self.tell(node, EventKind::Ended { record: &outcome.record, outputs: &[] });
+        }
     }
 
     fn tell(&self, node: &PlanNode, kind: EventKind) {
-        (self.options.observer)(&Event { node: &node.name, kind });
+        self.audience.tell(&Event { node: &node.name, kind });
     }
 
     /// Runs one node, or finds its outputs in the cache.
@@ -324,7 +356,7 @@ impl Runner<'_> {
                         NodeStatus::Failed { error: error.to_string(), is_of_files }
                     }
                 };
-                return (self.not_run(node, status, log), None);
+                return (not_run(node, status, log), None);
             }
         };
         let record = self.record(node, &results, cached);
@@ -416,7 +448,7 @@ impl Runner<'_> {
         let base = self.options.output_folder;
         let paths = node.writes.iter().flat_map(|path| [vec![path.clone()], lying_at(base, path)]);
         paths.flatten().try_for_each(|path| {
-            if self.options.output_scope == OutputScope::Folder {
+            if self.options.output_scope.is_bounded() {
                 refuse_links(base, &path).map_err(|why| ModuleError::io(&path, why))?;
             }
             refuse_special(&base.join(&path)).map_err(|why| ModuleError::io(&path, why))
@@ -453,7 +485,7 @@ impl Runner<'_> {
     /// Puts the path of an output file into the output folder, and makes its folder.
     fn place(&self, path: &mut PathBuf) -> Result<(), ModuleError> {
         let base = self.options.output_folder;
-        if self.options.output_scope == OutputScope::Folder {
+        if self.options.output_scope.is_bounded() {
             refuse_links(base, path).map_err(|why| ModuleError::io(path, why))?;
         }
         *path = base.join(&*path);
@@ -461,4 +493,10 @@ impl Runner<'_> {
         std::fs::create_dir_all(folder)
             .map_err(|error| ModuleError::io(folder, format!("cannot make this folder: {error}")))
     }
+}
+
+/// What came of a node that gave no outputs.
+fn not_run(node: &PlanNode, status: NodeStatus, log: Vec<LogLine>) -> NodeOutcome {
+    let record = NodeRecord { log, ..NodeRecord::blank(node, status) };
+    NodeOutcome { record, outputs: IndexMap::new() }
 }

@@ -52,6 +52,35 @@ struct Place {
     verified: Vec<bool>,
 }
 
+impl Place {
+    /// Fills `part` with what stands in a block from `first` on. Whether the block is as it was
+    /// written, as far as that is looked at.
+    fn read(
+        &mut self,
+        content: &Content,
+        number: u64,
+        first: usize,
+        part: &mut [u8],
+    ) -> io::Result<bool> {
+        let from = number * BLOCK as u64;
+        if self.verified.get(number as usize) == Some(&true) {
+            self.file.seek(SeekFrom::Start(from + first as u64))?;
+            self.file.read_exact(part)?;
+            return Ok(true);
+        }
+        let mut block = vec![0; (content.n_bytes - from).min(BLOCK as u64) as usize];
+        self.file.seek(SeekFrom::Start(from))?;
+        self.file.read_exact(&mut block)?;
+        part.copy_from_slice(&block[first..first + part.len()]);
+        let is_same = content.blocks.get(number as usize) == Some(&Fingerprint::of(&block));
+        if is_same {
+            self.verified.resize(content.blocks.len(), false);
+            self.verified[number as usize] = true;
+        }
+        Ok(is_same)
+    }
+}
+
 #[derive(Debug)]
 enum FileName {
     /// Of the writer. The file is deleted with the name.
@@ -92,7 +121,7 @@ impl Stored {
     /// # Errors
     /// [`ErrorKind::UnexpectedEof`] beyond the end, and [`ErrorKind::InvalidData`] for a block that
     /// has changed on disk or cannot be read. A file with such a block is deleted and no handle
-    /// reads it any more, so that a cache makes the value again in the next run.
+    /// reads it any more; [`run`](crate::run) then makes the value anew, once.
     pub fn read(&self, start: u64, bytes: &mut [u8]) -> io::Result<()> {
         let end = start.checked_add(bytes.len() as u64).filter(|end| *end <= self.0.n_bytes);
         let end = end.ok_or_else(|| io::Error::from(ErrorKind::UnexpectedEof))?;
@@ -110,35 +139,15 @@ impl Stored {
     /// Fills `part` with what stands in a block from `first` on, or gives the file up.
     fn read_part(&self, number: u64, first: usize, part: &mut [u8]) -> io::Result<()> {
         let gone = || io::Error::new(ErrorKind::InvalidData, "its file was damaged; run again");
-        let from = number * BLOCK as u64;
-        let read = {
-            let mut place = self.place();
-            let place = place.as_mut().ok_or_else(gone)?;
-            if place.verified.get(number as usize) == Some(&true) {
-                let sought = place.file.seek(SeekFrom::Start(from + first as u64));
-                sought.and_then(|_| place.file.read_exact(part)).map(|()| true)
-            } else {
-                let mut block = vec![0; (self.0.n_bytes - from).min(BLOCK as u64) as usize];
-                let sought = place.file.seek(SeekFrom::Start(from));
-                sought.and_then(|_| place.file.read_exact(&mut block)).map(|()| {
-                    part.copy_from_slice(&block[first..first + part.len()]);
-                    let hash = Fingerprint::of(&block);
-                    let is_same = self.0.blocks.get(number as usize) == Some(&hash);
-                    place.verified.resize(self.0.blocks.len(), false);
-                    place.verified[number as usize] = is_same;
-                    is_same
-                })
-            }
-        };
-        let fault = match read {
+        // One lock for all of it: what is given up is what was read, and nothing found since.
+        let mut place = self.place();
+        let fault = match place.as_mut().ok_or_else(gone)?.read(&self.0, number, first, part) {
             Ok(true) => return Ok(()),
-            Err(error) if error.kind() != ErrorKind::UnexpectedEof => {
-                format!("cannot be read: {error}")
-            }
-            _ => "has changed since it was written".to_owned(),
+            Ok(false) => "has changed since it was written".to_owned(),
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => "is cut short".to_owned(),
+            Err(error) => format!("cannot be read: {error}"),
         };
-        // Another reader may have found a damaged block first.
-        let Place { name, .. } = self.place().take().ok_or_else(gone)?;
+        let Place { name, .. } = place.take().ok_or_else(gone)?;
         let _ = std::fs::remove_file(&*name);
         let message = format!("{}: block {number} {fault}; run again", name.display());
         Err(io::Error::new(ErrorKind::InvalidData, message))
@@ -355,7 +364,8 @@ mod tests {
             let mut byte = [0];
             value.read(0, &mut byte).unwrap();
             let error = value.read(BLOCK as u64 + 900, &mut byte).unwrap_err();
-            assert!(error.to_string().contains("block 1 has changed"), "{error}");
+            let said = ["block 1 has changed", "block 1 is cut short"];
+            assert!(said.iter().any(|said| error.to_string().contains(said)), "{error}");
             assert!(!path.exists() && !clone.is_sound());
             let error = clone.read(0, &mut byte).unwrap_err();
             assert_eq!(error.to_string(), "its file was damaged; run again");

@@ -1,7 +1,8 @@
 //! Reading and writing OBJ text in memory, beside the crate tobj and beside std's number parser.
 //!
 //! On the Stanford bunny, where it is found, and on a generated sheet with texture coordinates and
-//! normals.
+//! normals; and polygons that are hard to cut, combs whose teeth are long, slanting and of random
+//! length.
 
 mod models;
 
@@ -9,10 +10,11 @@ use std::hint::black_box;
 use std::io;
 use std::path::Path;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use mve_core::Control;
 use mve_modules::data::TriMesh;
 use mve_modules::formats::obj;
+use mve_modules::geometry::distance::sample::IndexedRandom;
 
 fn read(bytes: &[u8]) -> TriMesh {
     let mut no_mtl = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
@@ -45,6 +47,31 @@ fn sheet(n: usize) -> Vec<u8> {
         }
     }
     text.into_bytes()
+}
+
+/// One polygon: a strip with a tooth a unit, each a triangle with its tip moved aside by 0.7 of its
+/// height, which is a random part of the number of teeth.
+fn comb(n_teeth: u64) -> Vec<u8> {
+    let random = IndexedRandom::new(3);
+    let mut text = String::new();
+    for k in 0..n_teeth {
+        let (x, y) = (k as f64, n_teeth as f64 * random.unit(k));
+        text += &format!("v {x} 0 0\nv {} {y} 0\n", x + 0.5 + 0.7 * y);
+    }
+    text += &format!("v {n_teeth} 0 0\nv {n_teeth} -1 0\nv 0 -1 0\nf");
+    (1..=2 * n_teeth + 3).for_each(|corner| text += &format!(" {corner}"));
+    text.into_bytes()
+}
+
+/// Ten samples of one reading each, as the largest takes seconds.
+fn comb_benches(criterion: &mut Criterion) {
+    for n_teeth in [200_000, 400_000] {
+        let bytes = comb(n_teeth);
+        let mut group = criterion.benchmark_group("obj/comb");
+        group.sample_size(10).sampling_mode(SamplingMode::Flat);
+        group.bench_function(format!("{n_teeth} teeth"), |b| b.iter(|| read(black_box(&bytes))));
+        group.finish();
+    }
 }
 
 fn obj_benches(criterion: &mut Criterion) {
@@ -105,5 +132,5 @@ fn number_benches(criterion: &mut Criterion, name: &str, mesh: &TriMesh, bytes: 
     group.finish();
 }
 
-criterion_group!(benches, obj_benches);
+criterion_group!(benches, obj_benches, comb_benches);
 criterion_main!(benches);

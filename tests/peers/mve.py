@@ -11,8 +11,8 @@ import meshes
 COMMAND = meshes.ROOT / "target" / "release" / "mve"
 
 LINDSTROM_TURK = {"cost": "LindstromTurk", "placement": "LindstromTurk"}
-BEGUN = {**LINDSTROM_TURK, "head_start": 3}
-CLASSIC = {"cost": {"Quadric": {"memory": 1}}}
+HEAD_START = {**LINDSTROM_TURK, "head_start": 3}
+ALL_MEMORY = {"cost": {"Quadric": {"memory": 1}}}
 
 # Settings of `Simplificator`, by their names in the table: a line each.
 SETTINGS = {
@@ -20,14 +20,14 @@ SETTINGS = {
     "mve, refit 1": {"refit": 1},
     "mve, refit 2": {"refit": 2},
     "mve, refit 6": {"refit": 6},
-    "mve, Greedy": {"order": "Greedy"},
-    "mve, memory 1": CLASSIC,
-    "mve, memory 1, refit 1": {**CLASSIC, "refit": 1},
+    "mve, one queue": {"order": "Greedy"},
+    "mve Quadric, all memory": ALL_MEMORY,
+    "mve Quadric, all memory, refit 1": {**ALL_MEMORY, "refit": 1},
     "mve LindstromTurk": LINDSTROM_TURK,
     "mve LindstromTurk, refit 6": {**LINDSTROM_TURK, "refit": 6},
-    "mve LindstromTurk, head start 3": BEGUN,
-    "mve LindstromTurk, head start 3, refit 1": {**BEGUN, "refit": 1},
-    "mve LindstromTurk, head start 3, refit 6": {**BEGUN, "refit": 6},
+    "mve LindstromTurk, head start 3": HEAD_START,
+    "mve LindstromTurk, head start 3, refit 1": {**HEAD_START, "refit": 1},
+    "mve LindstromTurk, head start 3, refit 6": {**HEAD_START, "refit": 6},
 }
 
 # The seconds that pass on two threads and on one, in place of those of the processor.

@@ -10,6 +10,7 @@ REFERENCE = "CGAL Lindstrom-Turk"
 CAREFUL = "VTK QuadricDecimation"
 LARGE = "noisy 1M"
 DEFAULT = "mve"
+PLAIN = "mve Quadric, all memory"
 # What the largest distance of one mesh differs by from one sampling to the next.
 NOISE = 1.05
 BEGIN, END = "<!-- tests/peers begins -->", "<!-- tests/peers ends -->"
@@ -150,7 +151,7 @@ def faults(results):
 
 
 def targets(results):
-    """What issue 12 asks for, what was found, and whether that is enough."""
+    """What is to be reached, what was found, and whether that is enough."""
     rows = []
     own = [program for program in mve.SETTINGS if results.all_of(program)]
     if not own or not results.all_of(REFERENCE):
@@ -170,7 +171,7 @@ def targets(results):
         add(f"{name}: at most {seconds} s a million, {ratio:.2f} of the RMS of {REFERENCE}",
             f"{program}: {brief(found[0])} s, {brief(found[1])}",
             found[0] <= seconds and found[1] <= ratio)
-    plain = results.seconds(DEFAULT)
+    plain = results.seconds(PLAIN)
     add("Quadric alone: at most 2.0 s a million", f"{brief(plain)} s", plain <= 2.0)
 
     def worst(key):

@@ -78,6 +78,10 @@ fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
         };
         let mut problems: Vec<_> =
             problems.into_iter().filter(|problem| !is_known(problem, &known)).collect();
+        if problems.iter().all(Problem::counts_others) {
+            // Those that it counts are of the map, and have been told.
+            problems.clear();
+        }
         let is_own = |problem: &&Problem| problem.place.program.as_ref() == Some(name);
         problems.extend(of_programs.iter().filter(is_own).cloned());
         groups.push(Group { title: format!("program \"{name}\""), problems });
@@ -86,7 +90,11 @@ fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
         // A program that could not even be read is not among those of the map.
         let name = problem.place.program.clone().unwrap_or_default();
         if !loaded.map.programs.contains_key(&name) {
-            groups.push(Group { title: format!("program \"{name}\""), problems: vec![problem] });
+            let title = format!("program \"{name}\"");
+            match groups.iter_mut().find(|group| group.title == title) {
+                Some(group) => group.problems.push(problem),
+                None => groups.push(Group { title, problems: vec![problem] }),
+            }
         }
     }
     if args.json { report_json(loaded, &groups) } else { report(loaded, &groups, &facts) }
@@ -111,7 +119,7 @@ fn report_json(loaded: &Loaded, groups: &[Group]) -> Result<Exit, Stop> {
 /// A problem as a warning where it is of a parameter that the map leaves open and every program
 /// sets: that is no fault, as long as it is a program that runs.
 fn of_programs_alone(map: &Map, problem: Problem) -> Problem {
-    let Place { node: Some(node), port: Some(port), program: None } = &problem.place else {
+    let Place { node: Some(node), port: Some(port), program: None, .. } = &problem.place else {
         return problem;
     };
     let first = port.split('.').next().unwrap_or_default();

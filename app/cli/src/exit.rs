@@ -54,7 +54,14 @@ impl Stop {
 impl From<StoreError> for Stop {
     fn from(error: StoreError) -> Self {
         match &error {
-            StoreError::Io { path, source } => Self::file(path, source),
+            StoreError::Io { path, source } => {
+                let mut stop = Self::file(path, source);
+                if source.kind() == ErrorKind::StorageFull {
+                    stop.message += "; finished steps are kept: make room, and the same command \
+                                     goes on";
+                }
+                stop
+            }
             StoreError::NotAStore(_)
             | StoreError::OtherProgram { .. }
             | StoreError::TornPlan { .. } => Self { exit: Exit::Files, message: error.to_string() },

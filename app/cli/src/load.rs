@@ -4,8 +4,8 @@ use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use mve_core::{
-    FileHashes, Map, MapError, OutputScope, Place, Plan, PlanOptions, Position, Problem, Registry,
-    assign, declared_at,
+    FileHashes, MODULE, Map, MapError, OutputScope, ParamSpec, Place, Plan, PlanOptions, Position,
+    Problem, Registry, assign, chosen, declared_at,
 };
 use serde_json::Value as Json;
 
@@ -56,23 +56,57 @@ fn parse_assignment(text: &str) -> Result<Assignment, String> {
 
 impl Assignment {
     /// The value for the parameter that it is meant for: a text stays one even where it looks like
-    /// a number, and a file is where the person who types is, not where the map is.
+    /// a number, and files are where the person who types is, not where the map is.
     fn value_for(&self, map: &Map, registry: &Registry, map_folder: &Path) -> Json {
-        let spec = self.path.split_once('.').and_then(|(node, param)| {
-            let node = map.nodes.get(node)?;
-            declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
-        });
-        let (is_file, is_text) =
-            spec.map_or((false, false), |spec| (spec.input_file().is_some(), spec.is_text()));
+        let Some((node, path)) = self.path.split_once('.') else { return self.value.clone() };
+        let Some(node) = map.nodes.get(node) else { return self.value.clone() };
+        if path == MODULE {
+            let specs = |id: &str| registry.find(id).map(|info| info.module.params);
+            return with_files_seen(&self.value, &specs, map_folder);
+        }
+        let specs = registry.find(&node.module).map_or(&[][..], |info| info.module.params);
+        let Some(spec) = declared_at(specs, Some(&node.params), path) else {
+            return self.value.clone();
+        };
+        let is_word = spec.is_text() || spec.input_file().is_some() || spec.output_file().is_some();
         match &self.value {
-            Json::String(path) if is_file => {
-                let seen = seen_from(map_folder, Path::new(path));
-                seen.unwrap_or_else(|| path.into()).to_string_lossy().into_owned().into()
-            }
-            value if is_text && !value.is_string() => self.text.clone().into(),
-            _ => self.value.clone(),
+            Json::String(_) | Json::Null => seen(&spec, &self.value, map_folder),
+            _ if is_word => seen(&spec, &self.text.clone().into(), map_folder),
+            _ => seen(&spec, &self.value, map_folder),
         }
     }
+}
+
+/// The value of a parameter with its files as the map in this folder names them.
+fn seen(spec: &ParamSpec, value: &Json, map_folder: &Path) -> Json {
+    match value {
+        Json::String(path) if spec.input_file().is_some() => {
+            let seen = seen_from(map_folder, Path::new(path));
+            seen.unwrap_or_else(|| path.into()).to_string_lossy().into_owned().into()
+        }
+        _ => {
+            let options = spec.options();
+            let specs = |id: &str| options.iter().find(|option| option.id == id).map(|o| o.params);
+            with_files_seen(value, &specs, map_folder)
+        }
+    }
+}
+
+/// The same of `{id: {parameters}}`, a module or an entry of a choice; anything else as it is.
+fn with_files_seen(
+    value: &Json,
+    specs: &dyn Fn(&str) -> Option<&'static [ParamSpec]>,
+    map_folder: &Path,
+) -> Json {
+    let Some((id, Some(params))) = chosen(value) else { return value.clone() };
+    let Some(specs) = specs(id) else { return value.clone() };
+    let param = |(name, value): (&String, &Json)| {
+        let spec = specs.iter().find(|spec| spec.name == name);
+        let value = spec.map_or_else(|| value.clone(), |spec| seen(spec, value, map_folder));
+        (name.clone(), value)
+    };
+    let params: serde_json::Map<String, Json> = params.iter().map(param).collect();
+    serde_json::json!({ id: params })
 }
 
 /// A file as a map in this folder names it: relative to the folder, as tables then show it.

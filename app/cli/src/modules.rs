@@ -1,9 +1,11 @@
 //! `mve modules`: the documentation of modules, drawn from their declarations.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use mve_core::{ModuleInfo, describe_all, describe_module, did_you_mean, search};
+use mve_core::{
+    ModuleInfo, describe_all, describe_module, describe_part, did_you_mean, entries_with, search,
+};
 use serde_json::{Value as Json, json};
 
 use crate::check::count;
@@ -16,11 +18,13 @@ use crate::table::wrap;
 #[command(after_help = "Examples:
   mve modules
   mve modules Simplificator
+  mve modules MeshComparer.ImageSsim    one entry of a choice, or one parameter
   mve modules hausdorff                 those that have to do with it
   mve modules --write docs/modules.md
   mve modules --json | jq -r .id")]
 pub struct Args {
-    /// Id of one module, or words to search for in what modules say of themselves
+    /// Id of one module, with a parameter or an entry behind a point; or words to search for in what
+    /// modules and entries say of themselves
     #[arg(value_name = "ID|WORDS")]
     words: Vec<String>,
     /// Write the documentation as Markdown to a file: of all modules, or of the one named
@@ -35,6 +39,14 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<Exit, Stop> {
     let registry = mve_modules::registry();
     let query = args.words.join(" ");
+    let part = query.split_once('.').and_then(|(id, path)| Some((registry.find(id)?, path)));
+    if let Some((info, path)) = part.filter(|_| !args.json) {
+        let text = describe_part(&info, path).map_err(Stop::usage)?;
+        return match &args.write {
+            Some(file) => write(file, &text),
+            None => out::print(&for_terminal(&text)),
+        };
+    }
     let chosen = registry.find(&query);
     let found = match chosen {
         Some(info) => vec![info],
@@ -50,8 +62,7 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
             true => describe_all(&registry),
             false => found.iter().map(describe_module).collect::<Vec<_>>().join("\n"),
         };
-        out::write_file(path, &text)?;
-        return out::print(&format!("wrote {}\n", path.display()));
+        return write(path, &text);
     }
     if args.json {
         let schema = mve_core::schema(&registry);
@@ -62,12 +73,17 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
     }
     match chosen {
         Some(info) => out::print(&for_terminal(&describe_module(&info))),
-        None => out::print(&list(&found)),
+        None => out::print(&list(&found, &args.words)),
     }
 }
 
-/// Ids and summaries by category.
-fn list(all: &[ModuleInfo]) -> String {
+fn write(file: &Path, text: &str) -> Result<Exit, Stop> {
+    out::write_file(file, text)?;
+    out::print(&format!("wrote {}\n", file.display()))
+}
+
+/// Ids and summaries by category, with the entries that have all of some words.
+fn list(all: &[ModuleInfo], words: &[String]) -> String {
     let widest = all.iter().map(|info| info.module.id.len()).max().unwrap_or(0);
     let mut categories: Vec<_> = all.iter().map(|info| info.category).collect();
     categories.sort_unstable();
@@ -78,11 +94,30 @@ fn list(all: &[ModuleInfo]) -> String {
         for info in all.iter().filter(|info| info.category == category) {
             let summary = wrap(info.module.summary, out::width(), widest + 4);
             let _ = writeln!(text, "  {:widest$}  {summary}", info.module.id);
+            let entries = entries_of(info, words).join(", ");
+            if !entries.is_empty() {
+                let entries = wrap(&format!("in {entries}"), out::width(), widest + 4);
+                let _ = writeln!(text, "  {:widest$}  {entries}", "");
+            }
         }
         text.push('\n');
     }
     let _ = writeln!(text, "{}; `mve modules ID` tells more", count(all.len(), "module"));
     text
+}
+
+/// The entries of a module that have all words, where its id and summary have not.
+fn entries_of(info: &ModuleInfo, words: &[String]) -> Vec<String> {
+    let words = words.iter().flat_map(|word| word.split_whitespace());
+    let is_told = |word: &str| {
+        let own = format!("{} {}", info.module.id, info.module.summary).to_lowercase();
+        own.contains(&word.to_lowercase())
+    };
+    let mut lists = words
+        .filter(|word| !is_told(word))
+        .map(|word| entries_with(info.module, word, mve_modules::SYNONYMS));
+    let first = lists.next().unwrap_or_default();
+    lists.fold(first, |all, list| all.into_iter().filter(|entry| list.contains(entry)).collect())
 }
 
 /// Markdown with its titles bold and its lists wrapped, where standard output is a terminal.

@@ -71,11 +71,9 @@ enum What {
         /// Id in CamelCase, such as NormalDeviation
         name: String,
     },
-    /// Write a loader: a reader and a module, with tests and a small file to read
+    /// Write a loader of a file format, with a test, and enter it in the list of its folder
     ///
-    /// Works inside a checkout of mve: writes modules/src/formats/FORMAT.rs, or FORMAT/read.rs
-    /// where there is a folder of the format, modules/src/io/NAME.rs and
-    /// tests/data/example.FORMAT, and enters both in their lists.
+    /// Works inside a checkout of mve: writes modules/src/io/NAME.rs.
     Loader {
         /// Id in CamelCase, the format first: OffLoader
         name: String,

@@ -8,7 +8,7 @@ use std::time::Duration;
 use mve_core::{
     CancelToken, DiskCache, EventKind, Part, Patience, Problem, Program, ProgramEvent,
     ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS,
-    did_you_mean, is_steering,
+    chosen, did_you_mean, is_steering,
 };
 use mve_report::Report;
 use serde::Serialize;
@@ -87,7 +87,11 @@ pub struct Args {
     /// Threads to use [default: one a core; 1 with --timing]
     #[arg(long, value_name = "N", value_parser = parse_count)]
     threads: Option<usize>,
-    /// Start no further step while more memory is in use: 8G, 512M [default: half of the machine's]
+    /// Memory that steps may take together: 8G, 512M [default: half of the machine's]
+    ///
+    /// A further step waits until less is in use, and a module that says beforehand how much it
+    /// will take waits until that is free; neither counts against a time limit. What alone takes
+    /// more than this runs alone.
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
     /// Stop a step after this time, in place of the program's own limit
@@ -218,7 +222,11 @@ fn part_of(args: &Args, program: &Program) -> Result<Part, Stop> {
         }
         let only = Part { only: vec![(path.clone(), value.clone())], ..Part::default() };
         if program.places(&only).is_empty() {
-            return Err(Stop::usage(format!("--only {path}: no step has it as {value}")));
+            let values = program.steps.iter().filter_map(|step| step.params.get(path));
+            let ids = values.filter_map(|value| chosen(value).map(|(id, _)| id));
+            let hint = value.as_str().map(|value| did_you_mean(value, ids)).unwrap_or_default();
+            let message = format!("--only {path}: no step has it as {value}{hint}");
+            return Err(Stop::usage(message));
         }
     }
     Ok(part)
@@ -281,9 +289,9 @@ fn run_steps(
     let disk_cache = cache_of(args, store)?;
     let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = program.places(&part);
-    let answer = report::answers(program, store, args.timings());
+    let finished = report::finished(program, store, args.timings());
     let is_found = |place: &&usize| {
-        answer(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
+        finished(**place).is_some_and(|r| !args.retry_failed || r.status == StepStatus::Done)
     };
     let found = places.iter().filter(is_found).count();
     let progress = Progress::new("steps", places.len(), found, !quiet && !args.json);

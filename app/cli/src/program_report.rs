@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use mve_core::{Part, Program, ProgramOutcome, Step, StepRecord, StepStatus, Store, brief_value};
+use mve_core::{
+    Part, Program, ProgramOutcome, Requirement, Step, StepRecord, StepStatus, Store, brief_value,
+};
 use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -17,19 +19,14 @@ use crate::table::{Table, wrap};
 /// Rows of a table on a terminal, where more would scroll away.
 const MOST_ROWS: usize = 100;
 
-/// The record of a step that has as many times as are asked for, where any are.
-pub fn answers<'a>(
+/// The record of a step that is all that is asked of it.
+pub fn finished<'a>(
     program: &'a Program,
     store: &'a Store,
     timings: Option<usize>,
 ) -> impl Fn(usize) -> Option<Arc<StepRecord>> + 'a {
-    let runs = timings.map(|timings| program.runs_by_step(timings));
-    move |place| {
-        let id = program.steps[place].id.as_str();
-        let wanted = runs.as_ref().and_then(|runs| runs.get(id).copied());
-        let record = program.record(store, place);
-        record.filter(|record| wanted.is_none_or(|wanted| record.has_timings(wanted)))
-    }
+    let requirement = Requirement::of(program, timings);
+    move |place| program.record(store, place).filter(|record| requirement.is_met_by(record))
 }
 
 /// The parameters of a step in a line.
@@ -63,11 +60,11 @@ pub fn dry_run(
     json: bool,
 ) -> Result<Exit, Stop> {
     let steps = program.places(part);
-    let answer = store.map(|store| answers(program, store, timings));
+    let record = store.map(|store| finished(program, store, timings));
     let rows: Vec<_> = steps
         .iter()
         .map(|place| {
-            let record = answer.as_ref().and_then(|answer| answer(*place));
+            let record = record.as_ref().and_then(|record| record(*place));
             let status = record.map_or("to do", |record| record.status.word());
             Row { event: "step", step: &program.steps[*place], status }
         })

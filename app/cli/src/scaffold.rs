@@ -17,32 +17,32 @@ const COST: &str = include_str!("../../../modules/templates/cost.rs");
 const IMAGE_COST: &str = include_str!("../../../modules/templates/image_cost.rs");
 const METRIC: &str = include_str!("../../../modules/templates/metric.rs");
 const PLACEMENT: &str = include_str!("../../../modules/templates/placement.rs");
-const FORMAT: &str = include_str!("../../../modules/templates/format.rs");
 const LOADER: &str = include_str!("../../../modules/templates/loader.rs");
-const EXAMPLE: &str = include_str!("../../../modules/templates/example.txt");
 const DATA: &str = include_str!("../../../modules/templates/data.rs");
 const VIEW: &str = include_str!("../../../app/editor/templates/view.rs");
 
 /// Most signs in a line.
 const WIDEST: usize = 100;
 
-/// A file to write, and the line that names it.
+/// A file to write, and the list that names it.
 struct Part {
     /// Below the checkout.
     file: String,
     text: String,
-    /// The file with the list, below the checkout, and what enters the line there.
-    list: Option<(String, Line)>,
+    /// The file with the list, below the checkout.
+    list: String,
+    /// What the list stands behind.
+    before: &'static str,
+    /// What enters it, and where.
+    item: String,
+    place: Place,
 }
 
-/// A line that names a file.
-enum Line {
-    /// In the list behind `before`, at its place in the alphabet.
-    Sorted { before: &'static str, item: String },
-    /// In the list behind `before`, at its end.
-    Last { before: &'static str, item: String },
-    /// A declaration among those of its kind: `pub mod png;`.
-    Declaration(String),
+/// Where an item of a list goes.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Sorted,
+    Last,
 }
 
 impl Part {
@@ -53,7 +53,10 @@ impl Part {
         Ok(Self {
             file: format!("{folder}/{item}.rs"),
             text: template.replace("Template", id),
-            list: Some((format!("{folder}/mod.rs"), Line::Sorted { before, item })),
+            list: format!("{folder}/mod.rs"),
+            before,
+            item,
+            place: Place::Sorted,
         })
     }
 }
@@ -70,7 +73,7 @@ pub fn module(id: &str, folder: &str) -> Result<Exit, Stop> {
         let message = format!("{} has no list of its own", folder.display());
         return Err(Stop::usage(format!("{message}; name one of {}", lists(&sources, before))));
     }
-    write(&checkout, &[Part::entry(folder, id, before, MODULE)?], &test_of("mve-modules", id)?)
+    write(&checkout, &Part::entry(folder, id, before, MODULE)?, &test_of("mve-modules", id)?)
 }
 
 /// Writes a cost.
@@ -95,65 +98,38 @@ pub fn metric(id: &str) -> Result<Exit, Stop> {
 
 fn entry(folder: &str, id: &str, before: &'static str, template: &str) -> Result<Exit, Stop> {
     let part = Part::entry(folder, id, before, template)?;
-    write(&find_checkout()?, &[part], &test_of("mve-modules", id)?)
+    write(&find_checkout()?, &part, &test_of("mve-modules", id)?)
 }
 
-/// Writes a loader: the reader of its format, the module, and a small file for the tests.
+/// Writes a loader, which reads the files of one format.
 pub fn loader(id: &str) -> Result<Exit, Stop> {
-    let checkout = find_checkout()?;
     check_free(id)?;
     let name = file_name(id)?;
     let format = name.strip_suffix("_loader").ok_or_else(|| {
         Stop::usage(format!("\"{id}\" does not name a format; write it like OffLoader"))
     })?;
-    check_word(format)?;
-    let formats = "modules/src/formats";
-    // A format that is written already has a folder.
-    let (folder, reader, path) = match checkout.join(formats).join(format).is_dir() {
-        true => (format!("{formats}/{format}"), "read", format!("{format}::read")),
-        false => (formats.to_owned(), format, format.to_owned()),
-    };
-    let format_part = Part {
-        file: format!("{folder}/{reader}.rs"),
-        text: FORMAT.replace("template", format),
-        list: Some((format!("{folder}/mod.rs"), Line::Declaration(format!("pub mod {reader};")))),
-    };
-    let template = LOADER.replace("formats::template", &format!("formats::{path}"));
-    let module_part = Part::entry("io", id, "modules! {", &template.replace("template", format))?;
-    let example = format!("tests/data/example.{format}");
-    let has_example = checkout.join(&example).exists();
-    let example = Part { file: example, text: EXAMPLE.to_owned(), list: None };
-    let parts = [format_part, module_part, example];
-    let n_parts = if has_example { 2 } else { 3 };
-    write(&checkout, &parts[..n_parts], &format!("cargo test -p mve-modules {format}"))
+    entry("io", id, "modules! {", &LOADER.replace("template", format))
 }
 
 /// Writes a data type.
 pub fn data(id: &str) -> Result<Exit, Stop> {
-    let (name, before) = (file_name(id)?, "data_types! {");
-    let part = Part {
-        file: format!("modules/src/data/{name}.rs"),
-        text: DATA.replace("Template", id),
-        list: Some((
-            "modules/src/data/mod.rs".to_owned(),
-            Line::Sorted { before, item: format!("{name}: {id}") },
-        )),
-    };
-    write(&find_checkout()?, &[part], &test_of("mve-modules", id)?)
+    let mut part = Part::entry("data", id, "data_types! {", DATA)?;
+    part.item = format!("{}: {id}", part.item);
+    write(&find_checkout()?, &part, &test_of("mve-modules", id)?)
 }
 
 /// Writes a view of a data type.
 pub fn view(id: &str) -> Result<Exit, Stop> {
-    let (name, before) = (file_name(id)?, "views! {");
+    let name = file_name(id)?;
     let part = Part {
         file: format!("app/editor/src/views/{name}.rs"),
         text: VIEW.replace("Measures", id),
-        list: Some((
-            "app/editor/src/views/mod.rs".to_owned(),
-            Line::Last { before, item: format!("{name}::{id}View as {name}") },
-        )),
+        list: "app/editor/src/views/mod.rs".to_owned(),
+        before: "views! {",
+        item: format!("{name}::{id}View as {name}"),
+        place: Place::Last,
     };
-    write(&find_checkout()?, &[part], &test_of("mve-editor", id)?)
+    write(&find_checkout()?, &part, &test_of("mve-editor", id)?)
 }
 
 /// The command that runs the tests of an id's file.
@@ -170,39 +146,25 @@ fn check_free(id: &str) -> Result<(), Stop> {
     }
 }
 
-/// Writes the files and the lines that name them: all of them, or none where one is in the way.
-fn write(checkout: &Path, parts: &[Part], test: &str) -> Result<Exit, Stop> {
-    let mut files = Vec::new();
-    let mut said = String::new();
-    for Part { file, text, list } in parts {
-        let path = checkout.join(file);
-        if path.exists() {
-            return Err(Stop::file(&path, &std::io::ErrorKind::AlreadyExists.into()));
-        }
-        let text = if file.ends_with(".rs") { formatted(text, checkout) } else { text.clone() };
-        said += &format!("wrote {}\n", path.display());
-        files.push((path, text));
-        let Some((list, line)) = list else { continue };
-        let list = checkout.join(list);
-        let old = fs::read_to_string(&list).map_err(|error| Stop::file(&list, &error))?;
-        let (entered, line) = line.entered(&old);
-        let entered = entered.ok_or_else(|| {
-            let list = list.display();
-            Stop::usage(format!("{list}: cannot read its list; add `{line}` by hand"))
-        })?;
-        said += &format!("entered {line} in {}\n", list.display());
-        files.push((list, entered));
+/// Writes the file and the line that names it: both, or none where one is in the way.
+fn write(checkout: &Path, part: &Part, test: &str) -> Result<Exit, Stop> {
+    let (file, list) = (checkout.join(&part.file), checkout.join(&part.list));
+    if file.exists() {
+        return Err(Stop::file(&file, &std::io::ErrorKind::AlreadyExists.into()));
     }
-    for (path, text) in &files {
-        let folder = path.parent().unwrap_or(checkout);
-        fs::create_dir_all(folder).map_err(|error| Stop::file(folder, &error))?;
-        out::write_file(path, text)?;
-    }
-    let then = match parts.iter().any(|part| part.file.starts_with("modules/")) {
+    let old = fs::read_to_string(&list).map_err(|error| Stop::file(&list, &error))?;
+    let entered = enter(&old, part.before, &part.item, part.place).ok_or_else(|| {
+        let (list, item) = (list.display(), &part.item);
+        Stop::usage(format!("{list}: cannot read its list; add `{item}` by hand"))
+    })?;
+    out::write_file(&file, formatted(&part.text, checkout))?;
+    out::write_file(&list, &entered)?;
+    let then = match part.file.starts_with("modules/") {
         true => "then document it: cargo run -p mve -- modules --write docs/modules.md\n",
         false => "",
     };
-    out::print(&format!("{said}test it with: {test}\n{then}"))
+    let (file, list, item) = (file.display(), list.display(), &part.item);
+    out::print(&format!("wrote {file}\nentered {item} in {list}\ntest it with: {test}\n{then}"))
 }
 
 /// The text as `rustfmt` leaves it, since lines are longer or shorter by the id; as it is where
@@ -268,12 +230,6 @@ fn file_name(id: &str) -> Result<String, Stop> {
         }
         name.push(c.to_ascii_lowercase());
     }
-    check_word(&name)?;
-    Ok(name)
-}
-
-/// Refuses what cannot be the name of a file of code.
-fn check_word(name: &str) -> Result<(), Stop> {
     // All strict and reserved words of the language, up to the edition of 2024.
     const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn \
         else enum extern false final fn for gen if impl in let loop macro match mod move mut \
@@ -281,26 +237,8 @@ fn check_word(name: &str) -> Result<(), Stop> {
         unsized use virtual where while yield";
     match KEYWORDS.split_whitespace().any(|word| word == name) {
         true => Err(Stop::usage(format!("\"{name}\" is a word of Rust; add a word to the id"))),
-        false => Ok(()),
+        false => Ok(name),
     }
-}
-
-impl Line {
-    /// The text of a list's file with the line, if the list can be read and lacks it; and the line.
-    fn entered(&self, text: &str) -> (Option<String>, &str) {
-        match self {
-            Self::Sorted { before, item } => (enter(text, before, item, Place::Sorted), item),
-            Self::Last { before, item } => (enter(text, before, item, Place::Last), item),
-            Self::Declaration(line) => (declare(text, line), line),
-        }
-    }
-}
-
-/// Where an item of a list goes.
-#[derive(Clone, Copy, PartialEq)]
-enum Place {
-    Sorted,
-    Last,
 }
 
 /// The text with an item entered in the list behind `before`.
@@ -337,23 +275,6 @@ fn enter(text: &str, before: &str, item: &str, place: Place) -> Option<String> {
         short
     };
     Some(format!("{}{list}{}", &text[..start], &text[end..]))
-}
-
-/// The text with a declaration in the first block of declarations, at its place in the alphabet.
-fn declare(text: &str, line: &str) -> Option<String> {
-    let name = |line: &str| {
-        let line = line.strip_prefix("pub ").unwrap_or(line);
-        Some(line.strip_prefix("mod ")?.strip_suffix(';')?.to_owned())
-    };
-    let mut lines: Vec<&str> = text.split('\n').collect();
-    let first = lines.iter().position(|line| name(line).is_some())?;
-    let names: Vec<_> = lines[first..].iter().map_while(|line| name(line)).collect();
-    let own = name(line)?;
-    if names.contains(&own) {
-        return None;
-    }
-    lines.insert(first + names.iter().filter(|name| **name < own).count(), line);
-    Some(lines.join("\n"))
 }
 
 #[cfg(test)]
@@ -420,15 +341,5 @@ mod tests {
         let lines = entries.replace(" a", "\n            a").replace(", b", ",\n            b");
         let text = entries.replace(", bbbb", "");
         assert_eq!(sorted(&text, "ITEM in", "bbbb"), Some(lines));
-    }
-
-    #[test]
-    fn a_declaration_stands_among_the_others() {
-        let text = "//! X.\n\nmod a;\npub mod c;\n\npub use a::A;\n\n#[cfg(test)]\nmod tests;\n";
-        let declared = declare(text, "pub mod b;").unwrap();
-        assert_eq!(declared, text.replace("mod a;\n", "mod a;\npub mod b;\n"));
-        let declared = declare(text, "pub mod d;").unwrap();
-        assert_eq!(declared, text.replace("mod c;\n", "mod c;\npub mod d;\n"));
-        assert_eq!(declare(text, "mod c;"), None);
     }
 }

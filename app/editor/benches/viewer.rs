@@ -88,7 +88,7 @@ fn measure_sheet(harness: &mut Harness<Shown>) {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state }
+    Pinned { title, value: Some(value), state, mesh: None }
 }
 
 fn measure(harness: &mut Harness<Shown>, name: &str) {

@@ -11,7 +11,7 @@ use eframe::egui;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use mve_core::Control;
 use mve_core::Value;
-use mve_editor::views::{Arrangement, Pinned, PortState, Viewer, ViewerAction};
+use mve_editor::views::{Arrangement, Pinned, Viewer, ViewerAction};
 use mve_modules::data::{Domain, Field, Images, TriMesh};
 use mve_modules::formats::{obj, png::read_png};
 
@@ -87,7 +87,7 @@ fn load(path: &Path, order: &Order, pinned: &mut Vec<Pinned>) -> Result<(), Stri
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let message = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let pin =
-        |title: String, value: Value| Pinned { title, value: Some(value), state: PortState::Ready };
+        |title: String, value: Value| Pinned { title, value: Some(value), ..Pinned::default() };
     if path.extension().is_some_and(|extension| extension == "png") {
         let bytes = std::fs::read(path).map_err(|error| message(&error))?;
         let image = read_png(&bytes, &name).map_err(|error| message(&error))?;

@@ -71,7 +71,7 @@ fn main() {
     hand.unpin_all();
     hand.click("Program");
     hand.wait_for_the_program();
-    hand.click_last("Run");
+    hand.click("Run steps");
     hand.wait_for_the_program();
     hand.click("Plot");
     save(&mut hand, &folder, "program.png");

@@ -1,9 +1,12 @@
 //! Forms of parameters, drawn from their declarations alone.
 
 mod field;
+mod paths;
 mod points;
 mod suggest;
 mod widgets;
+
+use std::path::Path;
 
 use eframe::egui::{self, RichText, Ui};
 pub use field::{CELL_WIDTH, FieldPlace, ParamField};
@@ -52,6 +55,8 @@ pub struct Form<'a> {
     pub link_of: &'a dyn Fn(&str) -> Option<String>,
     /// How many of a unit there are in the inputs of the node.
     pub counts: &'a [(&'static str, usize)],
+    /// The folder that paths are relative to.
+    pub folder: &'a Path,
 }
 
 impl Form<'_> {
@@ -87,10 +92,12 @@ impl Form<'_> {
             } else {
                 ui.visuals().text_color()
             };
-            let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+            // Paths are long: they get the room that their names leave.
+            let width = if spec.input_file().is_some() { 0.5 * NAME_WIDTH } else { NAME_WIDTH };
+            let size = egui::vec2(width, ui.spacing().interact_size.y);
             let left = egui::Layout::left_to_right(egui::Align::Center);
             ui.allocate_ui_with_layout(size, left, |ui| {
-                ui.set_min_width(NAME_WIDTH);
+                ui.set_min_width(width);
                 let label = egui::Label::new(RichText::new(&name).color(color)).truncate();
                 ui.add(label).on_hover_text(doc_of(spec));
             });
@@ -101,7 +108,9 @@ impl Form<'_> {
             }
             let place = FieldPlace::Row;
             let suggested = halves(spec, self.counts, 1).pop();
-            let mut field = ParamField { spec, name, path, given, place, suggested, events };
+            let folder = Some(self.folder);
+            let mut field =
+                ParamField { spec, name, path, given, place, suggested, folder, events };
             if spec.can_be_off {
                 field.switch(ui);
             }

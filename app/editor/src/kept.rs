@@ -100,7 +100,7 @@ impl Kept {
         }
     }
 
-    /// A name that begins so and that nothing on the shelf has.
+    /// The first of `view 1`, `view 2` and so on that nothing on the shelf has.
     pub fn free_name(&self, shelf: Shelf) -> String {
         let names = (1..).map(|n| format!("{} {n}", shelf.kind()));
         let mut names = names.filter(|name| !self.on(shelf).contains_key(name));
@@ -141,8 +141,12 @@ impl Kept {
 }
 
 fn check_name(shelf: Shelf, name: &str) -> Result<(), String> {
-    match name.trim().is_empty() || name.contains(char::is_control) {
-        true => Err(format!("the name of a {} cannot be empty", shelf.kind())),
+    let kind = shelf.kind();
+    if name.trim().is_empty() {
+        return Err(format!("the name of a {kind} cannot be empty"));
+    }
+    match name.contains(char::is_control) {
+        true => Err(format!("the name of a {kind} cannot have line ends or other control signs")),
         false => Ok(()),
     }
 }
@@ -179,6 +183,7 @@ mod tests {
             (rename("gone", "a"), "there is no view \"gone\""),
             (rename("back", " "), "cannot be empty"),
             (put("", json!(0)), "cannot be empty"),
+            (put("a\nb", json!(0)), "cannot have line ends"),
         ] {
             let said = kept.edit(&edit).unwrap_err();
             assert!(said.contains(why), "{said}");

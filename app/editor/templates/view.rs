@@ -52,7 +52,7 @@ mod tests {
         let value = (entry.sample)(&tetrahedron());
         let summary = value.summary();
         let (title, state) = ("a.value".to_owned(), PortState::Ready);
-        let pinned = Pinned { title, value: Some(value), state };
+        let pinned = Pinned { title, value: Some(value), state, mesh: None };
         let show = |ui: &mut egui::Ui, actions: &mut Vec<ViewerAction>| {
             let values = vec![(0, &pinned)];
             let shown = ViewInput { values, all: &[], height: 100.0, render: None, picked: None };

@@ -15,6 +15,7 @@ use crate::columns::{self, MeasureColumn};
 use crate::labels;
 use crate::results::Results;
 use crate::stats::{RatioEstimate, geometric_mean, sign_test, wilcoxon};
+use crate::words::{pairs_are, plural, single};
 
 /// Numbers closer than this share of themselves are equal.
 const ALIKE: f64 = 1e-12;
@@ -59,9 +60,9 @@ pub struct Answer {
     pub n_unequal: usize,
     /// Steps on either side that have no partner or no value.
     pub n_alone: usize,
-    /// Pairs whose first value is lower, higher, and neither.
+    /// Pairs whose first value is lower.
     pub n_lower: usize,
-    /// See above.
+    /// Pairs whose first value is higher.
     pub n_higher: usize,
     /// The geometric mean of the ratios.
     pub overall: Option<RatioEstimate>,
@@ -278,14 +279,14 @@ impl Answer {
             sentences.push(format!(
                 "{} without a ratio, as a value is 0 or below, counted among the lower and higher \
                  ones only.",
-                if left == 1 { "1 pair is".to_owned() } else { format!("{left} pairs are") }
+                pairs_are(left)
             ));
         }
         if let Some(over) = self.averaged().filter(|over| !self.is_by_groups_alone(*over)) {
             sentences.push(format!(
                 "With the pairs of each {} averaged first, since they are not independent: {} \
                  (geometric mean of {}{}).",
-                group_name(results),
+                single(&group_name(results)),
                 self.form().change(over.ratio),
                 over.n,
                 self.interval(over)
@@ -329,8 +330,7 @@ impl Answer {
             (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),
         ];
         for (n, why) in left_out.into_iter().filter(|(n, _)| *n > 0) {
-            let pairs = if n == 1 { "1 pair is".to_owned() } else { format!("{n} pairs are") };
-            sentences.push(format!("{pairs} left out, as {why}."));
+            sentences.push(format!("{} left out, as {why}.", pairs_are(n)));
         }
         if self.n_alone > 0 {
             let n = self.n_alone;
@@ -346,9 +346,10 @@ impl Answer {
         self.pairs.iter().filter(|pair| pair.ratio.is_some()).count()
     }
 
-    /// The mean over the groups, where it is not that of the pairs.
+    /// The mean over the groups, where there are several and it is not that of the pairs.
     fn averaged(&self) -> Option<RatioEstimate> {
-        self.over_groups.filter(|_| self.by_group.len() < self.n_ratios())
+        let n = self.by_group.len();
+        self.over_groups.filter(|_| n > 1 && n < self.n_ratios())
     }
 
     /// How all changes of this answer are said.
@@ -388,9 +389,10 @@ impl Answer {
             };
             let interval = interval.trim_start_matches(", ");
             return format!(
-                "{reason}: with the pairs of each {group} averaged first, since they are not \
+                "{reason}: with the pairs of each {} averaged first, since they are not \
                  independent, “{m}” is {} with {a} than with {b} (geometric mean of {}{}). Over \
                  all {pairs} it is {change} ({interval}), and {counts}.",
+                single(&group),
                 self.form().change(over.ratio),
                 over.n,
                 self.interval(over)
@@ -465,11 +467,6 @@ fn is_off(estimate: RatioEstimate) -> bool {
 /// What the pairs of one row have in common.
 fn group_name(results: &Results) -> String {
     results.group_axis().map_or("group", |axis| axis.title.as_str()).to_owned()
-}
-
-/// Several of what an axis is named for.
-fn plural(name: &str) -> String {
-    if name.ends_with('s') { format!("values of {name}") } else { format!("{name}s") }
 }
 
 #[cfg(test)]

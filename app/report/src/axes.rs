@@ -7,6 +7,7 @@ use mve_core::{PlanFile, ReportSpec};
 use serde_json::Value as Json;
 
 use crate::case::Case;
+use crate::columns::node_of;
 use crate::labels;
 
 /// Series of which a reader still keeps apart the lines of a plot and the columns of a table. More
@@ -111,10 +112,8 @@ fn series(axes: &[Axis], plan: &PlanFile, spec: &ReportSpec) -> Vec<usize> {
     let texts: Vec<usize> = free.iter().copied().filter(|place| !axes[*place].is_scale()).collect();
     // What is compared is what is done to models, not the models.
     let fed = fed(plan);
-    let is_done = |place: &usize| {
-        let node = axes[*place].paths.first().and_then(|path| path.split('.').next());
-        node.is_some_and(|node| fed.contains(node))
-    };
+    let is_done =
+        |place: &usize| axes[*place].paths.first().is_some_and(|path| fed.contains(node_of(path)));
     let done: Vec<usize> = texts.iter().copied().filter(is_done).collect();
     let mut chosen =
         if done.is_empty() { texts.last().copied().into_iter().collect() } else { done };
@@ -134,8 +133,8 @@ fn series(axes: &[Axis], plan: &PlanFile, spec: &ReportSpec) -> Vec<usize> {
 /// Nodes that take a value from another one.
 fn fed(plan: &PlanFile) -> HashSet<&str> {
     let links = plan.map["links"].as_array().into_iter().flatten();
-    let ends = links.filter_map(|link| link.as_str()?.split_once("->")?.1.trim().split('.').next());
-    ends.collect()
+    let ends = links.filter_map(|link| link.as_str()?.split_once("->"));
+    ends.map(|(_, to)| node_of(to.trim())).collect()
 }
 
 fn holds(axis: &Axis, paths: &[String]) -> bool {

@@ -1,7 +1,7 @@
 //! Which columns a report shows: what the program names, else what modules declare as chief.
 //!
-//! Where there is neither, the outputs of nodes that take several links are shown, since what
-//! compares needs two things; if there are none, those of all nodes but the one that is compared.
+//! Where there is neither, the outputs of nodes that measure are shown, [`measuring_nodes`]; if
+//! there are none, those of all nodes but the one that is compared.
 //! Constant and repeated columns say nothing, and of one node a few are enough. What modules do not
 //! declare has no better end.
 
@@ -69,13 +69,10 @@ impl MeasureColumn {
 
     /// The same of a parameter.
     pub fn is_set_by(&self, results: &Results, path: &str) -> bool {
-        let node = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-        if is_time(&self.column) || node(path) != node(&self.column) {
-            return false;
-        }
         // What a node says of its own work, such as how much it rejected, may be compared.
-        results.plan.columns.role(&self.column) == Role::Chief
-            || comparing_nodes(results).contains(&node(path))
+        !is_time(&self.column)
+            && node_of(path) == node_of(&self.column)
+            && measuring_nodes(results).contains(&node_of(path))
     }
 
     /// The axes that set how it is measured.
@@ -142,13 +139,13 @@ fn chosen(results: &Results) -> Vec<String> {
 /// What looks like a measure.
 fn undeclared(results: &Results) -> Vec<String> {
     let hidden = against(results);
-    let comparing = comparing_nodes(results);
+    let measuring = measuring_nodes(results);
     let series_node = results.series_node();
     let chosen = few_of_each(results, &|column| {
-        let node = column.split('.').next().unwrap_or_default();
-        let is_chosen = match comparing.is_empty() {
+        let node = node_of(column);
+        let is_chosen = match measuring.is_empty() {
             true => Some(node) != series_node,
-            false => comparing.iter().any(|known| known == node),
+            false => measuring.contains(&node),
         };
         is_chosen && !hidden.iter().any(|known| known == column)
     });
@@ -205,12 +202,20 @@ fn plain(column: &str) -> String {
     column.split_once('.').map_or(column, |(_, output)| output).replace('_', " ")
 }
 
-/// Puts the name of the node behind titles that several measures have.
+/// Puts the name of the node behind titles that several measures have, the whole column where they
+/// are of one node.
 fn told_apart(measures: &mut [MeasureColumn]) {
-    let titles: Vec<String> = measures.iter().map(|measure| measure.title.clone()).collect();
+    let alike = |measure: &MeasureColumn, other: &MeasureColumn| {
+        measure.title == other.title && measure.unit == other.unit
+    };
+    let all = measures.to_vec();
     for measure in measures {
-        if titles.iter().filter(|title| **title == measure.title).count() > 1 {
-            measure.title = format!("{}, {}", measure.title, measure.column);
+        let alike: Vec<&MeasureColumn> = all.iter().filter(|other| alike(measure, other)).collect();
+        let node = node_of(&measure.column);
+        let n_of_node = alike.iter().filter(|other| node_of(&other.column) == node).count();
+        if alike.len() > 1 {
+            let place = if n_of_node > 1 { &measure.column } else { node };
+            measure.title = format!("{}, {place}", measure.title);
         }
     }
 }
@@ -220,10 +225,21 @@ pub fn title(results: &Results, measures: &[MeasureColumn], column: &str) -> Str
     if let Some(measure) = measures.iter().find(|measure| measure.column == column) {
         return measure.title_with_unit();
     }
-    match of_column(results, column).as_slice() {
-        [only] => only.title_with_unit(),
-        _ => column.to_owned(),
+    let of_axis = |axis: &&Axis| axis.paths.iter().any(|path| path == column);
+    match results.axes.iter().find(of_axis) {
+        Some(axis) if axis.paths.len() == 1 => return axis.title.clone(),
+        Some(_) => return plain(column),
+        None => {}
     }
+    let mut titles: Vec<String> =
+        of_column(results, column).iter().map(MeasureColumn::title_with_unit).collect();
+    titles.dedup();
+    titles.join(" or ")
+}
+
+/// The node of a column or parameter, `node.output`.
+pub fn node_of(path: &str) -> &str {
+    path.split_once('.').map_or(path, |(node, _)| node)
 }
 
 /// Whether a column holds what a step or a node took.
@@ -269,8 +285,7 @@ fn few_of_each(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<Strin
         if numbers.iter().all(Option::is_none) || seen.contains(&numbers) {
             continue;
         }
-        let node = column.split('.').next().unwrap_or_default();
-        let n = n_of_node.entry(node.to_owned()).or_default();
+        let n = n_of_node.entry(node_of(&column).to_owned()).or_default();
         *n += 1;
         if *n <= MOST_OF_A_NODE {
             seen.push(numbers);
@@ -298,14 +313,23 @@ pub fn long_columns(results: &Results, measures: &[MeasureColumn]) -> Vec<String
     rest.into_iter().chain(seconds).collect()
 }
 
-/// Nodes that more than one link ends in.
-fn comparing_nodes(results: &Results) -> Vec<String> {
-    let links = results.plan.map["links"].as_array().cloned().unwrap_or_default();
-    let ends = links.iter().filter_map(|link| {
-        let (_, to) = link.as_str()?.split_once("->")?;
-        to.trim().split_once('.').map(|(node, _)| node.to_owned())
-    });
-    let ends: Vec<String> = ends.collect();
-    let n_of = |node: &String| ends.iter().filter(|end| *end == node).count();
-    results.plan.nodes.iter().filter(|node| n_of(node) > 1).cloned().collect()
+/// Nodes that measure what others made: those of which a module declares a number as chief. Of one
+/// that declares neither a direction nor a size the links tell: what compares takes two things, and
+/// leads nowhere.
+fn measuring_nodes(results: &Results) -> Vec<&str> {
+    let links = results.plan.map["links"].as_array().into_iter().flatten();
+    let links = links.filter_map(|link| link.as_str()?.split_once("->"));
+    let ends: Vec<[&str; 2]> =
+        links.map(|(from, to)| [from, to].map(|end| node_of(end.trim()))).collect();
+    let measures = |node: &&str| {
+        let columns = results.plan.columns.0.iter().filter(|(column, _)| node_of(column) == *node);
+        let records: Vec<&ColumnRecord> = columns.flat_map(|(_, records)| records).collect();
+        let is_chief = records.iter().any(|record| record.role == Role::Chief);
+        let says_more =
+            |record: &&ColumnRecord| record.role == Role::Size || record.better != Better::Neither;
+        let is_end = ends.iter().filter(|[_, to]| to == node).count() > 1
+            && !ends.iter().any(|[from, _]| from == node);
+        is_chief || (is_end && !records.iter().any(says_more))
+    };
+    results.plan.nodes.iter().map(String::as_str).filter(measures).collect()
 }

@@ -22,12 +22,6 @@ pub fn word(value: &Json) -> String {
     }
 }
 
-/// Whether a character would steer a reader or a terminal: control characters, and marks that turn
-/// the direction of text.
-pub fn is_odd(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
 /// Names of the values of an axis, as short as they can be and still be told apart.
 pub fn of_axis(values: &[Vec<Option<Json>>]) -> Vec<String> {
     let n_paths = values.first().map_or(0, Vec::len);

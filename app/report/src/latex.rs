@@ -6,11 +6,10 @@
 
 use std::fmt::Write;
 
-use mve_core::Better;
+use mve_core::{Better, is_steering};
 
 use crate::answers::Answer;
 use crate::case::{Cell, NumberForm};
-use crate::labels;
 use crate::pivot::{Pivot, PivotCell, PivotRow};
 use crate::stats::Estimate;
 
@@ -22,19 +21,37 @@ const PLAIN: std::ops::RangeInclusive<i32> = -2..=4;
 
 /// The answers, and a table a measure. `notes` stand at the top.
 pub fn latex(title: &str, notes: &[String], answers: &[Answer], tables: &[Pivot]) -> String {
-    let mut out = format!("% {}\n% Needs \\usepackage{{booktabs,multirow}}.\n", one_line(title));
-    for note in notes {
-        let _ = writeln!(out, "% {}", one_line(note));
-    }
+    let mut body = String::new();
     for answer in answers {
         let sentences: Vec<String> = answer.sentences.iter().map(|s| escaped(s)).collect();
         let (question, answer) = (escaped(&answer.text), sentences.join("\n"));
-        let _ = write!(out, "\n\\paragraph{{{question}}}\n{answer}\n");
+        let _ = write!(body, "\n\\paragraph{{{question}}}\n{answer}\n");
     }
     for table in tables {
-        out.push_str(&of_table(table));
+        body.push_str(&of_table(table));
     }
-    out
+    let mut out = format!("% {}\n% Needs \\usepackage{{booktabs,multirow}}", one_line(title));
+    if let Some(sign) = body.chars().find(|c| !is_of_pdflatex(*c)) {
+        let _ = write!(
+            out,
+            ", and XeLaTeX or LuaLaTeX with a font\n% that has {sign}: pdfLaTeX does not set it. \
+             \\usepackage{{fontspec}}, \\setmainfont{{…}}"
+        );
+    } else if !body.is_ascii() {
+        out.push_str(" and \\usepackage[T1]{fontenc}");
+    }
+    out.push_str(".\n");
+    for note in notes {
+        let _ = writeln!(out, "% {}", one_line(note));
+    }
+    out + &body
+}
+
+/// Whether pdfLaTeX sets a sign as it stands, in its font encodings T1 and TS1: what is left of them
+/// are the letters of Western and Central European languages, and some signs of text.
+fn is_of_pdflatex(c: char) -> bool {
+    let is_letter = ('\0'..='\u{17e}').contains(&c) || ('\u{218}'..='\u{21b}').contains(&c);
+    (is_letter && !"ĦħĸĿŀŉŦŧ".contains(c)) || "–—‘’‚„‰€•".contains(c)
 }
 
 fn of_table(table: &Pivot) -> String {
@@ -273,7 +290,7 @@ impl Shown {
 }
 
 fn one_line(text: &str) -> String {
-    text.chars().map(|c| if labels::is_odd(c) { ' ' } else { c }).collect()
+    text.chars().map(|c| if is_steering(c) { ' ' } else { c }).collect()
 }
 
 /// A text as LaTeX shows it.
@@ -299,43 +316,50 @@ fn escaped(text: &str) -> String {
             '”' => out.push_str("''"),
             '…' => out.push_str("\\ldots{}"),
             '\u{a0}' => out.push('~'),
-            c if symbol(c).is_some() => {
-                let _ = write!(out, "$\\{}$", symbol(c).unwrap_or_default());
-            }
-            c if labels::is_odd(c) => out.push(' '),
+            c if symbol(c).is_some() => match symbol(c).unwrap_or_default() {
+                command if command.starts_with('\\') => out.extend(["$", command, "$"]),
+                letter => out.push_str(letter),
+            },
+            c if is_steering(c) => out.push(' '),
             c => out.push(c),
         }
     }
     out
 }
 
-/// The command of a sign that pdflatex does not know outside of formulas.
+/// A sign that pdfLaTeX does not know outside of formulas: its command in one. Greek letters that
+/// look like Latin ones have none, and are those.
 fn symbol(c: char) -> Option<&'static str> {
-    const GREEK: [&str; 25] = [
-        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
-        "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "varsigma", "sigma", "tau", "upsilon",
-        "phi", "chi", "psi", "omega",
-    ];
     Some(match c {
-        '≤' => "le",
-        '≥' => "ge",
-        '≠' => "ne",
-        '≈' => "approx",
-        '∞' => "infty",
-        '→' => "to",
-        '←' => "leftarrow",
-        '√' => "surd",
-        '∆' | 'Δ' => "Delta",
-        'Σ' | '∑' => "Sigma",
-        'Ω' => "Omega",
-        'Φ' => "Phi",
-        'µ' => "mu",
-        // It has no command, being an o.
-        'ο' => return None,
-        'α'..='ω' => GREEK[c as usize - 'α' as usize],
+        '≤' => "\\le",
+        '≥' => "\\ge",
+        '≠' => "\\ne",
+        '≈' => "\\approx",
+        '∞' => "\\infty",
+        '→' => "\\to",
+        '←' => "\\leftarrow",
+        '√' => "\\surd",
+        '∆' => "\\Delta",
+        '∑' => "\\Sigma",
+        'µ' => "\\mu",
+        'Α'..='Ω' => CAPITALS[c as usize - 'Α' as usize],
+        'α'..='ω' => LETTERS[c as usize - 'α' as usize],
         _ => return None,
     })
 }
+
+/// From alpha to omega. Among the capitals, no sign stands at the place of the final sigma.
+#[rustfmt::skip]
+const CAPITALS: [&str; 25] = [
+    "A", "B", "\\Gamma", "\\Delta", "E", "Z", "H", "\\Theta", "I", "K", "\\Lambda", "M", "N",
+    "\\Xi", "O", "\\Pi", "P", "", "\\Sigma", "T", "\\Upsilon", "\\Phi", "X", "\\Psi", "\\Omega",
+];
+#[rustfmt::skip]
+const LETTERS: [&str; 25] = [
+    "\\alpha", "\\beta", "\\gamma", "\\delta", "\\epsilon", "\\zeta", "\\eta", "\\theta",
+    "\\iota", "\\kappa", "\\lambda", "\\mu", "\\nu", "\\xi", "o", "\\pi", "\\rho", "\\varsigma",
+    "\\sigma", "\\tau", "\\upsilon", "\\phi", "\\chi", "\\psi", "\\omega",
+];
 
 #[cfg(test)]
 mod tests {
@@ -346,7 +370,26 @@ mod tests {
     fn no_text_is_taken_for_a_command() {
         assert_eq!(escaped("50% of a_b & \\x{}"), "50\\% of a\\_b \\& \\textbackslash{}x\\{\\}");
         assert_eq!(escaped("σ ≤ ω, α → μ"), "$\\sigma$ $\\le$ $\\omega$, $\\alpha$ $\\to$ $\\mu$");
+        assert_eq!(escaped("ΑΒΓ Ωο"), "AB$\\Gamma$ $\\Omega$o");
+        let greek = ('Α'..='Ω').chain('α'..='ω').filter(|c| *c != '\u{3a2}');
+        assert!(escaped(&greek.collect::<String>()).is_ascii());
         assert_eq!(escaped("1 ± 0.2 <b>"), "1 $\\pm$ 0.2 \\textless{}b\\textgreater{}");
+    }
+
+    #[test]
+    fn what_pdflatex_cannot_set_is_said_at_the_top() {
+        let head = |text: &str| {
+            let mut table = Pivot::default();
+            table.title = text.to_owned();
+            table.columns = vec![vec!["a".to_owned()]];
+            let tables = [table];
+            let latex = latex("t", &[], &[], &tables);
+            latex.lines().take_while(|line| line.starts_with('%')).collect::<Vec<_>>().join("\n")
+        };
+        assert_eq!(head("σ ≤ 2"), "% t\n% Needs \\usepackage{booktabs,multirow}.");
+        assert!(head("Łódź").ends_with("multirow} and \\usepackage[T1]{fontenc}."));
+        let said = head("兎 and Łódź");
+        assert!(said.contains("XeLaTeX or LuaLaTeX with a font\n% that has 兎:"), "{said}");
     }
 
     fn shown(mean: f64, half_width: Option<f64>, exponent: i32) -> String {

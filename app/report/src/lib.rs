@@ -19,12 +19,13 @@ mod questions;
 mod results;
 pub mod stats;
 mod text;
+mod words;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use columns::MeasureColumn;
-use mve_core::{Measure, ReportSpec, StoreError};
+use mve_core::{Measure, ReportFault, ReportSpec, StoreError};
 use serde_json::Value as Json;
 
 use results::Results;
@@ -202,7 +203,7 @@ impl Plot {
 /// What the report shows: what is asked, else what the store holds.
 fn spec_of(results: &Results, asked: &Asked) -> Result<ReportSpec, Vec<String>> {
     let mut spec = match &asked.report {
-        Some(json) => ReportSpec::parse(json)?,
+        Some(json) => ReportSpec::parse(json).map_err(|faults| in_words(&faults))?,
         None => results.spec.clone(),
     };
     if !asked.measures.is_empty() {
@@ -229,7 +230,11 @@ fn spec_of(results: &Results, asked: &Asked) -> Result<ReportSpec, Vec<String>> 
         true => Vec::new(),
         false => results.plan.faults(&spec),
     };
-    if faults.is_empty() { Ok(spec) } else { Err(faults) }
+    if faults.is_empty() { Ok(spec) } else { Err(in_words(&faults)) }
+}
+
+fn in_words(faults: &[ReportFault]) -> Vec<String> {
+    faults.iter().map(ReportFault::to_string).collect()
 }
 
 /// The way from one folder to another, with `/` at its end; empty if they are one, or not known.

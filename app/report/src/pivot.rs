@@ -9,6 +9,7 @@ use crate::results::Results;
 use crate::stats::{estimate, geometric_mean};
 
 /// A table of one measure, or, where nothing is compared, of all measures.
+#[derive(Default)]
 pub struct Pivot {
     /// The column that it shows; none where it shows several.
     pub column: Option<String>,
@@ -191,10 +192,8 @@ fn best_of_ways(numbers: &[Option<f64>], ways: &[Vec<usize>], better: Better) ->
 }
 
 fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
-    let number = |cell: &PivotCell| cell.cell.number().filter(|_| cell.missed.is_none());
-    let numbers = |row: &PivotRow| row.cells.iter().map(number).collect::<Option<Vec<f64>>>();
-    let compared = rows.iter().filter(|row| !row.is_unequal);
-    let complete: Vec<Vec<f64>> = compared.filter_map(numbers).collect();
+    let numbers = |row: &PivotRow| row.compared().collect::<Option<Vec<f64>>>();
+    let complete: Vec<Vec<f64>> = rows.iter().filter_map(numbers).collect();
     if complete.len() < 2 || n_columns < 2 {
         return None;
     }
@@ -222,8 +221,11 @@ impl Pivot {
             PivotRow { names, cells, is_unequal: false, is_count }
         };
         if let Some((means, n)) = &self.means {
-            let n_rows = self.rows.len();
-            let of = if *n == n_rows { String::new() } else { format!(" of {n} comparable rows") };
+            let of = match *n {
+                n if n == self.rows.len() => String::new(),
+                n if n == self.n_comparable() => format!(" of {n} comparable rows"),
+                n => format!(" of {n} complete rows"),
+            };
             let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
             let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
             let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
@@ -231,12 +233,17 @@ impl Pivot {
         }
         if let Some(counts) = &self.n_best {
             let cells = counts.iter().map(|n| PivotCell::of(*n as f64, false)).collect();
-            // Rows that cannot be compared have no best.
-            let n = self.rows.iter().filter(|row| !row.is_unequal).count();
+            let n = self.n_comparable();
             let what = if n == self.rows.len() { "" } else { " comparable rows" };
             rows.push(sum(format!("Best in, of {n}{what}"), cells, true));
         }
         rows
+    }
+
+    /// How many rows have several numbers that can be compared: the others have no best.
+    fn n_comparable(&self) -> usize {
+        let is_comparable = |row: &&PivotRow| row.compared().flatten().count() > 1;
+        self.rows.iter().filter(is_comparable).count()
     }
 
     /// How the numbers of each column are written: those of one measure in one way.
@@ -289,6 +296,12 @@ impl Pivot {
 }
 
 impl PivotRow {
+    /// The number of each cell that can be compared with others of the row.
+    fn compared(&self) -> impl Iterator<Item = Option<f64>> {
+        let is_compared = |cell: &PivotCell| !self.is_unequal && cell.missed.is_none();
+        self.cells.iter().map(move |cell| cell.cell.number().filter(|_| is_compared(cell)))
+    }
+
     /// Its cells for reading, by the forms of the table's columns.
     pub fn shown(&self, forms: &[NumberForm]) -> Vec<String> {
         let shown = |(cell, form): (&PivotCell, &NumberForm)| {

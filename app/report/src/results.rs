@@ -15,6 +15,7 @@ use serde_json::Value as Json;
 use crate::ReportError;
 use crate::axes::{self, Axis};
 use crate::case::{Case, StepOf};
+use crate::columns::node_of;
 use crate::labels;
 
 /// What a store holds.
@@ -133,9 +134,8 @@ impl Results {
         if !own.is_of_model {
             return if own.unit.is_empty() { 1.0 } else { 0.0 };
         }
-        let node = |column: &str| column.split('.').next().unwrap_or_default().to_owned();
         let is_yardstick = |other: &&String| {
-            let declared = declared(other).filter(|_| node(other) == node(column));
+            let declared = declared(other).filter(|_| node_of(other) == node_of(column));
             declared.is_some_and(|other| {
                 other.better == Better::Neither && other.is_of_model && other.unit == own.unit
             })
@@ -153,10 +153,7 @@ impl Results {
     fn find_size(&self) -> Option<String> {
         let place = |node: &str| self.plan.nodes.iter().position(|known| known == node);
         let first = self.series_node().and_then(place).unwrap_or(0);
-        let is_after = |column: &&String| {
-            let node = column.split('.').next().unwrap_or_default();
-            place(node).is_none_or(|place| place >= first)
-        };
+        let is_after = |column: &&String| place(node_of(column)).is_none_or(|place| place >= first);
         let outputs = self.outputs();
         let sizes = outputs.iter().filter(|column| self.plan.columns.role(column) == Role::Size);
         let found = sizes.filter(is_after).filter(|column| self.has_numbers(column));
@@ -311,7 +308,7 @@ impl Results {
 
     /// The node whose parameter gives the series: what is compared.
     pub fn series_node(&self) -> Option<&str> {
-        self.series_axes().last()?.paths.first()?.split('.').next()
+        self.series_axes().last()?.paths.first().map(|path| node_of(path))
     }
 
     /// Every output that some step gave, in running order, without the parameters that vary.

@@ -2,23 +2,23 @@
 
 use std::fmt::Write;
 
-use mve_core::{Better, exact};
+use mve_core::{Better, csv_table, exact, is_steering};
 
 use crate::answers::Answer;
-use crate::case::Cell;
+use crate::case::{Case, Cell};
 use crate::columns::{MeasureColumn, long_columns};
 use crate::labels;
 use crate::pivot::{Pivot, PivotCell};
 use crate::results::Results;
 use crate::stats::estimate;
 
-/// Every case with the columns of the long table, all digits, rounding included; RFC 4180. A step
-/// that is missing says so in the column `status`.
+/// Every case with the columns of the long table, all digits, rounding included, as a
+/// [`csv_table`]. A step that is missing says so in the column `status`.
 pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
     let columns = long_columns(results, measures);
     let has_repeats = results.cases.iter().any(|case| case.steps.len() > 1);
     let has_interval = |column: &String| {
-        let of = |case: &crate::case::Case| estimate(&case.exact_numbers(column))?.half_width;
+        let of = |case: &Case| estimate(&case.exact_numbers(column))?.half_width;
         results.cases.iter().filter_map(of).any(|half| half > 0.0)
     };
     let intervals: Vec<bool> = columns.iter().map(has_interval).collect();
@@ -32,10 +32,7 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
         header.extend(has_interval.then(|| format!("{column}.half_width_95")));
     }
     header.extend(["missed", "warnings", "status"].map(str::to_owned));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // Writing equally long rows to memory cannot fail.
-    let _ = writer.write_record(&header);
-    for case in &results.cases {
+    let row_of = |case: &Case| {
         let param = |path: &String| case.params.get(path).map(labels::word).unwrap_or_default();
         let mut row: Vec<String> = varied.iter().map(param).collect();
         if has_repeats {
@@ -53,9 +50,10 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
         row.push(case.missed().unwrap_or_default());
         row.push(case.warnings().len().to_string());
         row.push(case.status().to_owned());
-        let _ = writer.write_record(&row);
-    }
-    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+        row
+    };
+    let rows: Vec<Vec<String>> = results.cases.iter().map(row_of).collect();
+    csv_table(&header, &rows)
 }
 
 /// The answers and a table a measure. `notes` stand at the top.
@@ -106,7 +104,7 @@ fn plain(text: &str) -> String {
     for c in text.chars() {
         match c {
             '|' | '*' | '_' | '`' | '\\' | '[' | ']' | '<' | '&' => out.extend(['\\', c]),
-            c if labels::is_odd(c) => out.push(' '),
+            c if is_steering(c) => out.push(' '),
             c => out.push(c),
         }
     }

@@ -5,6 +5,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value as Json;
 
 use super::Axis;
+use crate::param::shown;
+use crate::problem::did_you_mean;
 
 /// The keys of values that stand for many.
 const KEYS: [&str; 3] = ["glob", "range", "log"];
@@ -19,6 +21,25 @@ enum Values {
 fn is_spread(value: &Json) -> bool {
     let fields = value.as_object().filter(|fields| fields.len() == 1);
     fields.is_some_and(|fields| fields.keys().all(|key| KEYS.contains(&key.as_str())))
+}
+
+/// What is wrong with an axis that cannot be read: its place, its key where it is one, and a sentence.
+pub(super) fn misfit(axes: &Json) -> Option<(usize, Option<String>, String)> {
+    let axes = axes.as_array()?.iter().enumerate();
+    axes.into_iter().find_map(|(place, axis)| {
+        let n = place + 1;
+        let Some(lists) = axis.as_object() else {
+            let form = "an axis, such as {\"simplify.ratio\": [0.5, 0.2]}";
+            return Some((place, None, format!("axis {n}: {} is not {form}", shown(axis))));
+        };
+        let (path, value) = lists.iter().find(|(_, value)| !value.is_array() && !is_spread(value))?;
+        let mut keys = value.as_object().filter(|fields| fields.len() == 1).into_iter().flatten();
+        let hint = keys.next().map_or_else(String::new, |(key, _)| did_you_mean(key, KEYS.into_iter()));
+        let form = "a list of values, such as [0.5, 0.2], or what stands for many: {\"range\": [0.1, \
+                    0.5, 5]}, {\"log\": [0.02, 0.5, 5]} or {\"glob\": \"scans/*.obj\"}";
+        let message = format!("axis {n}: {path}: {} is not {form}{hint}", shown(value));
+        Some((place, Some(path.clone()), message))
+    })
 }
 
 pub(super) fn serialize<S: Serializer>(axes: &[Axis], to: S) -> Result<S::Ok, S::Error> {
@@ -60,5 +81,13 @@ mod tests {
         assert_eq!(json!(spec), written);
         let odd = json!({"axes": [{"a.x": {"from": 3}}]});
         assert!(serde_json::from_value::<ProgramSpec>(odd).is_err());
+        let odd = json!([{"a.x": [1]}, {"a.y": [2], "a.x": {"lg": 3}}]);
+        let (place, key, message) = super::misfit(&odd).unwrap();
+        assert_eq!((place, key.as_deref()), (1, Some("a.x")));
+        assert!(
+            message.starts_with("axis 2: a.x: {\"lg\":3} is not a list of values"),
+            "{message}"
+        );
+        assert!(message.ends_with("did you mean \"log\"?"), "{message}");
     }
 }

@@ -23,6 +23,7 @@ use thiserror::Error;
 
 pub use link::{Link, PortRef};
 pub use position::Position;
+pub(crate) use position::Step;
 
 use crate::files::fresh_file;
 use crate::json;
@@ -189,23 +190,31 @@ impl Map {
         };
         let mut map = Self::default();
         for path in repeated {
-            let message = format!("\"{path}\" stands twice in the file; rename or remove one");
-            map.problems.push(Problem::error(message));
+            let keys = path.iter().filter_map(|step| match step {
+                Step::Key(key) => Some(key.as_str()),
+                Step::Item(_) | Step::Link(_) => None,
+            });
+            let keys = keys.collect::<Vec<_>>().join(".");
+            let message = format!("\"{keys}\" stands twice in the file; rename or remove one");
+            let mut problem = Problem::error(message);
+            problem.place.path = Some(path.into());
+            map.problems.push(problem);
         }
-        match object.remove("mve").map(|version| (version.as_u64(), version)) {
+        match object.shift_remove("mve").map(|version| (version.as_u64(), version)) {
             Some((Some(version), _)) if version > FORMAT => return Err(MapError::Newer(version)),
             Some((Some(version), _)) if version > 0 => migrate(&mut object, version, MIGRATIONS),
             Some((_, version)) => {
                 let message = format!("\"mve\": {version} is not a version; write \"mve\": 1");
-                map.problems.push(Problem::error(message));
+                map.problems.push(Problem::error(message).along(["mve".into()]));
             }
             None => {
                 let message = "the file does not say \"mve\": 1; is it a map of mve?";
-                map.problems.push(Problem::error(message));
+                map.problems.push(Problem::error(message).along([]));
             }
         }
+        let unknown = read::unknown_keys_of_map(&object);
         map.fill(object);
-        map.tell_of_unknown_keys();
+        map.problems.extend(unknown);
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
@@ -385,6 +394,18 @@ mod tests {
     }
 
     #[test]
+    fn a_key_beside_the_one_that_it_is_like_is_a_warning() {
+        let text = r#"{"mve": 1, "title": "t", "titles": 1, "nodes": {
+            "a": {"module": "X", "params": {}, "param": {}}},
+            "programs": {"p": {"axes": [], "axis": 1, "repeat": 2}}}"#;
+        let map = Map::parse(text).unwrap();
+        let errors =
+            map.problems().iter().map(|p| (p.place.port.as_deref().unwrap(), p.is_error()));
+        let expected = [("titles", false), ("param", false), ("axis", false), ("repeat", true)];
+        assert_eq!(errors.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
     fn canonical_text_is_a_fixed_point() {
         let mut map = Map::parse(ODD).unwrap();
         map.source = None;
@@ -426,6 +447,24 @@ mod tests {
             let repeats = format!("program \"p\": \"repeats\": {repeats} is not ");
             assert_eq!(found, repeats + "a whole number above 0");
         }
+    }
+
+    #[test]
+    fn all_bad_fields_of_a_part_are_named() {
+        let text = r#"{"mve": 1, "nodes": {"a": {"module": 3, "mode": "mutd", "params": []}},
+            "programs": {"p": {"axes": [3], "repeats": -1, "time_limit": "1"}}}"#;
+        let map = Map::parse(text).unwrap();
+        let said: Vec<String> = map.problems().iter().map(|p| p.to_string()).collect();
+        let starts = [
+            "a.module: 3 is not the id of a module",
+            "a.mode: \"mutd\" is not \"active\"",
+            "a.params: [] is not an object",
+            "program \"p\": axis 1: 3 is not an axis",
+            "program \"p\": \"repeats\": -1 is not a whole number",
+            "program \"p\": \"time_limit\": \"1\" is not a number of seconds",
+        ];
+        assert!(said.iter().zip(starts).all(|(said, start)| said.starts_with(start)), "{said:#?}");
+        assert_eq!(said.len(), starts.len());
     }
 
     #[test]

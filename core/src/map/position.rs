@@ -35,7 +35,7 @@ impl Position {
 
 impl Map {
     /// Where the file that the map was read from says what a problem is about, as near as can be
-    /// told: a parameter, else its node, else nothing.
+    /// told; `None` for what is in no file.
     pub fn position_of(&self, problem: &Problem) -> Option<Position> {
         let text = self.source.as_ref()?.text.trim_start_matches(BYTE_ORDER_MARK);
         let candidates = self.paths_to(&problem.place);
@@ -44,93 +44,116 @@ impl Map {
     }
 
     /// Paths through the file's JSON to a place, the best first.
-    fn paths_to<'a>(&'a self, place: &'a Place) -> Vec<Vec<Step<'a>>> {
-        use Step::{Item, Key};
+    fn paths_to(&self, place: &Place) -> Vec<Vec<Step>> {
+        let Place { node, port, program, path } = place;
         let mut paths = Vec::new();
-        let Place { node, port, program } = place;
-        if let Some(program) = program {
-            let of_program = [Key("programs"), Key(program)];
-            let varied = node.as_ref().zip(port.as_ref()).map(|(n, p)| format!("{n}.{p}"));
-            let spec = self.programs.get(program);
-            let axes = spec.iter().flat_map(|spec| spec.axes.iter().enumerate());
-            let keys = axes.flat_map(|(i, axis)| axis.keys().map(move |key| ("axes", i, key)));
-            let steps = spec.iter().flat_map(|spec| spec.steps.iter().enumerate());
-            let keys = keys
-                .chain(steps.flat_map(|(i, step)| step.keys().map(move |key| ("steps", i, key))));
-            let found = keys.filter(|(_, _, key)| {
-                varied
-                    .as_ref()
-                    .is_some_and(|path| path == *key || path.starts_with(&format!("{key}.")))
-            });
-            for (list, i, key) in found {
-                paths.push([&of_program[..], &[Key(list), Item(i), Key(key)]].concat());
-            }
-            if let (None, Some(key)) = (node, port) {
-                paths.push([&of_program[..], &[Key(key)]].concat());
-            }
-            if node.is_none() {
-                paths.push(of_program.to_vec());
-            }
+        let within = match program {
+            Some(program) => vec!["programs".into(), program.as_str().into()],
+            None => Vec::new(),
+        };
+        if let Some(path) = path {
+            paths.extend((0..=path.len()).rev().map(|n| [&within[..], &path[..n]].concat()));
         }
-        if let Some(node) = node {
-            let of_node = [Key("nodes"), Key(node)];
-            if let Some(port) = port {
-                let mut nested: Vec<_> = port.split('.').map(Key).collect();
-                while !nested.is_empty() {
-                    paths.push([&of_node[..], &[Key("params")], &nested].concat());
-                    nested.pop();
-                }
-                paths.push([&of_node[..], &[Key(port)]].concat());
-                let is_end = |end: &PortRef| (&end.node, &end.port) == (node, port);
-                let link = |link: &Link| is_end(&link.to) || is_end(&link.from);
-                if let Some(i) = self.links.iter().position(link) {
-                    paths.push(vec![Key("links"), Item(i)]);
-                }
-            }
-            paths.push(of_node.to_vec());
-        } else if let (None, Some(key)) = (program, port) {
-            paths.push(vec![Key(key)]);
+        if let (Some(node), Some(port), Some(program)) = (node, port, program) {
+            paths.extend(self.paths_to_varied(program, &format!("{node}.{port}")));
         }
+        match (node, port) {
+            (Some(node), port) => paths.extend(self.paths_to_node(node, port.as_deref())),
+            (None, Some(key)) => paths.push([&within[..], &[key.as_str().into()]].concat()),
+            (None, None) => {}
+        }
+        if program.is_some() {
+            paths.push(within);
+        }
+        paths
+    }
+
+    /// Where a program sets a parameter, or one above it.
+    fn paths_to_varied(&self, program: &str, varied: &str) -> Vec<Vec<Step>> {
+        let Some(spec) = self.programs.get(program) else { return Vec::new() };
+        let axes = spec.axes.iter().enumerate();
+        let axes = axes.flat_map(|(i, axis)| axis.keys().map(move |key| ("axes", i, key)));
+        let steps = spec.steps.iter().enumerate();
+        let steps = steps.flat_map(|(i, step)| step.keys().map(move |key| ("steps", i, key)));
+        let is_it = |key: &str| varied == key || varied.starts_with(&format!("{key}."));
+        let found = axes.chain(steps).filter(|(_, _, key)| is_it(key));
+        let path = |(list, i, key): (&str, usize, &String)| {
+            let place = [list.into(), Step::Item(i), key.as_str().into()];
+            ["programs".into(), program.into()].into_iter().chain(place).collect()
+        };
+        found.map(path).collect()
+    }
+
+    /// Where a node says what is about a port or parameter, else the link of that port, else the
+    /// node.
+    fn paths_to_node(&self, node: &str, port: Option<&str>) -> Vec<Vec<Step>> {
+        let of_node: [Step; 2] = ["nodes".into(), node.into()];
+        let mut paths = Vec::new();
+        if let Some(port) = port {
+            let mut nested: Vec<Step> = port.split('.').map(Step::from).collect();
+            while !nested.is_empty() {
+                paths.push([&of_node[..], &["params".into()], &nested].concat());
+                nested.pop();
+            }
+            paths.push([&of_node[..], &[port.into()]].concat());
+            let is_end = |end: &PortRef| end.node == node && end.port == port;
+            let link = self.links.iter().find(|link| is_end(&link.to) || is_end(&link.from));
+            paths.extend(link.map(|link| vec!["links".into(), Step::Link(link.clone())]));
+        }
+        paths.push(of_node.to_vec());
         paths
     }
 }
 
-/// A key of an object, or the place of an item in an array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Step<'a> {
-    Key(&'a str),
+/// A step of a path through JSON.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// The key of an object.
+    Key(String),
+    /// The place of an item in an array.
     Item(usize),
+    /// The item of an array that is this link, the last of several.
+    Link(Link),
+}
+
+impl From<&str> for Step {
+    fn from(key: &str) -> Self {
+        Self::Key(key.to_owned())
+    }
 }
 
 /// The first byte of the key or item that a path through the JSON leads to; of a path that ends
 /// too soon `None`. The text is JSON.
 pub(super) fn find(text: &str, path: &[Step]) -> Option<usize> {
-    let mut at = 0;
-    let mut value: &str = text;
-    for step in path {
-        let (next, start) = match step {
-            Step::Key(key) => {
-                let object: IndexMap<String, &RawValue> = serde_json::from_str(value).ok()?;
-                let next = object.get(*key)?.get();
-                let from = offset(value, next);
-                // A key stands before its value; nothing but `:` and space lies between them.
-                let end = value[..from].trim_end().strip_suffix(':')?.trim_end();
-                (next, at + start_of_text(end)?)
-            }
-            Step::Item(item) => {
-                let array: Vec<&RawValue> = serde_json::from_str(value).ok()?;
-                let next = array.get(*item)?.get();
-                (next, at + offset(value, next))
-            }
-        };
-        let is_last = std::ptr::eq(step, path.last()?);
-        if is_last {
-            return Some(start);
+    let space = |text: &str| text.len() - text.trim_start().len();
+    let Some((step, rest)) = path.split_first() else { return Some(space(text)) };
+    let (next, start) = match step {
+        Step::Key(key) => {
+            let object: IndexMap<String, &RawValue> = serde_json::from_str(text).ok()?;
+            let next = object.get(key)?.get();
+            // A key stands before its value; nothing but `:` and space lies between them.
+            let end = text[..offset(text, next)].trim_end().strip_suffix(':')?.trim_end();
+            (next, start_of_text(end)?)
         }
-        at += offset(value, next);
-        value = next;
+        Step::Item(item) => {
+            let array: Vec<&RawValue> = serde_json::from_str(text).ok()?;
+            let next = array.get(*item)?.get();
+            (next, offset(text, next))
+        }
+        Step::Link(link) => {
+            let array: Vec<&RawValue> = serde_json::from_str(text).ok()?;
+            let is_it = |item: &&&RawValue| {
+                let said = serde_json::from_str::<String>(item.get()).ok();
+                said.and_then(|said| said.parse::<Link>().ok()).as_ref() == Some(link)
+            };
+            let next = array.iter().rev().find(is_it)?.get();
+            (next, offset(text, next))
+        }
+    };
+    if rest.is_empty() {
+        return Some(start);
     }
-    Some(at)
+    find(next, rest).map(|byte| offset(text, next) + byte)
 }
 
 /// Where a part of a text begins in it.
@@ -150,7 +173,6 @@ fn start_of_text(text: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::Step::{Item, Key};
     use super::*;
 
     #[test]
@@ -160,16 +182,23 @@ mod tests {
     "ä\"b": { "module": "A",
  "params" : {"x": 1}}
   },
-  "links": ["p", "q"]
+  "links": ["p", "q", "a.x->b.y"]
 }"#;
-        let found = |path: &[Step]| find(text, path).map(|byte| Position::of(text, byte));
+        let found = |keys: &[&str], last: &[Step]| {
+            let keys: Vec<Step> = keys.iter().map(|key| Step::from(*key)).collect();
+            find(text, &[&keys[..], last].concat()).map(|byte| Position::of(text, byte))
+        };
         let at = |line, column| Some(Position { line, column });
-        assert_eq!(found(&[Key("nodes")]), at(2, 3));
-        assert_eq!(found(&[Key("nodes"), Key("ä\"b")]), at(3, 5));
-        assert_eq!(found(&[Key("nodes"), Key("ä\"b"), Key("module")]), at(3, 15));
-        assert_eq!(found(&[Key("nodes"), Key("ä\"b"), Key("params"), Key("x")]), at(4, 14));
-        assert_eq!(found(&[Key("links"), Item(1)]), at(6, 18));
-        assert_eq!(found(&[Key("links"), Item(2)]), None);
-        assert_eq!(found(&[Key("layout")]), None);
+        assert_eq!(found(&[], &[]), at(1, 1));
+        assert_eq!(found(&["nodes"], &[]), at(2, 3));
+        assert_eq!(found(&["nodes", "ä\"b"], &[]), at(3, 5));
+        assert_eq!(found(&["nodes", "ä\"b", "module"], &[]), at(3, 15));
+        assert_eq!(found(&["nodes", "ä\"b", "params", "x"], &[]), at(4, 14));
+        assert_eq!(found(&["links"], &[Step::Item(1)]), at(6, 18));
+        assert_eq!(found(&["links"], &[Step::Item(3)]), None);
+        let link = |text: &str| Step::Link(text.parse().unwrap());
+        assert_eq!(found(&["links"], &[link("a.x -> b.y")]), at(6, 23));
+        assert_eq!(found(&["links"], &[link("a.x -> b.z")]), None);
+        assert_eq!(found(&["layout"], &[]), None);
     }
 }

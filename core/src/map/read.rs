@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{Link, Map, words};
+use super::{Link, Map, Step, axes, words};
 use crate::param::shown;
 use crate::problem::{Problem, did_you_mean};
 
@@ -16,37 +16,45 @@ const KEYS: [&str; 7] = ["mve", "title", "nodes", "links", "layout", "canvas", "
 const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
 const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
-impl Map {
-    /// Keys that nothing reads are kept, and told of. One that is near to a known one is a slip of
-    /// the pen, and what it was meant to say would not be done: nothing runs. A key that begins
-    /// with `_` or `$` is a remark.
-    pub(super) fn tell_of_unknown_keys(&mut self) {
-        let unknown = |key: &str, known: &[&str], of: &str| {
-            let is_remark = key.starts_with(['_', '$']);
-            let problem = match did_you_mean(key, known.iter().copied()) {
-                hint if hint.is_empty() => {
-                    Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
-                }
-                hint => Problem::error(format!(
-                    "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
-                )),
-            };
-            (!is_remark).then(|| problem.port(key))
+/// Keys that nothing reads are kept, and told of. One that is near to a known one that is not there
+/// is a slip of the pen, and what it was meant to say would not be done: nothing runs. A key that
+/// begins with `_` or `$` is a remark.
+fn unknown_keys(object: &JsonMap<String, Json>, known: &[&str], of: &str) -> Vec<Problem> {
+    let is_unknown = |key: &&String| !known.contains(&key.as_str()) && !key.starts_with(['_', '$']);
+    let absent = known.iter().copied().filter(|known| !object.contains_key(*known));
+    let told = |key: &String| {
+        let problem = match did_you_mean(key, absent.clone()) {
+            hint if hint.is_empty() => {
+                Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
+            }
+            hint => Problem::error(format!(
+                "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
+            )),
         };
-        let root = self.extra.keys().filter(|key| !KEYS.contains(&key.as_str()));
-        let mut warnings: Vec<_> = root.filter_map(|key| unknown(key, &KEYS, "a map")).collect();
-        for (name, node) in &self.nodes {
-            let keys = node.extra.keys().filter_map(|key| unknown(key, &KEYS_OF_NODES, "a node"));
-            warnings.extend(keys.map(|problem| problem.at(name)));
-        }
-        for (name, program) in &self.programs {
-            let keys = program.extra.keys();
-            let keys = keys.filter_map(|key| unknown(key, &KEYS_OF_PROGRAMS, "a program"));
-            warnings.extend(keys.map(|problem| problem.in_program(name)));
-        }
-        self.problems.append(&mut warnings);
-    }
+        problem.port(key)
+    };
+    object.keys().filter(is_unknown).map(told).collect()
+}
 
+/// What is said of the keys of a map, of its nodes and of its programs.
+pub(super) fn unknown_keys_of_map(object: &JsonMap<String, Json>) -> Vec<Problem> {
+    let parts = |section: &str| object.get(section).and_then(Json::as_object).into_iter().flatten();
+    let mut problems = unknown_keys(object, &KEYS, "a map");
+    for (name, node) in parts("nodes") {
+        // One without a module is no node, which is told of elsewhere.
+        let node = node.as_object().filter(|node| node.contains_key("module"));
+        let unknown = node.map(|node| unknown_keys(node, &KEYS_OF_NODES, "a node"));
+        problems.extend(unknown.into_iter().flatten().map(|problem| problem.at(name)));
+    }
+    for (name, program) in parts("programs") {
+        let unknown = program.as_object();
+        let unknown = unknown.map(|program| unknown_keys(program, &KEYS_OF_PROGRAMS, "a program"));
+        problems.extend(unknown.into_iter().flatten().map(|problem| problem.in_program(name)));
+    }
+    problems
+}
+
+impl Map {
     pub(super) fn fill(&mut self, object: JsonMap<String, Json>) {
         for (key, value) in object {
             match (key.as_str(), value) {
@@ -66,11 +74,14 @@ impl Map {
                         self.add_part("programs", name, value, |map| &mut map.programs);
                     }
                 }
-                ("links", Json::Array(links)) => links.into_iter().for_each(|l| self.add_link(l)),
+                ("links", Json::Array(links)) => {
+                    links.into_iter().enumerate().for_each(|(i, link)| self.add_link(i, link));
+                }
                 ("title" | "nodes" | "layout" | "programs" | "links", value) => {
                     let message =
                         format!("\"{key}\" is not what the format says; see `mve schema`");
-                    self.problems.push(Problem::error(message));
+                    let place = [key.as_str().into()];
+                    self.problems.push(Problem::error(message).along(place));
                     self.leftovers.push(("", key, value));
                 }
                 (_, value) => {
@@ -92,56 +103,80 @@ impl Map {
                 target(self).insert(name, part);
             }
             Err(_) => {
-                let field = misunderstood::<T>(&value);
-                let form = words::of_form(section, field);
-                let given = field.and_then(|field| value.get(field)).unwrap_or(&value);
-                let given = shown(given);
-                let problem = match field {
-                    // Of a program's problem the field is not shown before the message.
-                    Some(field) if section == "programs" => {
-                        Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
-                    }
-                    Some(field) => Problem::error(format!("{given} is not {form}")).port(field),
-                    None if section == "nodes" && value.is_object() => {
-                        let keys = value.as_object().into_iter().flatten();
-                        let meant = keys.map(|(key, _)| key.as_str()).find_map(|key| {
-                            let hint = did_you_mean("module", [key].into_iter());
-                            (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
-                        });
-                        let meant = meant.unwrap_or_default();
-                        Problem::error(format!("says no \"module\", which a node is{meant}"))
-                    }
-                    None => Problem::error(format!("{given} is not {form}")),
+                let fields = misunderstood::<T>(&value);
+                let problems = match fields.is_empty() {
+                    true => vec![misfit(section, &value)],
+                    false => fields.iter().map(|field| misfit_at(section, field, &value)).collect(),
                 };
-                self.problems.push(match section {
+                self.problems.extend(problems.into_iter().map(|problem| match section {
                     "programs" => problem.in_program(&name),
+                    "layout" => problem.at(&name).along([section.into(), name.as_str().into()]),
                     _ => problem.at(&name),
-                });
+                }));
                 self.leftovers.push((section, name, value));
             }
         }
     }
 
-    fn add_link(&mut self, value: Json) {
+    fn add_link(&mut self, place: usize, value: Json) {
         match value.as_str().map(Link::from_str) {
             Some(Ok(link)) => self.links.push(link),
             _ => {
                 let message =
                     format!("link {value} is not of the form \"node.output -> node.input\"");
-                self.problems.push(Problem::error(message));
+                let path = ["links".into(), Step::Item(place)];
+                self.problems.push(Problem::error(message).along(path));
                 self.leftovers.push(("links", String::new(), value));
             }
         }
     }
 }
 
-/// The first field of an object that is not understood even alone.
-fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Option<&str> {
+/// What is wrong with a part as a whole.
+fn misfit(section: &'static str, value: &Json) -> Problem {
+    let keys = value.as_object().filter(|_| section == "nodes");
+    let Some(keys) = keys.map(|object| object.keys()) else {
+        return Problem::error(format!(
+            "{} is not {}",
+            shown(value),
+            words::of_form(section, None)
+        ));
+    };
+    let meant = keys.map(String::as_str).find_map(|key| {
+        let hint = did_you_mean("module", [key].into_iter());
+        (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
+    });
+    let meant = meant.unwrap_or_default();
+    Problem::error(format!("says no \"module\", which a node is{meant}"))
+}
+
+/// What is wrong with a field of a part.
+fn misfit_at(section: &'static str, field: &str, value: &Json) -> Problem {
+    let (given, form) = (shown(&value[field]), words::of_form(section, Some(field)));
+    match axes::misfit(&value["axes"]).filter(|_| field == "axes") {
+        Some((place, path, message)) => {
+            let path = path.map(|path| path.as_str().into());
+            let way = ["axes".into(), Step::Item(place)].into_iter().chain(path);
+            let mut problem = Problem::error(message);
+            problem.place.path = Some(way.collect());
+            problem
+        }
+        // Of a program's problem the field is not shown before the message.
+        None if section == "programs" => {
+            Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
+        }
+        None => Problem::error(format!("{given} is not {form}")).port(field),
+    }
+}
+
+/// The fields of an object that are not understood even alone.
+fn misunderstood<T: for<'de> Deserialize<'de>>(value: &Json) -> Vec<String> {
     let is_bad = |(field, value): &(&String, &Json)| {
         // A node needs a module.
         let mut alone = JsonMap::from_iter([("module".to_owned(), Json::from("Any"))]);
         alone.insert((*field).clone(), (*value).clone());
         T::deserialize(Json::Object(alone)).is_err()
     };
-    value.as_object()?.iter().find(is_bad).map(|(field, _)| field.as_str())
+    let fields = value.as_object().into_iter().flatten().filter(is_bad);
+    fields.map(|(field, _)| field.clone()).collect()
 }

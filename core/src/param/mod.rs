@@ -8,6 +8,7 @@ mod kind;
 mod object_schema;
 mod setting;
 
+use std::fmt;
 use std::marker::PhantomData;
 
 use serde_json::Value as Json;
@@ -33,8 +34,36 @@ pub struct ParamSpec {
     pub unit: &'static str,
     /// Whether `null`, off, is a value.
     pub can_be_off: bool,
+    /// Where alone it counts; `None` for everywhere.
+    pub counts: Option<Condition>,
     /// Type, default and range.
     pub kind: Kind,
+}
+
+/// What another parameter beside it must be for a parameter to count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// This name.
+    Is {
+        /// The other parameter.
+        param: &'static str,
+        /// An entry, or a value of an enumeration.
+        value: &'static str,
+    },
+    /// Off.
+    IsOff {
+        /// The other parameter.
+        param: &'static str,
+    },
+}
+
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Is { param, value } => write!(f, "{param} is {value}"),
+            Self::IsOff { param } => write!(f, "{param} is off"),
+        }
+    }
 }
 
 /// A name that a value may be: an entry of a choice, one of an enumeration, or a module.
@@ -147,7 +176,7 @@ pub struct Param<T> {
 
 impl<T> Param<T> {
     const fn of_kind(name: &'static str, doc: &'static str, kind: Kind) -> Self {
-        let spec = ParamSpec { name, doc, unit: "", can_be_off: false, kind };
+        let spec = ParamSpec { name, doc, unit: "", can_be_off: false, counts: None, kind };
         Self { spec, of: PhantomData }
     }
 
@@ -158,6 +187,12 @@ impl<T> Param<T> {
 
     const fn or_off(mut self) -> Self {
         self.spec.can_be_off = true;
+        self
+    }
+
+    /// Counts only under this condition: who sets it elsewhere is told that it has no effect.
+    pub const fn only_where(mut self, condition: Condition) -> Self {
+        self.spec.counts = Some(condition);
         self
     }
 

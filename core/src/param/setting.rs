@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{ChoiceParam, Chosen, Param, ParamSpec, ParamType};
+use super::{ChoiceParam, Chosen, Condition, Param, ParamSpec, ParamType};
 use crate::data::Scalar;
 use crate::error::ModuleError;
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
@@ -192,6 +192,41 @@ impl Settings {
             (spec.name, spec.settle(given.get(spec.name), is_linked, faults))
         };
         Self(specs.iter().map(setting).collect())
+    }
+
+    /// What `given` sets to no effect, since the parameter counts only where another one is
+    /// otherwise. `linked` are the names whose values arrive by link.
+    pub(crate) fn idle(
+        &self,
+        specs: &[ParamSpec],
+        given: &JsonMap<String, Json>,
+        linked: &[&str],
+    ) -> Vec<Fault> {
+        let is_so = |condition: Condition| match condition {
+            Condition::Is { param, value } => match self.find(param) {
+                Some(Setting::Text(text)) => text == value,
+                Some(Setting::Choice { id, .. }) => *id == value,
+                _ => false,
+            },
+            Condition::IsOff { param } => {
+                self.find(param) == Some(&Setting::Off) && !linked.contains(&param)
+            }
+        };
+        let mut idle = Vec::new();
+        for (spec, (name, setting)) in specs.iter().zip(&self.0) {
+            let Some(json) = given.get(*name).filter(|json| !json.is_null()) else { continue };
+            if let Some(condition) = spec.counts.filter(|condition| !is_so(*condition)) {
+                let message = format!("has no effect: it counts only where {condition}");
+                idle.push(Fault { path: (*name).to_owned(), message });
+            }
+            if let (Setting::Choice { params, .. }, Some((_, Some(inner)))) =
+                (setting, super::chosen(json))
+            {
+                let below = params.idle(spec.params_of(setting), inner, &[]).into_iter();
+                idle.extend(below.map(|f| Fault { path: format!("{name}.{}", f.path), ..f }));
+            }
+        }
+        idle
     }
 
     /// The settings as a map file would say them.

@@ -77,7 +77,11 @@ pub(super) fn set(
         let below = nested.strip_prefix(entry.id).and_then(|rest| rest.strip_prefix('.'));
         match below {
             Some(below) => format!("write {name}.{below}: a path names no entry of a choice"),
-            None => format!("{why}, of {}", entry.id),
+            None if nested.contains('.') => why,
+            None => match why.split_once(';') {
+                Some((what, hint)) => format!("{what} of {};{hint}", entry.id),
+                None => format!("{why} of {}", entry.id),
+            },
         }
     })?;
     let inner = JsonMap::from_iter([(entry.id.to_owned(), Json::Object(inner))]);

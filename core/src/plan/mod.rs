@@ -19,7 +19,7 @@ use crate::registry::{ModuleInfo, Registry};
 pub use assign::assign;
 pub use modes::passed_on;
 pub(crate) use outputs::one_case;
-pub(crate) use series::{PlanSeries, Planned};
+pub(crate) use series::{PlanSeries, SeriesPlan};
 
 /// What a plan needs to know beside the map.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +45,16 @@ pub enum OutputScope {
     Step,
     /// Wherever the map says: for the maps of people that one trusts.
     Anywhere,
+}
+
+impl OutputScope {
+    /// Whether all that is written stays in a folder.
+    pub(crate) fn is_bounded(self) -> bool {
+        match self {
+            Self::Folder | Self::Step => true,
+            Self::Anywhere => false,
+        }
+    }
 }
 
 /// Nodes in the order in which they run, with all that they need.
@@ -109,7 +119,7 @@ impl Plan {
         registry: &Registry,
         options: &PlanOptions,
     ) -> Result<Self, Vec<Problem>> {
-        draw_up(map, registry, options).map(|drawn| drawn.plan)
+        plan_parts(map, registry, options).map(|parts| parts.plan)
     }
 
     /// The node of this name.
@@ -119,17 +129,22 @@ impl Plan {
 }
 
 /// A plan, and what it takes to make parts of it again.
-struct DrawnUp {
+struct PlanParts {
     plan: Plan,
     names: outputs::Names,
     /// Nodes that do not run, whose parameters names may quote.
     left_out: Vec<PlanNode>,
 }
 
-fn draw_up(map: &Map, registry: &Registry, options: &PlanOptions) -> Result<DrawnUp, Vec<Problem>> {
+fn plan_parts(
+    map: &Map,
+    registry: &Registry,
+    options: &PlanOptions,
+) -> Result<PlanParts, Vec<Problem>> {
     let mut problems = map.problems().to_vec();
     if map.nodes.is_empty() && problems.is_empty() {
-        problems.push(Problem::error("the map has no nodes: there is nothing to run"));
+        let message = "the map has no nodes: there is nothing to run";
+        problems.push(Problem::error(message).along(["nodes".into()]));
     }
     let whole = map;
     let active = modes::without_inactive(whole, registry, &mut problems);
@@ -163,7 +178,7 @@ fn draw_up(map: &Map, registry: &Registry, options: &PlanOptions) -> Result<Draw
     if has_errors(&problems) {
         return Err(problems);
     }
-    Ok(DrawnUp { plan: Plan { nodes, warnings: problems, id }, names, left_out })
+    Ok(PlanParts { plan: Plan { nodes, warnings: problems, id }, names, left_out })
 }
 
 /// Nodes that do not run, with their parameters, which names of output files may quote. Whatever
@@ -196,6 +211,10 @@ fn prepare(
     let empty = serde_json::Map::new();
     let given = map.nodes.get(name).map_or(&empty, |node| &node.params);
     let mut settings = Settings::parse(specs, given, &by_link, &mut faults);
+    if faults.is_empty() {
+        let idle = settings.idle(specs, given, &by_link).into_iter();
+        problems.extend(idle.map(|f| Problem::warning(f.message).at(name).port(&f.path)));
+    }
     problems.extend(faults.into_iter().map(|f| Problem::error(f.message).at(name).port(&f.path)));
     for link in &by_link {
         if given.contains_key(*link) {

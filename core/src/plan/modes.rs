@@ -57,7 +57,7 @@ pub(super) fn without_inactive(
     });
     if settled.nodes.is_empty() {
         let message = "no node runs: each is muted or bypassed, or needs one that is";
-        problems.push(Problem::error(message));
+        problems.push(Problem::error(message).along(["nodes".into()]));
     }
     let left_out = map.nodes.keys().filter(|name| left_out.contains_key(name.as_str()));
     Some(ActiveMap { map: settled, left_out: left_out.cloned().collect() })

@@ -7,7 +7,7 @@ use super::{OutputScope, PlanNode, PlanOptions, no_such_node};
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, PortRef};
 use crate::param::{MODULE, OutputFileSpec, ParamSpec, Setting};
-use crate::problem::{Problem, is_steering};
+use crate::problem::{HOLDS_NO_STEERING, Problem, is_steering};
 use crate::template::{Piece, as_name, pieces};
 
 /// Stands for the id of the step until it is known; no name in a file system holds it.
@@ -81,9 +81,7 @@ fn expand<'a>(
     for piece in pieces(template)? {
         match piece {
             Piece::Literal(literal) if literal.contains(is_steering) => {
-                return Err("a path cannot hold control characters, nor signs that turn the \
-                            direction of a text"
-                    .to_owned());
+                return Err(format!("a path {HOLDS_NO_STEERING}"));
             }
             Piece::Literal(literal) => text.push_str(literal),
             Piece::Reference("step") => text.push(STEP),
@@ -277,7 +275,7 @@ fn tidy(text: &str, scope: OutputScope) -> Option<PathBuf> {
             Component::CurDir => {}
             Component::Normal(name) => path.push(name),
             Component::ParentDir if path.file_name().is_some() => drop(path.pop()),
-            other if scope == OutputScope::Anywhere => path.push(other),
+            other if !scope.is_bounded() => path.push(other),
             _ => return None,
         }
     }
@@ -298,8 +296,9 @@ fn check_folders(writers: &BTreeMap<PathBuf, String>, problems: &mut Vec<Problem
     }
     problems.extend(clashes.into_iter().map(|((other, writer), (folder, n))| {
         let folder = folder.display();
-        let first = format!("{other} writes \"{folder}\" alone, which {writer} needs as a folder");
-        Problem::error(and_more(&first, n))
+        let first = format!("needs \"{folder}\" as a folder, which {other} writes alone");
+        let (node, param) = writer.split_once('.').unwrap_or((writer, ""));
+        Problem::error(and_more(&first, n)).at(node).port(param)
     }));
 }
 

@@ -1,9 +1,9 @@
 //! Plans of one map for many values of the same parameters.
 //!
 //! The first of them is planned as a whole. What hangs on no parameter that is set stays for the
-//! next ones; in place are settled the parameters that are, and then the names, keys and paths of
-//! the nodes that they reach. Where that gives any problem, the map is planned as a whole once
-//! more, so that problems read the same.
+//! next ones; in place are settled the parameters that are, and once repeats are asked for the seeds
+//! too, and then the names, keys and paths of the nodes that they reach. Where that gives any
+//! problem, the map is planned as a whole once more, so that problems read the same.
 
 use std::collections::HashMap;
 
@@ -12,13 +12,13 @@ use serde_json::{Map as JsonMap, Value as Json};
 
 use super::assign::{assign, set};
 use super::keys::{self, OwnPieces};
-use super::{DrawnUp, Plan, PlanNode, PlanOptions, draw_up, find_files, outputs};
+use super::{Plan, PlanNode, PlanOptions, PlanParts, find_files, outputs, plan_parts};
 use crate::map::Map;
 use crate::param::{MODULE, Settings};
 use crate::problem::Problem;
 use crate::registry::Registry;
 
-/// Drafts that are kept. A series with more combinations of modules and repeats plans them anew.
+/// Drafts that are kept. A series with more combinations of modules plans them anew.
 const MOST_DRAFTS: usize = 64;
 
 /// Plans of one map, each with other parameters.
@@ -28,11 +28,11 @@ pub(crate) struct PlanSeries<'a> {
     options: PlanOptions<'a>,
     /// By what they have in common, [`likeness`].
     drafts: HashMap<String, Draft>,
-    n_drawn: usize,
+    n_drafts: usize,
 }
 
 /// A plan of a series.
-pub(crate) struct Planned<'a> {
+pub(crate) struct SeriesPlan<'a> {
     /// The plan.
     pub plan: &'a Plan,
     /// Places of the nodes that may differ from those of the last plan of this draft.
@@ -44,15 +44,17 @@ pub(crate) struct Planned<'a> {
 /// A plan, and where other values of its parameters go.
 struct Draft {
     number: usize,
-    drawn: DrawnUp,
+    parts: PlanParts,
     /// The map that was planned.
     map: Map,
-    touched: Vec<Touched>,
-    /// For each parameter that is set, in order: which of `touched`, and its path there.
+    varied: Vec<VariedNode>,
+    /// For each parameter that is set, in order: which of `varied`, and its path there.
     targets: Vec<(usize, String)>,
     /// Whether all that is set belongs to nodes that run.
     is_of_running: bool,
-    /// Places of the nodes that are touched, write files, or take values of such.
+    /// Of which repeats it can be.
+    repeats: Repeats,
+    /// Places of the nodes that are varied, write files, or take values of such.
     changed: Vec<usize>,
     /// What their modules and parameters add to their keys.
     pieces: Vec<OwnPieces>,
@@ -61,8 +63,17 @@ struct Draft {
     by_name: Vec<usize>,
 }
 
+/// The repeats that a draft can be of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Repeats {
+    /// One alone.
+    Only(u32),
+    /// Any: its seeds are among the parameters that are set.
+    All,
+}
+
 /// A node of which parameters are set.
-struct Touched {
+struct VariedNode {
     place: usize,
     /// Which of `changed` it is.
     change: usize,
@@ -75,7 +86,7 @@ struct Touched {
 impl<'a> PlanSeries<'a> {
     /// Plans of `map`.
     pub fn new(map: &'a Map, registry: &'a Registry, options: PlanOptions<'a>) -> Self {
-        Self { map, registry, options, drafts: HashMap::new(), n_drawn: 0 }
+        Self { map, registry, options, drafts: HashMap::new(), n_drafts: 0 }
     }
 
     /// The plan of the map with these parameters, just as it would be planned alone.
@@ -83,21 +94,27 @@ impl<'a> PlanSeries<'a> {
         &mut self,
         params: &IndexMap<String, Json>,
         repeat: u32,
-    ) -> Result<Planned<'_>, Vec<Problem>> {
+    ) -> Result<SeriesPlan<'_>, Vec<Problem>> {
         let values = in_order(params);
         let options = PlanOptions { repeat, ..self.options };
-        let likeness = likeness(&values, repeat);
-        let known = self.drafts.get_mut(&likeness);
-        if known.is_none_or(|draft| draft.redo(&values, &options).is_none()) {
-            let drawn = Draft::new(self.map, self.registry, &options, &values)?;
+        let likeness = likeness(&values);
+        let mut known = self.drafts.get_mut(&likeness);
+        // Most programs have no repeats, and nothing to do with seeds.
+        let repeats = match known.as_ref().map(|draft| draft.repeats) {
+            None => Repeats::Only(repeat),
+            Some(Repeats::Only(only)) if only == repeat => Repeats::Only(repeat),
+            Some(_) => Repeats::All,
+        };
+        if known.as_mut().is_none_or(|draft| draft.redo(&values, &options).is_none()) {
+            let draft = Draft::new(self.map, self.registry, &options, &values, repeats)?;
             if self.drafts.len() >= MOST_DRAFTS {
                 self.drafts.clear();
             }
-            self.n_drawn += 1;
-            self.drafts.insert(likeness.clone(), Draft { number: self.n_drawn, ..drawn });
+            self.n_drafts += 1;
+            self.drafts.insert(likeness.clone(), Draft { number: self.n_drafts, ..draft });
         }
         let draft = &self.drafts[&likeness];
-        Ok(Planned { plan: &draft.drawn.plan, changed: &draft.changed, draft: draft.number })
+        Ok(SeriesPlan { plan: &draft.parts.plan, changed: &draft.changed, draft: draft.number })
     }
 }
 
@@ -115,9 +132,9 @@ fn in_order(params: &IndexMap<String, Json>) -> Vec<(&str, &Json)> {
 }
 
 /// What two assignments have in common whose plans differ in settings alone: the parameters that
-/// are set, the modules, and the repeat.
-fn likeness(values: &[(&str, &Json)], repeat: u32) -> String {
-    let mut likeness = repeat.to_string();
+/// are set, and the modules.
+fn likeness(values: &[(&str, &Json)]) -> String {
+    let mut likeness = String::new();
     for (path, value) in values {
         likeness.push('\n');
         likeness.push_str(path);
@@ -140,6 +157,7 @@ impl Draft {
         registry: &Registry,
         options: &PlanOptions,
         values: &[(&str, &Json)],
+        repeats: Repeats,
     ) -> Result<Self, Vec<Problem>> {
         let n_modules = values.iter().take_while(|(path, _)| is_module(path)).count();
         let (modules, values) = values.split_at(n_modules);
@@ -152,22 +170,26 @@ impl Draft {
         all_set(&mut map, modules)?;
         let said: Vec<_> = values.iter().map(|(path, _)| said(&map, path)).collect();
         all_set(&mut map, values)?;
-        let drawn = draw_up(&map, registry, options)?;
-        let nodes = &drawn.plan.nodes;
+        let parts = plan_parts(&map, registry, options)?;
+        let nodes = &parts.plan.nodes;
         let mut draft = Self {
             number: 0,
             map,
-            touched: Vec::new(),
+            varied: Vec::new(),
             targets: Vec::new(),
             is_of_running: true,
+            repeats,
             changed: Vec::new(),
             pieces: Vec::new(),
             writers: Vec::new(),
             by_name: keys::by_name(nodes),
-            drawn,
+            parts,
         };
         for ((path, _), said) in values.iter().zip(said) {
             draft.aim_at(path, said);
+        }
+        if repeats == Repeats::All {
+            draft.aim_at_seeds(options.repeat);
         }
         draft.follow();
         Ok(draft)
@@ -177,55 +199,92 @@ impl Draft {
     fn aim_at(&mut self, path: &str, said: Option<Json>) {
         let (name, param_path) = path.split_once('.').unwrap_or((path, ""));
         let param = param_path.split('.').next().unwrap_or_default();
-        let nodes = &self.drawn.plan.nodes;
+        let nodes = &self.parts.plan.nodes;
         let Some(place) = nodes.iter().position(|node| node.name == name) else {
             self.is_of_running = false;
             return;
         };
-        let of_node = |touched: &Touched| touched.place == place;
-        let which = self.touched.iter().position(of_node).unwrap_or_else(|| {
-            let (params, base) = (Vec::new(), JsonMap::new());
-            self.touched.push(Touched { place, change: 0, params, base });
-            self.touched.len() - 1
-        });
+        let which = self.varied_at(place);
         self.targets.push((which, param_path.to_owned()));
-        let specs = nodes[place].info.module.params;
-        let touched = &mut self.touched[which];
+        let specs = self.parts.plan.nodes[place].info.module.params;
+        let varied = &mut self.varied[which];
         let declared = specs.iter().position(|spec| spec.name == param);
-        touched.params.extend(declared.filter(|place| !touched.params.contains(place)));
-        touched.base.extend(said.map(|value| (param.to_owned(), value)));
+        varied.params.extend(declared.filter(|place| !varied.params.contains(place)));
+        varied.base.extend(said.map(|value| (param.to_owned(), value)));
+    }
+
+    /// Notes where seeds are, so that they can be those of another repeat. Names may quote those of
+    /// nodes that do not run, which stay: then it is a draft of one repeat.
+    fn aim_at_seeds(&mut self, repeat: u32) {
+        if self.parts.left_out.iter().any(|node| seeded(node).next().is_some()) {
+            self.repeats = Repeats::Only(repeat);
+            return;
+        }
+        for place in 0..self.parts.plan.nodes.len() {
+            let node = &self.parts.plan.nodes[place];
+            let seeds: Vec<usize> = seeded(node).collect();
+            if seeds.is_empty() {
+                continue;
+            }
+            let (name, specs) = (node.name.clone(), node.info.module.params);
+            let which = self.varied_at(place);
+            let varied = &mut self.varied[which];
+            for param in seeds {
+                if varied.params.contains(&param) {
+                    continue;
+                }
+                let path = format!("{name}.{}", specs[param].name);
+                let said = said(&self.map, &path);
+                varied.base.extend(said.map(|value| (specs[param].name.to_owned(), value)));
+                varied.params.push(param);
+            }
+        }
+    }
+
+    /// Which of the varied nodes the one at this place is, from now on.
+    fn varied_at(&mut self, place: usize) -> usize {
+        let of_node = |varied: &VariedNode| varied.place == place;
+        self.varied.iter().position(of_node).unwrap_or_else(|| {
+            let (params, base) = (Vec::new(), JsonMap::new());
+            self.varied.push(VariedNode { place, change: 0, params, base });
+            self.varied.len() - 1
+        })
     }
 
     /// Finds the nodes that values reach.
     fn follow(&mut self) {
-        let nodes = &self.drawn.plan.nodes;
-        let is_touched = |place: usize| self.touched.iter().any(|node| node.place == place);
+        let nodes = &self.parts.plan.nodes;
+        let is_varied = |place: usize| self.varied.iter().any(|node| node.place == place);
         for (place, node) in nodes.iter().enumerate() {
-            let writes = self.drawn.names.has(&node.name);
+            let writes = self.parts.names.has(&node.name);
             // An entry that is chosen may bring files with it.
-            if writes || is_touched(place) {
+            if writes || is_varied(place) {
                 self.writers.push(place);
             }
             let is_behind = node.sources().any(|source| self.changed.contains(&source.node));
-            if writes || is_touched(place) || is_behind {
+            if writes || is_varied(place) || is_behind {
                 self.changed.push(place);
                 self.pieces.push(OwnPieces::of(node));
             }
         }
-        for touched in &mut self.touched {
-            let found = self.changed.iter().position(|place| *place == touched.place);
-            touched.change = found.unwrap_or_default();
+        for varied in &mut self.varied {
+            let found = self.changed.iter().position(|place| *place == varied.place);
+            varied.change = found.unwrap_or_default();
         }
     }
 
     /// Plans other values of the same parameters; `None` where that must be done as a whole.
     fn redo(&mut self, values: &[(&str, &Json)], options: &PlanOptions) -> Option<()> {
-        if !self.is_of_running {
+        let is_of_repeat = match self.repeats {
+            Repeats::Only(only) => only == options.repeat,
+            Repeats::All => true,
+        };
+        if !self.is_of_running || !is_of_repeat {
             return None;
         }
         self.settle(values, options)?;
         let mut problems = Vec::new();
-        let DrawnUp { plan, left_out, names } = &mut self.drawn;
+        let PlanParts { plan, left_out, names } = &mut self.parts;
         for place in &self.writers {
             plan.nodes[*place].writes.clear();
         }
@@ -240,30 +299,41 @@ impl Draft {
         problems.is_empty().then_some(())
     }
 
-    /// Reads the values, and finds the files that they name.
+    /// Reads the values, and finds the files that they name. Where some are at fault, all others
+    /// are read nonetheless: the next values stand on what these leave.
     fn settle(&mut self, values: &[(&str, &Json)], options: &PlanOptions) -> Option<()> {
-        let mut given: Vec<_> = self.touched.iter().map(|touched| touched.base.clone()).collect();
+        let mut given: Vec<_> = self.varied.iter().map(|varied| varied.base.clone()).collect();
         let values = values.iter().filter(|(path, _)| !is_module(path));
         for ((_, value), (which, path)) in values.zip(&self.targets) {
-            let node = &self.drawn.plan.nodes[self.touched[*which].place];
+            let node = &self.parts.plan.nodes[self.varied[*which].place];
             let specs = node.info.module.params;
             set(&mut given[*which], Some(specs), path, (*value).clone()).ok()?;
         }
-        for (touched, given) in self.touched.iter().zip(&given) {
-            let node = &mut self.drawn.plan.nodes[touched.place];
+        let mut is_fine = true;
+        for (varied, given) in self.varied.iter().zip(&given) {
+            let node = &mut self.parts.plan.nodes[varied.place];
             let mut has_files = false;
-            for &param in &touched.params {
-                has_files |= settle_one(node, param, given, options.repeat)?;
-                self.pieces[touched.change].renew(node, param);
+            for &param in &varied.params {
+                has_files |= settle_one(node, param, given, options.repeat, &mut is_fine);
+                self.pieces[varied.change].renew(node, param);
             }
             if has_files {
                 let mut problems = Vec::new();
                 find_files(node, options, &mut problems);
-                problems.is_empty().then_some(())?;
+                is_fine &= problems.is_empty();
             }
         }
-        Some(())
+        is_fine.then_some(())
     }
+}
+
+/// Places of the parameters of a node whose values are other ones in other repeats.
+fn seeded(node: &PlanNode) -> impl Iterator<Item = usize> {
+    let mut next = node.settings.clone();
+    let specs = node.info.module.params;
+    next.each_mut(specs, &mut |_, spec, setting| spec.repeat(setting, 1));
+    let pairs = next.0.into_iter().zip(&node.settings.0).enumerate();
+    pairs.filter(|(_, (next, now))| next != *now).map(|(place, _)| place)
 }
 
 /// Settles one parameter of a node anew. Whether it names files, or did before.
@@ -272,7 +342,8 @@ fn settle_one(
     param: usize,
     given: &JsonMap<String, Json>,
     repeat: u32,
-) -> Option<bool> {
+    is_fine: &mut bool,
+) -> bool {
     let spec = &node.info.module.params[param];
     let is_linked = node.linked.iter().any(|(linked, _)| *linked == param);
     let mut faults = Vec::new();
@@ -281,97 +352,12 @@ fn settle_one(
     settled.each_mut(std::slice::from_ref(spec), &mut |_, spec, setting| {
         spec.repeat(setting, repeat);
     });
-    let (_, fresh) = settled.0.pop()?;
-    let setting = &mut node.settings.0[param].1;
-    let has_files = fresh.has_files() || setting.has_files();
-    *setting = fresh;
-    faults.is_empty().then_some(has_files)
+    *is_fine &= faults.is_empty();
+    let had_files = node.settings.0[param].1.has_files();
+    node.settings.0[param] = settled.0.remove(0);
+    had_files || node.settings.0[param].1.has_files()
 }
 
 #[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::*;
-    use crate::files::FileHashes;
-    use crate::testing::{plan_options, registry};
-
-    const MAP: &str = r#"{"mve": 1, "nodes": {
-        "read": {"module": "Read", "params": {"path": "a.txt"}},
-        "add": {"module": "Add", "params": {"amount": 7}},
-        "sum": {"module": "Add"},
-        "pick": {"module": "Pick", "params": {"how": {"Scaled": {"by": 4.0}}}},
-        "far": {"module": "Add", "params": {"amount": 3}},
-        "write": {"module": "Write", "params": {"path": "{sum.amount}-{pick.how}-{read.source}.txt"}},
-        "idle": {"module": "Echo", "mode": "muted"}},
-      "links": ["pick.number -> sum.a", "sum.sum -> far.a", "read.text -> write.text"]}"#;
-
-    /// All that a plan says, with its paths.
-    fn told(plan: &Plan) -> String {
-        let nodes = plan.nodes.iter().map(|node| {
-            let PlanNode { name, info, settings, reads, writes, key, inputs, .. } = node;
-            let sources = (inputs, &node.linked, &node.consumers);
-            let id = info.module.id;
-            format!("{name} {id} {settings:?} {reads:?} {writes:?} {key} {sources:?}\n")
-        });
-        let nodes: String = nodes.collect();
-        format!("{nodes}{} {:?}", plan.id, plan.warnings)
-    }
-
-    #[test]
-    fn plans_of_a_series_are_those_of_single_maps() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in ["a", "b"] {
-            std::fs::write(folder.path().join(name).with_extension("txt"), name).unwrap();
-        }
-        let map = Map::parse(MAP).unwrap();
-        let (registry, files) = (registry(), FileHashes::new());
-        let options = plan_options(folder.path(), &files);
-        let mut series = PlanSeries::new(&map, &registry, options);
-        let steps = [
-            json!({"sum.amount": 1}),
-            json!({"sum.amount": 2}),
-            json!({"sum.amount": 1000}),
-            json!({"sum.amount": 3}),
-            json!({"pick.how": "Zero"}),
-            json!({"pick.how": "Scaled"}),
-            json!({"pick.how": {"Scaled": {"by": 5.5}}}),
-            json!({"pick.how.by": 8, "sum.amount": 2}),
-            json!({"pick.how.by": 9, "sum.amount": 5}),
-            json!({"pick.how.by": "x", "sum.amount": 5}),
-            json!({"pick.how.nothing": 1}),
-            json!({"read.path": "b.txt", "write.path": "{step}.txt"}),
-            json!({"read.path": "a.txt", "write.path": "q/{read.path.name}-{repeat}.txt"}),
-            json!({"read.path": "c.txt", "write.path": "c.txt"}),
-            json!({"read.path": "a.txt", "write.path": "../c.txt"}),
-            json!({"sum.module": "Pick"}),
-            json!({"add.module": "Pick", "add.how.by": 2}),
-            json!({"add.module": {"Pick": {}}, "add.how.by": 3}),
-            json!({"add.module": {"Pick": {}}, "add.how.by": 4}),
-            json!({"idle.say": "a"}),
-            json!({"idle.say": "b"}),
-            json!({"nobody.x": 1}),
-            json!({}),
-        ];
-        // Twice, so that each draft is taken up again after others.
-        for (step, repeat) in steps.iter().chain(&steps).flat_map(|step| [(step, 0), (step, 2)]) {
-            let params: IndexMap<String, Json> = serde_json::from_value(step.clone()).unwrap();
-            let mut alone = map.clone();
-            let set = in_order(&params).into_iter().try_for_each(|(path, value)| {
-                assign(&mut alone, &registry, path, value.clone()).map_err(|problem| vec![problem])
-            });
-            let options = PlanOptions { repeat, ..options };
-            let expected = set.and_then(|()| Plan::new(&alone, &registry, &options));
-            let found = series.plan(&params, repeat).map(|planned| told(planned.plan));
-            assert_eq!(found, expected.map(|plan| told(&plan)), "{step}");
-        }
-        // A second series, in which the first of two alike is the one that fails.
-        let mut series = PlanSeries::new(&map, &registry, options);
-        let mut is_fine = |amount: i32| {
-            let params = IndexMap::from([("sum.amount".to_owned(), json!(amount))]);
-            series.plan(&params, 0).is_ok()
-        };
-        assert_eq!([1000, 1, 1000, 2].map(&mut is_fine), [false, true, false, true]);
-        assert_eq!((series.drafts.len(), series.n_drawn), (1, 1));
-    }
-}
+#[path = "series_tests.rs"]
+mod tests;

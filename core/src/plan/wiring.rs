@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{PlanNode, Source, no_such_node};
 use crate::data::DataType;
-use crate::map::{Link, Map};
+use crate::map::{Link, Map, Step};
 use crate::module::Module;
 use crate::port::ANY;
 use crate::problem::{LONGEST_NAME, Problem, did_you_mean, plain};
@@ -70,7 +70,7 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
         let place = map.nodes.get_index_of(&end.node);
         if place.is_none() {
             let message = format!("link \"{link}\": {}", no_such_node(map, &end.node));
-            problems.push(Problem::error(message).at(&end.node).port(&end.port));
+            problems.push(of_link(Problem::error(message).at(&end.node).port(&end.port), link));
         }
         place
     });
@@ -97,7 +97,8 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
             "takes {}, but \"{}\" gives {}; link an output that gives {}",
             wanted.id, link.from, given.id, wanted.id
         );
-        problems.push(Problem::error(message).at(&link.to.node).port(&link.to.port));
+        let problem = Problem::error(message).at(&link.to.node).port(&link.to.port);
+        problems.push(of_link(problem, link));
         return;
     }
     let source = Source { node: from_node, output };
@@ -112,7 +113,8 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
     };
     if is_taken {
         let message = "has more than one link; keep one of them";
-        problems.push(Problem::error(message).at(&link.to.node).port(&link.to.port));
+        let problem = Problem::error(message).at(&link.to.node).port(&link.to.port);
+        problems.push(of_link(problem, link));
     }
 }
 
@@ -141,11 +143,16 @@ fn no_such_output(module: &Module, link: &Link) -> Problem {
         format!("it has {}", names().collect::<Vec<_>>().join(", "))
     };
     let message = format!("link \"{link}\": {} has no such output; {all}{hint}", module.id);
-    Problem::error(message).at(&link.from.node).port(&link.from.port)
+    of_link(Problem::error(message).at(&link.from.node).port(&link.from.port), link)
+}
+
+/// A problem that stands where its link does.
+fn of_link(problem: Problem, link: &Link) -> Problem {
+    problem.along(["links".into(), Step::Link(link.clone())])
 }
 
 fn no_such_input(module: &Module, link: &Link) -> Problem {
-    let place = Problem::error("").at(&link.to.node).port(&link.to.port);
+    let place = of_link(Problem::error("").at(&link.to.node).port(&link.to.port), link);
     if module.params.iter().any(|param| param.name == link.to.port) {
         let message = format!("link \"{link}\": this parameter must be set in the map, not linked");
         return Problem { message, ..place };

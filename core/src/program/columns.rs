@@ -140,23 +140,22 @@ fn numbered(column: &str) -> (String, &str) {
 /// The entries of choices that decide which columns a node has.
 pub(super) fn deciders(node: &PlanNode) -> Vec<&'static str> {
     let outputs = node.info.module.outputs.iter();
-    let entry = |output: &OutputSpec| match output.quantities {
-        Quantities::OfChoice(param) | Quantities::FirstOfChoice(param) => {
-            match node.settings.find(param) {
-                Some(Setting::Choice { id, .. }) => Some(*id),
-                _ => None,
-            }
-        }
+    outputs.filter_map(|output| entry_of(node, output.quantities.choice()?)).collect()
+}
+
+/// The id of the entry that a choice of a node names.
+fn entry_of(node: &PlanNode, param: &str) -> Option<&'static str> {
+    match node.settings.find(param)? {
+        Setting::Choice { id, .. } => Some(id),
         _ => None,
-    };
-    outputs.filter_map(entry).collect()
+    }
 }
 
 /// The numbers that an output gives, each with the parameter that decides it and its value.
-fn quantities<'a>(
-    node: &'a PlanNode,
+fn quantities(
+    node: &PlanNode,
     output: &OutputSpec,
-) -> Vec<(Quantity, (&'static str, &'a str))> {
+) -> Vec<(Quantity, (&'static str, &'static str))> {
     let module = node.info.module;
     let own = |quantity: Quantity| (quantity, (MODULE, module.id));
     match output.quantities {
@@ -165,13 +164,11 @@ fn quantities<'a>(
         Quantities::One(quantity) => vec![own(quantity)],
         Quantities::Row(row) => row.iter().copied().map(own).collect(),
         Quantities::OfChoice(param) | Quantities::FirstOfChoice(param) => {
-            let Some(Setting::Choice { id, .. }) = node.settings.find(param) else {
-                return Vec::new();
-            };
+            let Some(id) = entry_of(node, param) else { return Vec::new() };
             let choice = module.params.iter().find(|spec| spec.name == param);
             let entry = choice.and_then(|spec| spec.choice()?.list.find(id));
             let all = entry.map_or(&[][..], |entry| entry.quantities);
-            let with = |quantity: Quantity| (quantity, (param, *id));
+            let with = |quantity: Quantity| (quantity, (param, id));
             if let Quantities::OfChoice(_) = output.quantities {
                 return all.iter().copied().map(with).collect();
             }

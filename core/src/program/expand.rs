@@ -8,13 +8,14 @@ use indexmap::IndexMap;
 use serde_json::Value as Json;
 
 use super::report_spec::About;
-use super::spread::{MOST_STEPS, spread};
-use super::steps::{Assignment, Steps};
-use super::{Program, ReportSpec};
+use super::spread::{MOST_STEPS, SpreadAxis, Spreader};
+use super::steps::{Assignment, Steps, Sweep};
+use super::{Program, ReportFault, ReportSpec};
 use crate::files::FileHashes;
-use crate::map::{Axis, Map, ProgramSpec};
+use crate::map::{Axis, Map, ProgramSpec, Step};
+use crate::param::declared_at;
 use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
-use crate::problem::{Problem, did_you_mean, is_steering};
+use crate::problem::{HOLDS_NO_STEERING, Problem, did_you_mean, is_steering};
 use crate::registry::Registry;
 
 impl Program {
@@ -35,31 +36,36 @@ impl Program {
         };
         let in_program = |problem: Problem| problem.in_program(name);
         if name.contains(is_steering) {
-            let message = "the name of a program cannot hold control characters, nor signs that \
-                           turn the direction of a text; give it another one";
+            let message = format!("the name of a program {HOLDS_NO_STEERING}; give it another one");
             return Err(vec![in_program(Problem::error(message))]);
         }
-        let assignments = assignments(spec, map_folder)
-            .map_err(|p| p.into_iter().map(in_program).collect::<Vec<_>>())?;
-        let values = values_of(&assignments);
+        let said = Said::of(map, name, spec, (registry, map_folder))?;
+        let values = values_of(&said.assignments);
         let varied: Vec<String> = values.keys().cloned().collect();
-        let refused = |faults: Vec<String>| {
-            faults.into_iter().map(Problem::error).map(in_program).collect::<Vec<_>>()
-        };
-        let report = spec.report.as_ref().map(ReportSpec::parse).transpose().map_err(refused)?;
-        let time_limit = time_limit_of(spec).map_err(|problem| vec![in_program(problem)])?;
         let (mut bare, files) = (map.without_programs(), FileHashes::new());
         bare.forget_other_programs(name);
         let options = plan_options(map_folder, &files);
-        let of_map = (&bare, registry, options);
-        let steps = Steps::plan(of_map, (&assignments, spec.repeats.unwrap_or(1)));
+        let steps = Steps::plan(Sweep {
+            map: &bare,
+            registry,
+            options,
+            assignments: &said.assignments,
+            repeats: spec.repeats.unwrap_or(1),
+        });
         if steps.problems.iter().any(Problem::is_error) {
             return Err(steps.problems.into_iter().map(in_program).collect());
         }
+        let shared = steps.shared_keys();
+        let of_steps = steps.problems.into_iter();
+        let of_steps = of_steps.map(|warning| match bare.problems().contains(&warning) {
+            true => warning,
+            false => in_program(warning),
+        });
+        let of_steps: Vec<Problem> = of_steps.collect();
         let mut program = Self {
             name: name.to_owned(),
             varied,
-            report: report.unwrap_or_default(),
+            report: said.report,
             map_file: String::new(),
             map_path: PathBuf::new(),
             spec: spec.clone(),
@@ -67,10 +73,10 @@ impl Program {
             map_folder: map_folder.to_owned(),
             registry: registry.clone(),
             files,
-            time_limit,
-            shared: steps.shared_keys(),
+            time_limit: said.time_limit,
+            shared,
             steps: steps.steps,
-            warnings: steps.problems,
+            warnings: said.remarks.into_iter().chain(of_steps).collect(),
             columns: steps.columns,
             inputs: steps.inputs,
             modules: steps.modules,
@@ -78,11 +84,15 @@ impl Program {
         };
         program.columns.settle();
         let faults = program.faults_of_report(map, values);
-        if faults.is_empty() { Ok(program) } else { Err(refused(faults)) }
+        if faults.is_empty() { Ok(program) } else { Err(refused(faults, name)) }
     }
 
     /// What its report says of columns and parameters that are not there.
-    fn faults_of_report(&self, map: &Map, values: IndexMap<String, Vec<&Json>>) -> Vec<String> {
+    fn faults_of_report(
+        &self,
+        map: &Map,
+        values: IndexMap<String, Vec<&Json>>,
+    ) -> Vec<ReportFault> {
         let idle = map.nodes.iter().filter(|(_, node)| !node.mode.is_active());
         self.report.faults(&About {
             columns: &self.columns,
@@ -106,6 +116,59 @@ impl Program {
     }
 }
 
+/// What a program says, read and found to be in order by itself.
+struct Said {
+    assignments: Vec<Assignment>,
+    /// What a person should know of its axes.
+    remarks: Vec<Problem>,
+    report: ReportSpec,
+    time_limit: Option<Duration>,
+}
+
+impl Said {
+    fn of(
+        map: &Map,
+        name: &str,
+        spec: &ProgramSpec,
+        (registry, folder): (&Registry, &Path),
+    ) -> Result<Self, Vec<Problem>> {
+        let in_program = |problem: Problem| problem.in_program(name);
+        let is_whole = |path: &str| takes_whole_numbers(map, registry, path);
+        let spreader = Spreader { folder, is_whole: &is_whole };
+        let (mut remarks, mut problems) = (Vec::new(), Vec::new());
+        let assignments = assignments(spec, &spreader, &mut remarks).unwrap_or_else(|faults| {
+            problems.extend(faults.into_iter().map(in_program));
+            Vec::new()
+        });
+        let report =
+            spec.report.as_ref().map_or_else(|| Ok(ReportSpec::default()), ReportSpec::parse);
+        let report = report.unwrap_or_else(|faults| {
+            problems.extend(refused(faults, name));
+            ReportSpec::default()
+        });
+        let time_limit = time_limit_of(spec).unwrap_or_else(|problem| {
+            problems.push(in_program(problem));
+            None
+        });
+        let remarks = remarks.into_iter().map(in_program).collect();
+        if problems.is_empty() {
+            Ok(Self { assignments, remarks, report, time_limit })
+        } else {
+            Err(problems)
+        }
+    }
+}
+
+/// What is wrong with the report of a program.
+fn refused(faults: Vec<ReportFault>, program: &str) -> Vec<Problem> {
+    let problem = |fault: ReportFault| {
+        let mut problem = Problem::error(fault.to_string()).in_program(program);
+        problem.place.path = Some([vec!["report".into()], fault.path].concat().into());
+        problem
+    };
+    faults.into_iter().map(problem).collect()
+}
+
 fn plan_options<'a>(map_folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
     PlanOptions {
         map_folder,
@@ -121,7 +184,7 @@ fn time_limit_of(spec: &ProgramSpec) -> Result<Option<Duration>, Problem> {
     let is_limit = |seconds: &f64| *seconds > 0.0 && *seconds < 1e9;
     if let Some(seconds) = spec.time_limit.filter(|seconds| !is_limit(seconds)) {
         let message = format!("\"time_limit\": {seconds} is not a number of seconds above 0");
-        return Err(Problem::error(message));
+        return Err(Problem::error(message).along(["time_limit".into()]));
     }
     Ok(spec.time_limit.map(Duration::from_secs_f64))
 }
@@ -151,7 +214,7 @@ fn slips_of(axes: &[Axis]) -> Vec<Problem> {
                      all its values into one",
                     place + 1
                 );
-                slips.push(Problem::error(message));
+                slips.push(Problem::error(message).along(in_axis(place, path)));
             }
         }
         let length = axis.values().map(Vec::len).min().unwrap_or(0);
@@ -163,27 +226,67 @@ fn slips_of(axes: &[Axis]) -> Vec<Problem> {
                 "axis {} has {doubled} twice; \"repeats\" runs each step more than once",
                 place + 1
             );
-            slips.push(Problem::error(message));
+            slips.push(Problem::error(message).along(at_axis(place)));
         }
     }
     slips
 }
 
-/// All assignments of a program: the product of its axes, then its explicit steps. Files are looked
-/// for from `folder`.
-fn assignments(spec: &ProgramSpec, folder: &Path) -> Result<Vec<Assignment>, Vec<Problem>> {
+fn at_axis(place: usize) -> [Step; 2] {
+    ["axes".into(), Step::Item(place)]
+}
+
+fn in_axis(place: usize, path: &str) -> [Step; 3] {
+    ["axes".into(), Step::Item(place), path.into()]
+}
+
+/// Whether a parameter takes whole numbers alone, by the module that the map has there.
+fn takes_whole_numbers(map: &Map, registry: &Registry, path: &str) -> bool {
+    let spec = path.split_once('.').and_then(|(node, param)| {
+        let node = map.nodes.get(node)?;
+        declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
+    });
+    spec.is_some_and(|spec| spec.integer().is_some() || spec.seed().is_some())
+}
+
+/// The axes with every value written out.
+fn spread(
+    spec: &ProgramSpec,
+    spreader: &Spreader,
+    remarks: &mut Vec<Problem>,
+) -> Result<Vec<Axis>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut axes = Vec::new();
     for (place, axis) in spec.axes.iter().enumerate() {
-        match spread(axis, folder) {
-            Ok(axis) => axes.push(axis),
-            Err(why) => problems.push(Problem::error(format!("axis {}: {why}", place + 1))),
+        match spreader.spread(axis) {
+            Ok(SpreadAxis { axis, remarks: own }) => {
+                axes.push(axis);
+                remarks.extend(own.into_iter().map(|(path, text)| {
+                    let message = format!("axis {}: {text}", place + 1);
+                    Problem::warning(message).along(in_axis(place, &path))
+                }));
+            }
+            Err((path, why)) => {
+                let message = format!("axis {}: {why}", place + 1);
+                problems.push(Problem::error(message).along(in_axis(place, &path)));
+            }
         }
     }
     if !problems.is_empty() {
         return Err(problems);
     }
-    problems.extend(slips_of(&axes));
+    Ok(axes)
+}
+
+/// All assignments of a program: the product of its axes, then its explicit steps. What a person
+/// should know of them goes to `remarks`.
+fn assignments(
+    spec: &ProgramSpec,
+    spreader: &Spreader,
+    remarks: &mut Vec<Problem>,
+) -> Result<Vec<Assignment>, Vec<Problem>> {
+    let axes = spread(spec, spreader, remarks)?;
+    let mut problems = slips_of(&axes);
     let mut all = vec![Assignment::new()];
     let mut total = 1_usize;
     for (place, axis) in axes.iter().enumerate() {
@@ -197,10 +300,10 @@ fn assignments(spec: &ProgramSpec, folder: &Path) -> Result<Vec<Assignment>, Vec
                 place + 1,
                 lengths.join(", ")
             );
-            problems.push(Problem::error(message));
+            problems.push(Problem::error(message).along(at_axis(place)));
         } else if length == 0 {
             let message = format!("axis {} is empty: give it a list of values", place + 1);
-            problems.push(Problem::error(message));
+            problems.push(Problem::error(message).along(at_axis(place)));
         }
         total = total.saturating_mul(length);
         if !problems.is_empty() || total > MOST_STEPS {
@@ -221,10 +324,11 @@ fn assignments(spec: &ProgramSpec, folder: &Path) -> Result<Vec<Assignment>, Vec
         total.saturating_add(spec.steps.len()).saturating_mul(spec.repeats.unwrap_or(1) as usize);
     if total > MOST_STEPS {
         let message = format!("the program has {total} steps; the most is {MOST_STEPS}");
-        problems.push(Problem::error(message));
+        problems.push(Problem::error(message).along(["axes".into()]));
     }
     if spec.repeats == Some(0) {
-        problems.push(Problem::error("\"repeats\" is 0: nothing would run"));
+        let message = "\"repeats\" is 0: nothing would run";
+        problems.push(Problem::error(message).along(["repeats".into()]));
     }
     all.extend(spec.steps.iter().cloned());
     if problems.is_empty() { Ok(all) } else { Err(problems) }
@@ -240,7 +344,12 @@ mod tests {
     }
 
     fn of(json: &str) -> Result<Vec<Assignment>, Vec<Problem>> {
-        assignments(&spec(json), Path::new(""))
+        all_of(&spec(json))
+    }
+
+    fn all_of(spec: &ProgramSpec) -> Result<Vec<Assignment>, Vec<Problem>> {
+        let spreader = Spreader { folder: Path::new(""), is_whole: &|_| false };
+        assignments(spec, &spreader, &mut Vec::new())
     }
 
     #[test]
@@ -249,7 +358,7 @@ mod tests {
             r#"{"axes": [{"a.x": [1, 2], "a.y": ["p", "q"]}, {"b.z": [5, 6, 7]}],
                 "steps": [{"a.x": 9}]}"#,
         );
-        let all = assignments(&spec, Path::new("")).unwrap();
+        let all = all_of(&spec).unwrap();
         assert_eq!(all.len(), 2 * 3 + 1);
         assert_eq!(shown(&all[0]), "a.x = 1, a.y = \"p\", b.z = 5");
         assert_eq!(shown(&all[4]), "a.x = 2, a.y = \"q\", b.z = 6");
@@ -276,14 +385,10 @@ mod tests {
     #[test]
     fn slips_are_reported_before_they_cost_memory() {
         let uneven = spec(r#"{"axes": [{"a.x": [1, 2], "a.y": [1]}]}"#);
-        assert!(
-            assignments(&uneven, Path::new("")).unwrap_err()[0].message.contains("equally long")
-        );
+        assert!(all_of(&uneven).unwrap_err()[0].message.contains("equally long"));
         let list = (0..1000).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
         let axis = |name: &str| format!("{{\"a.{name}\": [{list}]}}");
         let huge = spec(&format!("{{\"axes\": [{}, {}, {}]}}", axis("x"), axis("y"), axis("z")));
-        assert!(
-            assignments(&huge, Path::new("")).unwrap_err()[0].message.contains("1000000000 steps")
-        );
+        assert!(all_of(&huge).unwrap_err()[0].message.contains("1000000000 steps"));
     }
 }

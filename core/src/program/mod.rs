@@ -2,9 +2,12 @@
 
 mod columns;
 mod expand;
+mod pattern;
 mod plan_file;
 mod record;
+mod report_reader;
 mod report_spec;
+mod requirement;
 mod rounds;
 mod spread;
 mod steps;
@@ -13,16 +16,16 @@ mod tables;
 mod timing;
 mod unneeded;
 mod usage;
-mod wanted;
 mod work;
 
 pub use columns::{ColumnRecord, Columns, are_alike};
 pub use plan_file::{PlanFile, RunNote};
 pub use record::{StepRecord, StepStatus};
-pub use report_spec::{Measure, Question, ReportSpec, TIMES, meant};
+pub use report_spec::{Measure, Question, ReportFault, ReportSpec, TIMES, meant};
+pub use requirement::Requirement;
 pub use rounds::TIMINGS;
 pub use store::{Store, StoreError};
-pub use tables::{brief, brief_value, exact};
+pub use tables::{brief, brief_value, csv_table, exact};
 pub use timing::{Timing, median};
 pub use unneeded::Unneeded;
 pub use work::run_program;

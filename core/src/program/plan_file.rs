@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 
 use super::columns::Columns;
 use super::report_spec::About;
-use super::{Program, ProgramOptions, ReportSpec, Sharing, Step};
+use super::{Program, ProgramOptions, ReportFault, ReportSpec, Sharing, Step};
 use crate::fingerprint::Fingerprint;
 use crate::machine::Machine;
 use crate::map::{Map, MapError, ProgramSpec};
@@ -127,7 +127,7 @@ impl PlanFile {
     }
 
     /// What in a report does not fit these results.
-    pub fn faults(&self, report: &ReportSpec) -> Vec<String> {
+    pub fn faults(&self, report: &ReportSpec) -> Vec<ReportFault> {
         let mut values: IndexMap<String, Vec<&Json>> = IndexMap::new();
         for (path, value) in self.steps.iter().flat_map(|step| &step.params) {
             let known = values.entry(path.clone()).or_default();

@@ -16,11 +16,14 @@
 //! `seconds`, `seconds.node`, or the path of a varied parameter. Which values are better, and what
 //! a column is called, modules declare; a map says it only to overrule them.
 
+use std::fmt;
+
 use indexmap::IndexMap;
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::columns::Columns;
+use super::report_reader::Reader;
+use crate::map::Step;
 use crate::problem::did_you_mean;
 use crate::quantity::Better;
 
@@ -42,16 +45,13 @@ pub struct ReportSpec {
 }
 
 /// A column that measures.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Measure {
     /// Its name in the table of results.
     pub column: String,
     /// Which values are better; as its module declares where not said.
-    #[serde(default)]
     pub better: Option<Better>,
     /// Its name for a person; as its module declares where empty.
-    #[serde(default)]
     pub title: String,
 }
 
@@ -63,8 +63,7 @@ impl Measure {
 }
 
 /// A question: how do two values of a parameter compare, all else being equal?
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// As a person would ask it.
     pub text: String,
@@ -75,67 +74,73 @@ pub struct Question {
     /// axis holds the bare id as a value of its own.
     pub compare: IndexMap<String, [Json; 2]>,
     /// Columns that should be the same in both steps of a pair; chosen by the report where empty.
-    #[serde(default)]
     pub same: Vec<String>,
+}
+
+/// What is wrong with a report, and where in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportFault {
+    /// The way to it through the JSON of the report.
+    pub(super) path: Vec<Step>,
+    /// The place and a sentence.
+    message: String,
+}
+
+impl ReportFault {
+    /// A fault at a place, such as `measures[0].column`.
+    pub(super) fn at(path: &[Step], why: impl fmt::Display) -> Self {
+        let mut place = "report".to_owned();
+        for step in path {
+            match step {
+                Step::Key(key) => place.extend([".", key]),
+                Step::Item(item) => place.push_str(&format!("[{item}]")),
+                Step::Link(link) => place.push_str(&link.to_string()),
+            }
+        }
+        Self { path: path.to_vec(), message: format!("\"{place}\": {why}") }
+    }
+}
+
+impl fmt::Display for ReportFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
 }
 
 impl ReportSpec {
     /// Reads what a program says, or lists what is wrong with it.
-    pub fn parse(json: &Json) -> Result<Self, Vec<String>> {
-        let Json::Object(fields) = json else {
-            return Err(vec!["\"report\" is not an object; see `mve schema`".to_owned()]);
-        };
-        let mut spec = Self::default();
-        let mut faults = Vec::new();
-        for (key, value) in fields {
-            match key.as_str() {
-                "measures" => spec.measures = list(key, value, &mut faults),
-                "against" => spec.against = list(key, value, &mut faults),
-                "questions" => spec.questions = list(key, value, &mut faults),
-                "group" => spec.group = one_or_more(key, value, &mut faults),
-                "series" => spec.series = one_or_more(key, value, &mut faults),
-                _ => {
-                    let known = ["measures", "against", "group", "series", "questions"];
-                    let hint = did_you_mean(key, known.into_iter());
-                    faults.push(format!("\"report\" has no field \"{key}\"{hint}"));
-                }
-            }
-        }
-        for (place, question) in spec.questions.iter().enumerate() {
-            if question.compare.len() != 1 {
-                let what = "\"compare\" must name one parameter with two values";
-                faults.push(format!("\"report.questions[{place}]\": {what}"));
-            }
-        }
-        if faults.is_empty() { Ok(spec) } else { Err(faults) }
+    pub fn parse(json: &Json) -> Result<Self, Vec<ReportFault>> {
+        let mut reader = Reader::default();
+        let spec = reader.report(json);
+        if reader.faults.is_empty() { Ok(spec) } else { Err(reader.faults) }
     }
 
     /// What does not fit the results that it is about.
-    pub(super) fn faults(&self, about: &About) -> Vec<String> {
+    pub(super) fn faults(&self, about: &About) -> Vec<ReportFault> {
         let values = &about.values;
-        let column = |(place, name): (String, &String)| {
+        let column = |(place, name): (Vec<Step>, &String)| {
             let hint = did_you_mean(name, about.names().iter().map(String::as_str));
-            (!about.has(name)).then(|| {
-                format!(
-                    "\"report.{place}\": \"{name}\" is not a column; write \"node.output\", \
-                     \"seconds.node\" or \"seconds\"{hint}"
-                )
-            })
+            let why = format!(
+                "\"{name}\" is not a column; write \"node.output\", \"seconds.node\" or \
+                 \"seconds\"{hint}"
+            );
+            (!about.has(name)).then(|| ReportFault::at(&place, why))
         };
-        let varied = |(place, path): (String, &String)| {
+        let varied = |(place, path): (Vec<Step>, &String)| {
             let hint = did_you_mean(path, values.keys().map(String::as_str));
-            let message = format!("\"{path}\" is not varied by the program{hint}");
-            (!values.contains_key(path)).then(|| format!("\"report.{place}\": {message}"))
+            let why = format!("\"{path}\" is not varied by the program{hint}");
+            (!values.contains_key(path)).then(|| ReportFault::at(&place, why))
         };
-        let mut faults: Vec<String> = self.columns().into_iter().filter_map(column).collect();
+        let mut faults: Vec<ReportFault> = self.columns().into_iter().filter_map(column).collect();
         faults.extend(self.paths().into_iter().filter_map(varied));
         for (i, question) in self.questions.iter().enumerate() {
+            let place = ["questions".into(), Step::Item(i), "compare".into()];
             for (path, sides) in &question.compare {
                 let Some(known) = values.get(path) else { continue };
                 let is_missing = |side: &&Json| meant(side, known.iter().copied()).is_empty();
                 faults.extend(sides.iter().filter(is_missing).map(|side| {
-                    let message = format!("{side} is not among the values of {path}");
-                    format!("\"report.questions[{i}].compare\": {message}")
+                    let why = format!("{side} is not among the values of {path}");
+                    ReportFault::at(&place, why)
                 }));
             }
         }
@@ -143,29 +148,33 @@ impl ReportSpec {
     }
 
     /// Every column that is named, with its place.
-    fn columns(&self) -> Vec<(String, &String)> {
+    fn columns(&self) -> Vec<(Vec<Step>, &String)> {
+        let item = |list: &str, i: usize| vec![list.into(), Step::Item(i)];
+        let below = |list: &str, i: usize, key: &str| [item(list, i), vec![key.into()]].concat();
         let measures = self.measures.iter().enumerate();
         let mut named: Vec<_> =
-            measures.map(|(i, m)| (format!("measures[{i}].column"), &m.column)).collect();
+            measures.map(|(i, m)| (below("measures", i, "column"), &m.column)).collect();
         let against = self.against.iter().enumerate();
-        named.extend(against.map(|(i, name)| (format!("against[{i}]"), name)));
+        named.extend(against.map(|(i, name)| (item("against", i), name)));
         for (i, question) in self.questions.iter().enumerate() {
-            named.push((format!("questions[{i}].measure"), &question.measure));
+            named.push((below("questions", i, "measure"), &question.measure));
             let same = question.same.iter().enumerate();
-            named.extend(same.map(|(j, name)| (format!("questions[{i}].same[{j}]"), name)));
+            let place = |j| [below("questions", i, "same"), vec![Step::Item(j)]].concat();
+            named.extend(same.map(|(j, name)| (place(j), name)));
         }
         named
     }
 
     /// Every varied parameter that is named, with its place.
-    fn paths(&self) -> Vec<(String, &String)> {
+    fn paths(&self) -> Vec<(Vec<Step>, &String)> {
         let axes = [("group", &self.group), ("series", &self.series)];
         let axes = axes
             .into_iter()
-            .flat_map(|(place, paths)| paths.iter().map(move |path| (place.to_owned(), path)));
+            .flat_map(|(place, paths)| paths.iter().map(move |path| (vec![place.into()], path)));
         let questions = self.questions.iter().enumerate();
         let compared = questions.flat_map(|(i, question)| {
-            question.compare.keys().map(move |path| (format!("questions[{i}].compare"), path))
+            let place = move || vec!["questions".into(), Step::Item(i), "compare".into()];
+            question.compare.keys().map(move |path| (place(), path))
         });
         axes.chain(compared).collect()
     }
@@ -228,31 +237,6 @@ pub fn meant<'a>(side: &Json, values: impl Iterator<Item = &'a Json> + Clone) ->
     found
 }
 
-/// A text, or a list of texts.
-fn one_or_more(key: &str, value: &Json, faults: &mut Vec<String>) -> Vec<String> {
-    match value {
-        Json::Array(_) => list(key, value, faults),
-        _ => one(&format!("\"report.{key}\""), value, faults).into_iter().collect(),
-    }
-}
-
-fn list<T: for<'de> Deserialize<'de>>(key: &str, value: &Json, faults: &mut Vec<String>) -> Vec<T> {
-    let Some(items) = value.as_array() else {
-        faults.push(format!("\"report.{key}\" is not a list"));
-        return Vec::new();
-    };
-    let item = |(place, item)| one(&format!("\"report.{key}[{place}]\""), item, faults);
-    items.iter().enumerate().filter_map(item).collect()
-}
-
-fn one<T: for<'de> Deserialize<'de>>(
-    place: &str,
-    value: &Json,
-    faults: &mut Vec<String>,
-) -> Option<T> {
-    T::deserialize(value).map_err(|error| faults.push(format!("{place}: {error}"))).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
@@ -278,13 +262,49 @@ mod tests {
             "measures": [{ "colum": "a.x" }],
             "questions": [{ "text": "?", "measure": "a.x", "compare": {} }]
         }));
-        let faults = faults.unwrap_err();
-        assert!(faults[0].contains("no field \"measure\"; did you mean \"measures\"?"));
-        assert_eq!(faults[1], "\"report.against\" is not a list");
-        assert!(faults[2].starts_with("\"report.group\": invalid type"), "{faults:?}");
-        assert!(faults[3].starts_with("\"report.measures[0]\": unknown field `colum`"));
-        assert!(faults[4].starts_with("\"report.questions[0]\": \"compare\" must name one"));
+        let faults = faults.unwrap_err().iter().map(ReportFault::to_string).collect::<Vec<_>>();
+        let of_measure = "\"report.measures[0]\": there is no field \"colum\"; did you mean \
+                          \"column\"?";
+        assert_eq!(
+            faults,
+            [
+                "\"report\": there is no field \"measure\"; did you mean \"measures\"?",
+                "\"report.against\": 3 is not a list, such as [\"info.faces\"]",
+                "\"report.group\": 4 is not a text, such as \"simplify.cost\", or a list of texts",
+                of_measure,
+                "\"report.questions[0].compare\": {} does not name one parameter with its two \
+                 values, such as {\"simplify.cost\": [\"Quadric\", \"EdgeLength\"]}",
+            ]
+        );
         assert!(ReportSpec::parse(&json!([])).is_err());
+    }
+
+    #[test]
+    fn no_slip_is_told_in_words_of_the_parser() {
+        let column = || json!({ "column": "a.x" });
+        for odd in [
+            json!({ "measures": column() }),
+            json!({ "measures": [3] }),
+            json!({ "measures": [{ "column": 3 }] }),
+            json!({ "measures": [{ "column": "a.x", "better": "less" }] }),
+            json!({ "measures": [{ "column": "a.x", "title": 3 }] }),
+            json!({ "against": ["a.x", 3] }),
+            json!({ "series": [3] }),
+            json!({ "questions": [[]] }),
+            json!({ "questions": [{ "text": 3, "measure": "a.x", "compare": {} }] }),
+            json!({ "questions": [{ "measure": "a.x", "compare": { "a.y": [1] } }] }),
+            json!({ "questions": [{ "text": "?", "compare": { "a.y": [1, 2, 3] }, "same": 3 }] }),
+            json!({ "questions": [{ "text": "?", "measure": "a.x", "compare": { "a.y": 1 } }] }),
+        ] {
+            let faults = ReportSpec::parse(&odd).unwrap_err();
+            for fault in faults.iter().map(ReportFault::to_string) {
+                let words = ["invalid", "expected", "unknown", "missing field", "sequence", "`"];
+                let is_told = fault.starts_with("\"report.") && !fault.ends_with(' ');
+                assert!(is_told && !words.iter().any(|word| fault.contains(word)), "{fault}");
+            }
+        }
+        let remarks = json!({ "_why": 1, "measures": [{ "column": "a.x", "$x": 2 }] });
+        assert!(ReportSpec::parse(&remarks).is_ok());
     }
 
     #[test]
@@ -308,7 +328,10 @@ mod tests {
             idle: vec!["muted".to_owned()],
             values: IndexMap::from([("cut.cost".to_owned(), vec![&a, &b])]),
         };
-        let faults = |json: Json| ReportSpec::parse(&json).unwrap().faults(&about);
+        let faults = |json: Json| {
+            let faults = ReportSpec::parse(&json).unwrap().faults(&about);
+            faults.iter().map(ReportFault::to_string).collect::<Vec<_>>()
+        };
         let fine = json!({
             "measures": [{ "column": "compare.rms" }, { "column": "seconds.cut" },
                 { "column": "compare.rms_12" }, { "column": "muted.any" }],

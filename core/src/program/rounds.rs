@@ -4,7 +4,6 @@
 //! a while slows all steps alike. Orders are hashes of the round and the steps: the same in every
 //! call. One run before the first round is not counted; it brings files and code into memory.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -13,32 +12,13 @@ use super::record::{StepRecord, StepStatus};
 use super::store::StoreError;
 use super::timing::Timing;
 use super::work::{MOST_CRASHES, Workers};
-use super::{Program, ProgramEvent, usage};
+use super::{ProgramEvent, usage};
 use crate::fingerprint::FingerprintBuilder;
 
 /// How often a step is timed where nobody says.
 pub const TIMINGS: usize = 3;
 
-impl Program {
-    /// How often each step is run for its times. Repeats that are the same step give as many runs;
-    /// repeats with seeds of their own are steps that run once; else it is `timings`.
-    pub fn runs_by_step(&self, timings: usize) -> HashMap<&str, usize> {
-        let has_repeats = self.steps.iter().any(|step| step.repeat > 0);
-        let mut runs: HashMap<&str, usize> = HashMap::new();
-        self.steps.iter().for_each(|step| *runs.entry(&step.id).or_default() += 1);
-        if !has_repeats {
-            runs.values_mut().for_each(|n| *n = timings.max(1));
-        }
-        runs
-    }
-}
-
 impl StepRecord {
-    /// Whether it has as many times as are wanted. What failed is not run for its times again.
-    pub fn has_timings(&self, runs: usize) -> bool {
-        self.is_timed && (self.timings.len() >= runs || self.status != StepStatus::Done)
-    }
-
     fn add(&mut self, timing: Timing) {
         self.timings.push(timing);
         let timings = &self.timings;
@@ -60,24 +40,22 @@ impl StepRecord {
 impl Workers<'_> {
     /// Runs all steps that have too few times.
     pub(super) fn time_all(&self) -> Result<(), StoreError> {
-        let runs = self.program.runs_by_step(self.options.timings);
-        let n_rounds = runs.values().copied().max().unwrap_or(0);
         let is_stopped = || self.options.cancel.is_cancelled();
         let mut is_warm = false;
-        for round in 0..n_rounds {
+        for round in 0..self.requirement.most_runs() {
             for place in self.order(round) {
                 let step = &self.program.steps[place];
-                let wanted = runs.get(step.id.as_str()).copied().unwrap_or(1);
                 let known = self.store.record(&step.id);
                 let n_known = known.as_ref().map_or(0, |record| record.timings.len());
-                let is_enough = known.as_ref().is_some_and(|record| record.has_timings(wanted));
+                let is_enough =
+                    known.as_ref().is_some_and(|record| self.requirement.is_met_by(record));
                 if n_known > round || is_enough || is_stopped() {
                     continue;
                 }
                 if !std::mem::replace(&mut is_warm, true) {
                     self.apart(place, &mut |folder| drop(self.run_step(place, folder)))?;
                 }
-                self.time(place, wanted)?;
+                self.time(place)?;
             }
         }
         Ok(())
@@ -97,14 +75,14 @@ impl Workers<'_> {
     }
 
     /// Runs a step once more for its times, and keeps its outputs if it is the first time.
-    fn time(&self, place: usize, wanted: usize) -> Result<(), StoreError> {
+    fn time(&self, place: usize) -> Result<(), StoreError> {
         let step = &self.program.steps[place];
         (self.options.observer)(&ProgramEvent::StepStarted { place, step });
         let Some(known) = self.store.record(&step.id) else {
             let Some(claim) = self.store.claim(&step.id)? else { return Ok(()) };
             if let Some(record) = self.crashed(step, &claim) {
                 let record = self.store.commit(claim, record)?;
-                return self.tell(place, &record, wanted);
+                return self.tell(place, &record);
             }
             self.store.begin(&step.id, claim.n_crashes)?;
             let Some((mut record, timing)) = self.timed(place, &claim.outputs()) else {
@@ -113,7 +91,7 @@ impl Workers<'_> {
             };
             record.add(timing);
             let record = self.store.commit(claim, record)?;
-            return self.tell(place, &record, wanted);
+            return self.tell(place, &record);
         };
         let mut found = None;
         self.apart(place, &mut |folder| found = self.timed(place, folder))?;
@@ -128,11 +106,11 @@ impl Workers<'_> {
         }
         record.add(timing);
         let record = self.store.amend(record)?;
-        self.tell(place, &record, wanted)
+        self.tell(place, &record)
     }
 
-    fn tell(&self, place: usize, record: &StepRecord, wanted: usize) -> Result<(), StoreError> {
-        if record.has_timings(wanted) {
+    fn tell(&self, place: usize, record: &StepRecord) -> Result<(), StoreError> {
+        if self.requirement.is_met_by(record) {
             self.ran.fetch_add(1, Ordering::Relaxed);
             (self.options.observer)(&ProgramEvent::StepEnded { place, record });
         }

@@ -1,42 +1,108 @@
 //! Values of axes that are not written one by one: files of a pattern, and numbers between two.
 
 use std::path::Path;
+use std::time::Duration;
 
-use glob::{MatchOptions, Pattern, glob_with};
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use serde_json::Value as Json;
 
+use super::pattern::{self, Bounds};
 use crate::map::Axis;
 
 /// No table that a person reads is longer; it stops a slip from filling the memory.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
+/// How far the search for the files of a pattern goes.
+const BOUNDS: Bounds = Bounds { entries: MOST_STEPS, time: Duration::from_secs(10) };
+
 /// The most digits of a number that is computed, so that it reads well and is the same everywhere.
 const DIGITS: usize = 6;
 
-/// An axis with every value written out; the error is a sentence for a person. Files are named
-/// from `folder`, in the order of their names.
-pub(super) fn spread(axis: &Axis, folder: &Path) -> Result<Axis, String> {
-    let mut whole = IndexMap::new();
-    for (path, values) in axis {
-        let mut all = Vec::with_capacity(values.len());
-        for value in values {
-            match made(value, folder).map_err(|why| format!("{path}: {why}"))? {
-                Some(mut made) => all.append(&mut made),
-                None => all.push(value.clone()),
+/// What axes are spread with.
+pub(super) struct Spreader<'a> {
+    /// Where files are looked for, and from where they are named.
+    pub folder: &'a Path,
+    /// Whether the parameter of this path takes whole numbers alone.
+    pub is_whole: &'a dyn Fn(&str) -> bool,
+}
+
+/// An axis with every value written out.
+pub(super) struct SpreadAxis {
+    pub axis: Axis,
+    /// What a person should know of it: the parameter and a sentence.
+    pub remarks: Vec<(String, String)>,
+}
+
+impl Spreader<'_> {
+    /// An axis with every value written out, files in the order of their names. Numbers that are
+    /// computed for a parameter of whole ones are rounded, and those of them that are then the same
+    /// are one. The error is a parameter with a sentence for a person.
+    pub fn spread(&self, axis: &Axis) -> Result<SpreadAxis, (String, String)> {
+        let mut whole = IndexMap::new();
+        let mut remarks = Vec::new();
+        for (path, values) in axis {
+            let mut all = Vec::with_capacity(values.len());
+            let mut rounded = Vec::new();
+            for value in values {
+                let mut remark = None;
+                let spread = made(value, self.folder, &mut remark);
+                let spread = spread.map_err(|why| (path.clone(), format!("{path}: {why}")))?;
+                remarks.extend(remark.map(|remark| (path.clone(), format!("{path}: {remark}"))));
+                match spread {
+                    Some(numbers) if (self.is_whole)(path) => {
+                        let fractions = numbers.iter().filter(|number| number.is_f64()).cloned();
+                        rounded.extend(fractions);
+                        all.extend(numbers.iter().map(to_whole));
+                    }
+                    Some(mut made) => all.append(&mut made),
+                    None => all.push(value.clone()),
+                }
             }
+            if !rounded.is_empty() {
+                // Values of several parameters that advance together are counted together.
+                let n_all = all.len();
+                if axis.len() == 1 {
+                    let mut known = IndexSet::new();
+                    all.retain(|value| known.insert(value.to_string()));
+                }
+                remarks.push((path.clone(), of_rounding(path, &rounded, (n_all, all.len()))));
+            }
+            whole.insert(path.clone(), all);
         }
-        whole.insert(path.clone(), all);
+        Ok(SpreadAxis { axis: whole, remarks })
     }
-    Ok(whole)
+}
+
+/// The whole number next to a number.
+fn to_whole(number: &Json) -> Json {
+    match number.as_f64().filter(|_| number.is_f64()) {
+        Some(fraction) => Json::from(fraction.round() as i64),
+        None => number.clone(),
+    }
+}
+
+/// What is said where values were rounded.
+fn of_rounding(path: &str, rounded: &[Json], (n_before, n): (usize, usize)) -> String {
+    let shown = rounded.iter().take(3).map(|value| format!("{value} to {}", to_whole(value)));
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    let more = if rounded.len() > 3 { ", …" } else { "" };
+    let doubles = match n_before - n {
+        0 => String::new(),
+        left => format!("; {left} of {n_before} are then the same as others and left out"),
+    };
+    format!("{path} takes whole numbers, so values are rounded: {shown}{more}{doubles}")
 }
 
 /// The values that `{"glob": …}`, `{"range": …}` or `{"log": …}` stands for; any other value stands
 /// for itself.
-fn made(value: &Json, folder: &Path) -> Result<Option<Vec<Json>>, String> {
+fn made(
+    value: &Json,
+    folder: &Path,
+    remark: &mut Option<String>,
+) -> Result<Option<Vec<Json>>, String> {
     let fields = value.as_object().filter(|fields| fields.len() == 1);
     match fields.and_then(|fields| fields.iter().next()) {
-        Some((key, pattern)) if key == "glob" => files(pattern, folder).map(Some),
+        Some((key, pattern)) if key == "glob" => files(pattern, folder, remark).map(Some),
         Some((key, ends)) if key == "range" => {
             numbers(ends, |from, to, share| from + (to - from) * share)
                 .map(Some)
@@ -56,26 +122,39 @@ fn made(value: &Json, folder: &Path) -> Result<Option<Vec<Json>>, String> {
     }
 }
 
-fn files(pattern: &Json, folder: &Path) -> Result<Vec<Json>, String> {
+fn files(pattern: &Json, folder: &Path, remark: &mut Option<String>) -> Result<Vec<Json>, String> {
     let form = || format!("{pattern} is not a pattern of files, such as \"scans/*.obj\"");
     let text = pattern.as_str().ok_or_else(form)?;
-    let base = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    // An absolute pattern takes the place of the folder, as a path does.
-    let whole = Path::new(&Pattern::escape(&base.to_string_lossy())).join(text);
-    let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
-    let found = glob_with(&whole.to_string_lossy(), options)
-        .map_err(|error| format!("{}: {}", form(), error.msg))?;
-    let found = found.flatten().filter(|path| path.is_file()).take(MOST_STEPS + 1);
-    let name = |path: &Path| match Path::new(text).is_absolute() {
-        true => path.to_owned(),
-        false => path.strip_prefix(base).unwrap_or(path).to_owned(),
-    };
-    let mut names: Vec<_> = found.map(|path| name(&path)).collect();
-    names.sort();
-    if names.is_empty() {
-        return Err(format!("no file is named like {pattern}"));
+    let found = pattern::files(text, folder, BOUNDS)
+        .map_err(|error| format!("{}: {}", form(), pattern::fault(&error)))?;
+    if let Some(n) = found.given_up_at {
+        return Err(format!(
+            "the search for {pattern} was given up after {n} files and folders: it goes on for at \
+             most {} s; name a folder nearer to the files",
+            BOUNDS.time.as_secs()
+        ));
     }
-    Ok(names.iter().map(|name| Json::from(name.to_string_lossy())).collect())
+    if found.files.len() > MOST_STEPS {
+        return Err(format!(
+            "{pattern} fits {} files; the most is {MOST_STEPS}",
+            found.files.len()
+        ));
+    }
+    if found.n_nameless > 0 {
+        let files = if found.n_nameless == 1 { "file is" } else { "files are" };
+        let why = "left out, as the name is not UTF-8, which a map is";
+        *remark = Some(format!("{} {files} {why}", found.n_nameless));
+    }
+    if folder.join(text).is_dir() {
+        return Err(format!("{pattern} is a folder; its files are \"{text}/*\""));
+    }
+    match found.closed {
+        Some(why) if found.files.is_empty() => {
+            Err(format!("no file is named like {pattern}; {why}"))
+        }
+        None if found.files.is_empty() => Err(format!("no file is named like {pattern}")),
+        _ => Ok(found.files.iter().map(|file| Json::from(file.to_string_lossy())).collect()),
+    }
 }
 
 /// `n` numbers from one end to the other, both among them; whole where they are.
@@ -115,7 +194,31 @@ mod tests {
 
     fn values(json: Json, folder: &Path) -> Result<Json, String> {
         let axis = Axis::from_iter([("a.x".to_owned(), vec![json])]);
-        spread(&axis, folder).map(|axis| json!(axis["a.x"]))
+        let spread = Spreader { folder, is_whole: &|_| false }.spread(&axis);
+        spread.map(|spread| json!(spread.axis["a.x"])).map_err(|(_, why)| why)
+    }
+
+    #[test]
+    fn whole_numbers_are_rounded_and_each_is_there_once() {
+        let of = |axis: Json| {
+            let axis: Axis = serde_json::from_value(axis).unwrap();
+            let is_whole = |path: &str| path == "a.faces";
+            let spread = Spreader { folder: Path::new(""), is_whole: &is_whole }.spread(&axis);
+            let SpreadAxis { axis, remarks } = spread.ok().unwrap();
+            (json!(axis), remarks.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
+        };
+        let (axis, said) = of(json!({"a.faces": [{"log": [1, 4, 5]}, 2.5]}));
+        assert_eq!(axis, json!({"a.faces": [1, 2, 3, 4, 2.5]}));
+        let expected = "a.faces takes whole numbers, so values are rounded: 1.41421 to 1, 2.82843 \
+                        to 3; 1 of 6 are then the same as others and left out";
+        assert_eq!(said, [expected]);
+        let (axis, said) = of(json!({"a.faces": [{"log": [1, 4, 3]}]}));
+        assert_eq!((axis, said.len()), (json!({"a.faces": [1, 2, 4]}), 0));
+        // Advancing with others they stay as many.
+        let (axis, said) =
+            of(json!({"a.faces": [{"range": [1, 2, 3]}], "a.x": [{"range": [1, 2, 3]}]}));
+        assert_eq!(axis, json!({"a.faces": [1, 2, 2], "a.x": [1, 1.5, 2]}));
+        assert!(said[0].ends_with("rounded: 1.5 to 2"), "{said:?}");
     }
 
     #[test]
@@ -153,6 +256,10 @@ mod tests {
         let found = values(json!({"glob": "scans/*.obj"}), folder.path()).unwrap();
         assert_eq!(found, json!(["scans/a.obj", "scans/b.obj"]));
         let why = values(json!({"glob": "scan/*.obj"}), folder.path()).unwrap_err();
-        assert_eq!(why, "a.x: no file is named like \"scan/*.obj\"");
+        assert!(why.starts_with("a.x: no file is named like \"scan/*.obj\"; "), "{why}");
+        let why = values(json!({"glob": "scans"}), folder.path()).unwrap_err();
+        assert_eq!(why, "a.x: \"scans\" is a folder; its files are \"scans/*\"");
+        let why = values(json!({"glob": "scans/[.obj"}), folder.path()).unwrap_err();
+        assert!(why.contains(": a [ is not closed"), "{why}");
     }
 }

@@ -13,7 +13,7 @@ use super::columns::{Columns, deciders};
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
 use crate::param::{MODULE, Setting};
-use crate::plan::{Plan, PlanNode, PlanOptions, PlanSeries, Planned, no_file, one_case};
+use crate::plan::{Plan, PlanNode, PlanOptions, PlanSeries, SeriesPlan, no_file, one_case};
 use crate::problem::Problem;
 use crate::registry::Registry;
 
@@ -27,6 +27,16 @@ const MOST_PROBLEMS: usize = 20;
 const ADVICE_REPEATS: &str = "put {repeat} into the name";
 
 static NO_ASSIGNMENT: LazyLock<Assignment> = LazyLock::new(Assignment::new);
+
+/// What the steps of a program are: a map with each assignment, as often as it is repeated.
+#[derive(Clone, Copy)]
+pub(super) struct Sweep<'a> {
+    pub map: &'a Map,
+    pub registry: &'a Registry,
+    pub options: PlanOptions<'a>,
+    pub assignments: &'a [Assignment],
+    pub repeats: u32,
+}
 
 /// All steps, and what is the case for them together.
 #[derive(Default)]
@@ -58,10 +68,8 @@ pub(super) struct Steps {
 
 impl Steps {
     /// Plans every assignment as often as it is repeated.
-    pub fn plan(
-        (map, registry, options): (&Map, &Registry, PlanOptions),
-        (assignments, repeats): (&[Assignment], u32),
-    ) -> Self {
+    pub fn plan(sweep: Sweep) -> Self {
+        let Sweep { map, registry, options, assignments, repeats } = sweep;
         let mut steps = Self::default();
         let n_steps = assignments.len().saturating_mul(repeats as usize);
         steps.steps.reserve(n_steps);
@@ -90,7 +98,7 @@ impl Steps {
     }
 
     /// Adds a step; gives the warnings that were not there before.
-    fn add(&mut self, planned: &Planned, params: &Assignment, repeat: u32) -> Vec<Problem> {
+    fn add(&mut self, planned: &SeriesPlan, params: &Assignment, repeat: u32) -> Vec<Problem> {
         let plan = planned.plan;
         let id = plan.id.short();
         if self.nodes.is_empty() {
@@ -113,7 +121,7 @@ impl Steps {
     }
 
     /// Enters a node of the step that is about to be added.
-    fn enter(&mut self, planned: &Planned, place: usize, params: &Assignment) {
+    fn enter(&mut self, planned: &SeriesPlan, place: usize, params: &Assignment) {
         let node = &planned.plan.nodes[place];
         let count = self.keys.entry(node.key).or_default();
         *count = (*count + 1).min(2);
@@ -151,7 +159,7 @@ impl Steps {
                 && self.reported.insert(format!("write {}", one_case(path).display()))
             {
                 let other = self.steps.get(other).map_or(params, |step| &step.params);
-                let message = clash(plan, path, other, params);
+                let message = clash(plan, (node, path), other, params);
                 self.problems.push(Problem::error(message).at(&node.name));
             }
         }
@@ -172,10 +180,9 @@ impl Steps {
     fn cut_problems(&mut self) {
         let hidden = self.problems.split_off(self.problems.len().min(MOST_PROBLEMS));
         if let Some(first) = hidden.first() {
-            let message = format!("{} more problems of this kind", hidden.len());
             let severity =
                 hidden.iter().find(|problem| problem.is_error()).unwrap_or(first).severity;
-            self.problems.push(Problem { severity, ..Problem::error(message) });
+            self.problems.push(Problem { severity, ..Problem::more(hidden.len()) });
         }
     }
 }
@@ -200,28 +207,35 @@ impl Hasher for FirstBytes {
 }
 
 /// Says that two steps, or two repeats of one, write one path, and what to put into its name.
-fn clash(plan: &Plan, path: &Path, other: &Assignment, params: &Assignment) -> String {
+fn clash(
+    plan: &Plan,
+    (node, path): (&PlanNode, &Path),
+    other: &Assignment,
+    params: &Assignment,
+) -> String {
     let (path, step) = (path.display(), shown(params));
     match (other == params, step.is_empty()) {
         (true, true) => return format!("two repeats write \"{path}\": {ADVICE_REPEATS}"),
         (true, false) => return format!("two repeats write \"{path}\" ({step}): {ADVICE_REPEATS}"),
         (false, _) => {}
     }
+    let files = node.settings.files(node.info.module.params);
+    let is_named =
+        |reference: &str| files.iter().any(|(_, _, written)| written.contains(reference));
     let mut references: Vec<String> = Vec::new();
     for (name, value) in params.iter().chain(other) {
-        let is_known = |reference: &String| references.contains(reference);
         let reference = reference_to(plan, name);
+        let quoted = [reference.clone(), format!("{{{name}}}"), format!("{{{name}.")];
         if (params.get(name), other.get(name)) != (Some(value), Some(value))
-            && !is_known(&reference)
+            && !references.contains(&reference)
+            && !quoted.iter().any(|quoted| is_named(quoted))
         {
             references.push(reference);
         }
     }
-    let references = references.join(" and ");
-    format!(
-        "two steps write \"{path}\": {}; and {step}. Put {references} into the name",
-        shown(other)
-    )
+    // Values may differ and their words not: scans of one name in two folders.
+    let advice = if references.is_empty() { "{step}".to_owned() } else { references.join(" and ") };
+    format!("two steps write \"{path}\": {}; and {step}. Put {advice} into the name", shown(other))
 }
 
 /// What names the value of a parameter in the name of a file: where that is a module or a file,

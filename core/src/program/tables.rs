@@ -25,7 +25,7 @@ pub(super) fn write(program: &Program, store: &Store) -> Result<(), StoreError> 
     store.with_lock(|| {
         store.sweep();
         let (header, rows) = table(program, store);
-        store.write("results.csv", csv(&header, &rows).as_bytes())?;
+        store.write("results.csv", csv_table(&header, &rows).as_bytes())?;
         store.write("results.jsonl", json_lines(program, store).as_bytes())?;
         store.write("summary.md", summary(program, store, &header, &rows).as_bytes())
     })
@@ -229,8 +229,9 @@ fn inert(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// RFC 4180, lines ended by a line feed.
-fn csv(header: &[String], rows: &[Vec<String>]) -> String {
+/// A table as CSV: RFC 4180, lines ended by a line feed, no cell a formula. Rows are as long as the
+/// header.
+pub fn csv_table(header: &[String], rows: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in std::iter::once(header).chain(rows.iter().map(Vec::as_slice)) {
         // Writing equally long rows to memory cannot fail.
@@ -411,7 +412,8 @@ mod tests {
     #[test]
     fn csv_quotes_what_needs_it() {
         let row = vec!["a,b".to_owned(), "say \"x\"".to_owned()];
-        assert_eq!(csv(&["h".into(), "i".into()], &[row]), "h,i\n\"a,b\",\"say \"\"x\"\"\"\n");
+        let table = csv_table(&["h".into(), "i".into()], &[row]);
+        assert_eq!(table, "h,i\n\"a,b\",\"say \"\"x\"\"\"\n");
     }
 
     #[test]

@@ -9,10 +9,9 @@ use std::time::{Duration, Instant};
 use indexmap::IndexMap;
 
 use super::store::StepClaim;
-use super::wanted::Wanted;
 use super::{
-    Patience, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Retry, RunNote, Sharing, Step,
-    StepRecord, StepStatus, Store, StoreError, tables,
+    Patience, Program, ProgramEvent, ProgramOptions, ProgramOutcome, Requirement, Retry, RunNote,
+    Sharing, Step, StepRecord, StepStatus, Store, StoreError, tables,
 };
 use crate::cache::Cache;
 use crate::cancel::CancelToken;
@@ -43,12 +42,10 @@ pub fn run_program(
             store.forget(id)?;
         }
     }
-    let wanted = Wanted::of(program, options);
-    let is_found = |id: &&&str| wanted.is_in(store, id);
-    let found = ids.iter().filter(is_found).count();
     let part = program.places(&options.part);
-    tell_what_is_there(program, store, &part, options);
     let mut workers = Workers::new(program, store, options);
+    let found = ids.iter().filter(|id| workers.requirement.is_in(store, id)).count();
+    tell_what_is_there(program, store, &part, options);
     let mut note = (!workers.todo.is_empty()).then(|| RunNote::begin(options));
     program.write_plan(store, note.as_ref())?;
     workers.run_all()?;
@@ -73,7 +70,7 @@ pub fn run_program(
         others: store.count_others(&ids),
         seconds: start.elapsed().as_secs_f64(),
         is_stopped: options.cancel.is_cancelled(),
-        ..counted(program, &part, &wanted, &|id| store.record(id))
+        ..counted(program, &part, &workers.requirement, &|id| store.record(id))
     })
 }
 
@@ -82,7 +79,7 @@ pub fn run_program(
 fn counted(
     program: &Program,
     part: &[usize],
-    wanted: &Wanted,
+    requirement: &Requirement,
     read: &dyn Fn(&str) -> Option<Arc<StepRecord>>,
 ) -> ProgramOutcome {
     let ids: HashSet<&str> = program.steps.iter().map(|step| step.id.as_str()).collect();
@@ -90,7 +87,7 @@ fn counted(
         ids.iter().filter_map(|id| Some((*id, read(id)?))).collect();
     let is_missing = |place: &&usize| {
         let record = records.get(program.steps[**place].id.as_str());
-        !record.is_some_and(|record| wanted.is_met_by(record))
+        !record.is_some_and(|record| requirement.is_met_by(record))
     };
     ProgramOutcome {
         steps: ids.len(),
@@ -119,10 +116,10 @@ fn tell_what_is_there(program: &Program, store: &Store, part: &[usize], options:
 fn missing_of(
     program: &Program,
     store: &Store,
-    (places, options): (&[usize], &ProgramOptions),
+    places: &[usize],
+    requirement: &Requirement,
 ) -> Vec<usize> {
-    let wanted = Wanted::of(program, options);
-    let is_missing = |place: &usize| !wanted.is_in(store, &program.steps[*place].id);
+    let is_missing = |place: &usize| !requirement.is_in(store, &program.steps[*place].id);
     places.iter().copied().filter(is_missing).collect()
 }
 
@@ -146,6 +143,8 @@ pub(super) struct Workers<'a> {
     cache: Option<Cache>,
     /// What the steps that run at once share.
     memory: MemoryBudget,
+    /// What is asked of each step.
+    pub requirement: Requirement<'a>,
     /// Places of the steps that are still to be looked at.
     pub todo: Vec<usize>,
     next: AtomicUsize,
@@ -161,7 +160,9 @@ pub(super) struct Workers<'a> {
 
 impl<'a> Workers<'a> {
     fn new(program: &'a Program, store: &'a Store, options: &'a ProgramOptions) -> Self {
-        let mut todo = missing_of(program, store, (&program.places(&options.part), options));
+        let timings = (options.sharing == Sharing::Timing).then_some(options.timings);
+        let requirement = Requirement::of(program, timings);
+        let mut todo = missing_of(program, store, &program.places(&options.part), &requirement);
         todo.sort_by_key(|place| store.attempts(&program.steps[*place].id) > 0);
         let cache = (options.sharing == Sharing::Shared).then(|| {
             let disk = options.disk_cache.clone();
@@ -173,6 +174,7 @@ impl<'a> Workers<'a> {
             options,
             cache,
             memory: MemoryBudget::new(options.memory),
+            requirement,
             todo,
             next: AtomicUsize::new(0),
             running: AtomicUsize::new(0),
@@ -185,7 +187,7 @@ impl<'a> Workers<'a> {
 
     /// Waits a little for other processes; whether steps of the part are still missing.
     fn look_again(&mut self, part: &[usize]) -> bool {
-        self.todo = missing_of(self.program, self.store, (part, self.options));
+        self.todo = missing_of(self.program, self.store, part, &self.requirement);
         self.next = AtomicUsize::new(0);
         let end = Instant::now() + LOOK_AGAIN;
         while !self.todo.is_empty() && Instant::now() < end && !self.options.cancel.is_cancelled() {
@@ -273,7 +275,7 @@ impl<'a> Workers<'a> {
         let start = Instant::now();
         let step = &self.program.steps[place];
         let limit = self.options.time_limit.or(self.program.time_limit);
-        let cancel = self.options.cancel.child(limit.map(|limit| start + limit));
+        let cancel = self.options.cancel.child(limit.and_then(|limit| start.checked_add(limit)));
         let outcome = match self.program.plan(&step.params, step.repeat) {
             // An input file was changed or removed since the program was checked.
             Err(problems) => Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>()),
@@ -387,7 +389,7 @@ mod tests {
 
     use super::*;
     use crate::map::Map;
-    use crate::testing::{program_options, registry};
+    use crate::testing::registry;
 
     const MAP: &str = r#"{"mve": 1, "nodes": {"add": {"module": "Add"}},
         "programs": {"p": {"axes": [{"add.amount": [1, 2, 3]}]}}}"#;
@@ -397,8 +399,6 @@ mod tests {
     fn numbers_of_the_end_are_of_one_reading() {
         let map = Map::parse(MAP).unwrap();
         let program = Program::new(&map, "p", &registry(), Path::new("/")).map_err(|_| ()).unwrap();
-        let cancel = CancelToken::new();
-        let options = program_options(&cancel);
         let n_readings = Cell::new(0);
         let read = |id: &str| {
             n_readings.set(n_readings.get() + 1);
@@ -416,8 +416,8 @@ mod tests {
                 })
             })
         };
-        let wanted = Wanted::of(&program, &options);
-        let outcome = counted(&program, &[0, 1, 2], &wanted, &read);
+        let requirement = Requirement::of(&program, None);
+        let outcome = counted(&program, &[0, 1, 2], &requirement, &read);
         assert_eq!((outcome.steps, outcome.missing, outcome.missing_of_part), (3, 1, 1));
         assert_eq!(n_readings.get(), 3);
     }

@@ -89,7 +89,7 @@ fn output_names_are_filled_in_and_may_not_meet() {
     assert_eq!(written("one"), "..-x-y-Scaled-2.txt");
     assert_eq!(written("two"), format!("b/{}.txt", good.id.short()));
     assert!(plan(&map("a.txt", "./a.txt")).unwrap_err()[0].contains("writes \"a.txt\" too"));
-    assert!(plan(&map("a.txt", "a.txt/b.txt")).unwrap_err()[0].contains("needs as a folder"));
+    assert!(plan(&map("a.txt", "a.txt/b.txt")).unwrap_err()[0].contains("as a folder, which"));
     assert!(plan(&map("{e.sya}", "b")).unwrap_err()[0].contains("no such parameter"));
     assert!(plan(&map("{e.say", "b")).unwrap_err()[0].contains("do not pair"));
 }
@@ -149,4 +149,54 @@ fn assignments_reach_into_choices() {
     assert!(set("p.how", json!("Zero")).unwrap_err().contains("no parameter \"how\""));
     assert!(set("q.how", json!(1)).unwrap_err().contains("there is no node \"q\""));
     assert!(set("p", json!(1)).unwrap_err().contains("write node.param"));
+}
+
+#[test]
+fn what_is_set_to_no_effect_is_told() {
+    use mve_core::testing::settings_of;
+    use mve_core::{Condition, Listed, Module, ModuleList, Param, Registry};
+
+    const FAR: Condition = Condition::Is { param: "say", value: "far" };
+    const BY: Param<f64> = Param::number("by", "How far.", 1.0).only_where(FAR);
+    const MOST: Param<Option<f64>> = Param::maybe_number("most", "At most.", None);
+    const PART: Param<f64> =
+        Param::number("part", "Else.", 0.5).only_where(Condition::IsOff { param: "most" });
+    const SAY: Param<String> = Param::text("say", "What.", "near");
+    static GO: Module = Module {
+        id: "Go",
+        summary: "Goes.",
+        inputs: &[],
+        outputs: &[],
+        params: &[SAY.spec(), BY.spec(), MOST.spec(), PART.spec()],
+        run: |_| Ok(()),
+    };
+    static LIST: ModuleList =
+        ModuleList { category: "test", modules: &[Listed { item: &GO, source: 1 }] };
+
+    let warnings = |params: serde_json::Value| {
+        settings_of(GO.params, params.as_object().unwrap());
+        let text = json!({"mve": 1, "nodes": {"n": {"module": "Go", "params": params}}});
+        let files = FileHashes::new();
+        let options = plan_options(Path::new("/"), &files);
+        let map = Map::parse(&text.to_string()).unwrap();
+        let plan = Plan::new(&map, &Registry::new().with(&[&LIST], "test"), &options).unwrap();
+        plan.warnings.iter().map(|warning| warning.to_string()).collect::<Vec<_>>()
+    };
+    let none = [""; 0];
+    assert_eq!(warnings(json!({})), none);
+    assert_eq!(warnings(json!({"say": "far", "by": 2, "part": 0.1, "most": null})), none);
+    let expected = "n.by: has no effect: it counts only where say is far";
+    assert_eq!(warnings(json!({"by": 2})), [expected]);
+    let expected = "n.part: has no effect: it counts only where most is off";
+    assert_eq!(warnings(json!({"part": 0.1, "most": 3})), [expected]);
+}
+
+#[test]
+fn a_mistyped_path_names_the_entry_and_what_was_meant() {
+    let mut map = Map::parse(r#"{"mve": 1, "nodes": {"n": {"module": "Pick"}}}"#).unwrap();
+    let mut said = |path: &str| assign(&mut map, &registry(), path, json!(1)).unwrap_err().message;
+    let expected = "there is no parameter \"bi\" of Scaled; did you mean \"by\"?";
+    assert_eq!(said("n.how.bi"), expected);
+    assert_eq!(said("n.how.x"), "there is no parameter \"x\" of Scaled");
+    assert_eq!(said("n.ho"), "there is no parameter \"ho\"; did you mean \"how\"?");
 }

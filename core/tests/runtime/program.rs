@@ -277,6 +277,14 @@ fn steps_that_write_one_file_are_refused() {
 }
 
 #[test]
+fn values_of_one_word_are_told_apart_by_the_step() {
+    let map = Map::parse(&MAP.replace(r#"["x", "y"]"#, r#"["x/y", "x:y"]"#)).unwrap();
+    let problems = Program::new(&map, "p", &registry(), Path::new("/")).err().unwrap();
+    let text = problems[0].to_string();
+    assert!(text.ends_with("Put {step} into the name"), "{problems:?}");
+}
+
+#[test]
 fn problems_of_steps_name_the_step() {
     let map = Map::parse(&MAP.replace("[1, 2, 99, 4]", "[1, 1000]")).unwrap();
     let problems = Program::new(&map, "p", &registry(), Path::new("/")).err().unwrap();

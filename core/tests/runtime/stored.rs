@@ -2,12 +2,13 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use mve_core::testing::{plan_options, run_options};
 use mve_core::{
-    BLOCK, Cache, CacheUse, CancelToken, DiskCache, FileHashes, In, Io, Listed, Map, Module,
-    ModuleError, ModuleList, Out, Param, Plan, Registry, RunOptions, RunOutcome, Scalar, Stored,
-    run,
+    BLOCK, Cache, CacheUse, CancelToken, DiskCache, Event, EventKind, FileHashes, In, Io, Listed,
+    Map, Module, ModuleError, ModuleList, NodeStatus, Out, Param, Plan, Registry, RunOptions,
+    RunOutcome, Scalar, Stored, run,
 };
 
 const BYTES_OUT: Out<Stored> = Out::new("bytes", "Blocks, each full of its number.");
@@ -62,6 +63,11 @@ fn read(cache: &Path, budget: u64, place: usize) -> RunOutcome {
 }
 
 fn read_by(cache: &Cache, place: usize) -> RunOutcome {
+    heard_by(cache, place).0
+}
+
+/// The outcome, and the events that are no progress, in a word each.
+fn heard_by(cache: &Cache, place: usize) -> (RunOutcome, Vec<String>) {
     let map = format!(
         r#"{{"mve": 1, "nodes": {{"write": {{"module": "Write"}},
             "read": {{"module": "Read", "params": {{"place": {place}}}}}}},
@@ -72,7 +78,19 @@ fn read_by(cache: &Cache, place: usize) -> RunOutcome {
     let options = plan_options(Path::new("/"), &files);
     let plan = Plan::new(&Map::parse(&map).unwrap(), &registry, &options).unwrap();
     let (out, cancel) = (tempfile::tempdir().unwrap(), CancelToken::new());
-    run(&plan, &RunOptions { cache: Some(cache), ..run_options(out.path(), &cancel) })
+    let heard = Mutex::new(Vec::new());
+    let observer = |event: &Event| {
+        let what = match event.kind {
+            EventKind::Ended { record, .. } if record.status == NodeStatus::Done => "done",
+            EventKind::Ended { .. } => "not done",
+            EventKind::Started => "started",
+            _ => return,
+        };
+        heard.lock().unwrap().push(format!("{} {what}", event.node));
+    };
+    let options = RunOptions { observer: &observer, ..run_options(out.path(), &cancel) };
+    let outcome = run(&plan, &RunOptions { cache: Some(cache), ..options });
+    (outcome, heard.into_inner().unwrap())
 }
 
 fn files(cache: &Path) -> Vec<PathBuf> {
@@ -118,9 +136,11 @@ fn a_damaged_file_leaves_the_memory_of_the_process_too() {
     let [file] = files(folder.path()).try_into().unwrap();
     damage_block_6(&file);
     assert_eq!(read_by(&cache, 0).nodes["write"].record.cached, Some(CacheUse::Memory));
-    let again = read_by(&cache, 6 * BLOCK);
+    let (again, heard) = heard_by(&cache, 6 * BLOCK);
     assert_eq!(again.nodes["write"].record.cached, None);
     assert_eq!(byte(&again), Some(&Scalar::Number(6.0)));
+    // Both ran twice, or were to.
+    assert_eq!(heard, ["write done", "read started", "read done"]);
     assert_eq!(files(folder.path()), [file]);
 }
 

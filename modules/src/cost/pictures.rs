@@ -2,8 +2,7 @@
 
 use crate::geometry::simplify::collapse::Renewal;
 use crate::image_driven::{Areas, ImageOptions};
-use crate::picture::missing::missing_colors;
-use crate::picture::render::{Albedo, is_colored};
+use crate::picture::missing::lack_of_colors;
 use crate::picture::view::{ViewDefaults, ViewParams};
 use crate::prelude::*;
 
@@ -80,9 +79,7 @@ pub fn image_options(mesh: &TriMesh, settings: &Settings) -> Result<ImageOptions
         return Err(ModuleError::Failed(message.to_owned()));
     }
     let albedo = settings.get(&VIEW.albedo)?;
-    if albedo != Albedo::White && !is_colored(mesh, albedo) && !mesh.faces.is_empty() {
-        let missing = missing_colors(mesh, albedo).join(", and it ");
-        let message = format!("the mesh {missing}; choose White, or a mesh with colors");
+    if let Some(message) = lack_of_colors(&[mesh], albedo) {
         return Err(ModuleError::param(&VIEW.albedo, message));
     }
     Ok(ImageOptions {

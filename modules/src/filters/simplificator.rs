@@ -7,17 +7,18 @@ use crate::cost::{COSTS, MakeCost, Quadric};
 use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
-    Blocked, Boundary, Outcome, Schedule, Seams, Simplified, SimplifyOptions, Statistics, Stop,
-    Turns, simplify,
+    Blocked, Boundary, Cost, Outcome, Placement, SMALLEST_IN_BLOCKS, Schedule, Seams, Simplified,
+    SimplifyOptions, Statistics, Stop, Turns, simplify, simplify_around,
 };
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
+use crate::geometry::surface::components::{small_components, without_faces};
 use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
 use crate::geometry::surface::weld::{coincident_border_edges, weld};
 use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, Optimal, PLACEMENTS};
 use crate::prelude::*;
 
-use mve_core::{Cancelled, Control, MissedTarget, Quantities};
+use mve_core::{Cancelled, Condition, Control, MissedTarget, Quantities};
 
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[
@@ -49,6 +50,23 @@ impl Enumeration for Schedule {
     const VALUES: &'static [Self] = &[Self::Greedy, Self::Blocks];
 }
 
+/// What happens to the components of a surface that are small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SmallComponents {
+    Simplified,
+    Kept,
+    Removed,
+}
+
+impl Enumeration for SmallComponents {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Simplified", "As the rest; closed ones stop at four faces."),
+        ("Kept", "They stay as they are."),
+        ("Removed", "They go before anything else."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Simplified, Self::Kept, Self::Removed];
+}
+
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 const TARGET_FACES: Param<Option<i64>> =
     Param::maybe_integer("target_faces", "Stop at this many faces. Off: the ratio counts.", None)
@@ -60,7 +78,8 @@ const RATIO: Param<Option<f64>> = Param::maybe_number(
     "Stop at this part of the input's faces, where no number of faces is given. Off: no limit.",
     Some(0.5),
 )
-.within((0.0, 1.0));
+.within((0.0, 1.0))
+.only_where(Condition::IsOff { param: "target_faces" });
 const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
     "largest_cost",
     "Stop before a collapse that costs more than this, in the unit of the cost. Off: no limit.",
@@ -104,6 +123,18 @@ const WELD: Param<Option<f64>> = Param::maybe_number(
 )
 .within((0.0, 0.1))
 .usually((0.0, 1e-4));
+const SMALL_COMPONENTS: Param<SmallComponents> = Param::one_of(
+    "small_components",
+    "What happens to parts of the surface that hang together with nothing else and are small.",
+    "Simplified",
+);
+const COMPONENT_SIZE: Param<f64> = Param::number(
+    "component_size",
+    "How large small components are at most: the diagonal of their box, as a part of that of the \
+     mesh. The largest component is never small.",
+    0.02,
+)
+.within((0.0, 1.0));
 const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
     "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
@@ -170,9 +201,10 @@ const STATISTICS_OUT: Out<Measures> =
         SLIVERS,
     ]));
 
-/// What the working mesh, the queue and the quadrics take for each face, in blocks as well: measured
-/// from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at pictures take more.
-const BYTES_A_FACE: usize = 260;
+/// What the working mesh, the queue and the quadrics take for each face, by one queue and in blocks:
+/// measured from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at pictures take
+/// more.
+const BYTES_A_FACE: [usize; 2] = [200, 350];
 
 pub static MODULE: Module = Module {
     id: "Simplificator",
@@ -191,6 +223,8 @@ pub static MODULE: Module = Module {
         FLIP_ANGLE.spec(),
         SLIVER_ANGLE.spec(),
         WELD.spec(),
+        SMALL_COMPONENTS.spec(),
+        COMPONENT_SIZE.spec(),
         HEAD_START.spec(),
         REFIT.spec(),
     ],
@@ -198,12 +232,10 @@ pub static MODULE: Module = Module {
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let mut mesh = io.get(MESH_IN)?;
-    match io.param(WELD)? {
-        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
-        None => warn_of_seams(io, &mesh)?,
-    }
-    io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
+    let (mesh, kept_size) = prepared(io)?;
+    let order = io.param(ORDER)?;
+    let in_blocks = order == Schedule::Blocks && mesh.faces.len() >= SMALLEST_IN_BLOCKS;
+    io.reserve(mesh.faces.len() * BYTES_A_FACE[usize::from(in_blocks)])?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
     let ratio = io.param(RATIO)?.filter(|_| faces.is_none());
@@ -211,7 +243,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         stop: Stop { faces, ratio, cost: io.param(LARGEST_COST)? },
         boundary: io.param(BOUNDARY)?,
         seams: io.param(SEAMS)?,
-        order: io.param(ORDER)?,
+        order,
         turns: turns(io.param(FLIP_ANGLE)?),
         sliver_angle_rad: io.param(SLIVER_ANGLE)?.map(f64::to_radians),
     };
@@ -219,7 +251,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
     let asked = (cost.entry.build)(&mesh, &cost.params)?.head_start();
     let factor = io.param(HEAD_START)?.or(asked);
-    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
+    let start = head_start(factor, &mesh, kept_size, options, collapses.part(0.0, 0.3))?;
     // What was the target of the input is that of what the start left.
     options.stop.faces = options.stop.target_faces(mesh.faces.len());
     options.stop.ratio = None;
@@ -227,7 +259,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut cost = (cost.entry.build)(left, &cost.params)?;
     let mut placement = (placement.entry.build)(left, &placement.params)?;
     let rest = collapses.part(if start.is_some() { 0.3 } else { 0.0 }, 1.0);
-    let mut simplified = simplify(left, cost.as_mut(), placement.as_mut(), options, rest)?;
+    let (cost, placement) = (cost.as_mut(), placement.as_mut());
+    let mut simplified = collapsed(left, kept_size, cost, placement, options, rest)?;
     if let Some(start) = start {
         simplified.add_start(&start);
     }
@@ -251,10 +284,32 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     Ok(())
 }
 
+/// The mesh that is simplified, and how large components are at most that stay; below 0 none do.
+fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
+    let mut mesh = io.get(MESH_IN)?;
+    match io.param(WELD)? {
+        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
+        None => warn_of_seams(io, &mesh)?,
+    }
+    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+    let size = io.param(COMPONENT_SIZE)? * diagonal;
+    match io.param(SMALL_COMPONENTS)? {
+        SmallComponents::Simplified => Ok((mesh, -1.0)),
+        SmallComponents::Kept => Ok((mesh, size)),
+        SmallComponents::Removed => {
+            let is_small = small_components(&mesh, size, io.control().part(0.0, 0.0))?;
+            let n_gone = is_small.iter().filter(|is_small| **is_small).count();
+            io.log(format!("{n_gone} faces of small components are removed"));
+            Ok((Arc::new(without_faces(&mesh, &is_small)), -1.0))
+        }
+    }
+}
+
 /// What quadrics leave for the cost that was asked for, if they are to begin.
 fn head_start(
     factor: Option<f64>,
     mesh: &TriMesh,
+    kept_size: f64,
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Option<Simplified>, Cancelled> {
@@ -268,7 +323,26 @@ fn head_start(
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
     let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
-    simplify(mesh, cost, placement, options, control).map(Some)
+    collapsed(mesh, kept_size, cost, placement, options, control).map(Some)
+}
+
+/// The mesh simplified, but for components of at most this size.
+fn collapsed(
+    mesh: &TriMesh,
+    kept_size: f64,
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    options: SimplifyOptions,
+    control: Control,
+) -> Result<Simplified, Cancelled> {
+    if kept_size < 0.0 {
+        return simplify(mesh, cost, placement, options, control);
+    }
+    let is_small = small_components(mesh, kept_size, control.part(0.0, 0.0))?;
+    let mut stays = vec![false; mesh.positions.len()];
+    let kept = mesh.faces.iter().zip(is_small).filter(|(_, is_small)| *is_small);
+    kept.for_each(|(face, _)| face.iter().for_each(|v| stays[v.idx()] = true));
+    simplify_around(mesh, &stays, cost, placement, options, control)
 }
 
 /// The result after the steps of Refit that are asked for; as it is where it has no surface.
@@ -311,7 +385,10 @@ fn reasons(blocked: &Blocked, turns: Turns) -> String {
         (blocked.turn, format!("would turn a face by more than {limit} (set flip_angle higher)")),
         (blocked.fold, "would fold faces onto each other (flip_angle 180 allows it)".to_owned()),
         (blocked.topology, "would change the topology".to_owned()),
-        (blocked.rules, "are held by boundary, by seams or by odd coordinates".to_owned()),
+        (
+            blocked.rules,
+            "are held by boundary, by seams, by small_components or by odd coordinates".to_owned(),
+        ),
         (blocked.price, "have no price".to_owned()),
     ];
     let named = reasons.iter().filter(|(n, _)| *n > 0);
@@ -371,110 +448,5 @@ fn faults(mesh: &TriMesh, control: Control) -> Result<[Measure; 2], Cancelled> {
 }
 
 #[cfg(test)]
-mod tests {
-    use mve_core::testing::Trial;
-    use serde_json::json;
-
-    use crate::data::VertexId;
-    use crate::geometry::generate::{BoxOptions, subdivided_box};
-    use crate::mesh::fixtures::mesh_of;
-    use crate::prelude::*;
-
-    fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {
-        simplified_from(subdivided_box(&BoxOptions::DEFAULT), params)
-    }
-
-    fn simplified_from(mesh: TriMesh, params: &[(&str, serde_json::Value)]) -> TriMesh {
-        let trial = Trial::of(&super::MODULE).input("mesh", mesh);
-        let trial =
-            params.iter().fold(trial, |trial, (name, value)| trial.set(name, value.clone()));
-        trial.run().unwrap()["mesh"].clone().take().unwrap()
-    }
-
-    #[test]
-    fn a_box_keeps_its_volume_and_area_by_quadrics() {
-        let mesh = simplified(&[("target_faces", json!(12))]);
-        assert_eq!(mesh.faces.len(), 12);
-        assert!((mesh.signed_volume() - 1.0).abs() < 1e-9 && (mesh.area() - 6.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn faces_that_share_no_vertices_are_joined_where_that_is_asked_for() {
-        let whole = subdivided_box(&BoxOptions::DEFAULT);
-        let corners = whole.faces.iter().flatten().map(|vertex| whole.positions[vertex.idx()]);
-        let faces = (0..whole.faces.len() as u32).map(|f| [0, 1, 2].map(|k| VertexId(3 * f + k)));
-        let soup = TriMesh::new(corners.collect(), faces.collect());
-        assert_eq!(simplified_from(soup.clone(), &[]).faces.len(), 768);
-        let welded = simplified_from(soup, &[("weld", json!(0.0)), ("target_faces", json!(12))]);
-        assert_eq!(welded.faces.len(), 12);
-        assert!((welded.signed_volume() - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_missed_target_names_the_limit_and_what_to_set() {
-        let run = |flip_angle: serde_json::Value| {
-            let trial = Trial::of(&super::MODULE).input("mesh", ball());
-            trial.set("target_faces", json!(8)).set("flip_angle", flip_angle).log().unwrap()
-        };
-        let lines = run(json!(1.0)).join("\n");
-        assert!(lines.contains("more than flip_angle 1 (set flip_angle higher)"), "{lines}");
-        assert!(!run(json!(null)).join("\n").contains("flip_angle"));
-    }
-
-    /// A ball of 768 faces.
-    fn ball() -> TriMesh {
-        let mut mesh = subdivided_box(&BoxOptions::DEFAULT);
-        let (low, high) = mesh.bounds().unwrap();
-        mesh.positions.iter_mut().for_each(|p| *p = (*p - low.midpoint(high)).normalize());
-        mesh
-    }
-
-    #[test]
-    fn quadrics_begin_and_the_cost_ends_where_that_is_asked_for() {
-        let run = |head_start: serde_json::Value, target: i64| {
-            simplified_from(
-                ball(),
-                &[
-                    ("cost", json!("LindstromTurk")),
-                    ("placement", json!("LindstromTurk")),
-                    ("target_faces", json!(target)),
-                    ("head_start", head_start),
-                ],
-            )
-        };
-        // The volume is kept by the cost alone, so what is lost of it says how much it did.
-        let lost = |mesh: &TriMesh| (ball().signed_volume() - mesh.signed_volume()).abs();
-        let [alone, half, hardly] =
-            [json!(null), json!(2.0), json!(1.0)].map(|start| run(start, 80));
-        assert_eq!([alone.faces.len(), half.faces.len(), hardly.faces.len()], [80; 3]);
-        assert!(lost(&alone) < 1e-9 && lost(&half) > 1e-6, "{} {}", lost(&alone), lost(&half));
-        assert!(lost(&hardly) > 2.0 * lost(&half), "{} {}", lost(&hardly), lost(&half));
-        // There is nothing to begin with.
-        assert_eq!(run(json!(3.0), 400).positions, run(json!(null), 400).positions);
-    }
-
-    #[test]
-    fn targets_placements_and_costs_are_followed() {
-        assert_eq!(simplified(&[]).faces.len(), 384);
-        assert_eq!(simplified(&[("ratio", json!(0.25))]).faces.len(), 192);
-        let by_cost = [("ratio", json!(null)), ("largest_cost", json!(0.0))];
-        assert_eq!(simplified(&by_cost).faces.len(), 12);
-        let ends = simplified(&[("placement", json!("Endpoint")), ("cost", json!("EdgeLength"))]);
-        let originals = subdivided_box(&BoxOptions::DEFAULT).positions;
-        assert!(ends.positions.iter().all(|p| originals.contains(p)));
-    }
-
-    /// Two faces over one edge, turned by 160 degrees, and a face of half a degree at one of them.
-    #[test]
-    fn statistics_count_folds_and_slivers_of_the_result() {
-        let (sin, cos) = f64::to_radians(160.0).sin_cos();
-        let tops = [[0.0, 1.0, 0.0], [0.0, -cos, sin]];
-        let points = [[0.0; 3], [1.0, 0.0, 0.0], tops[0], tops[1], [-0.01, 1.0, 0.0]];
-        let mesh = mesh_of(&points, &[[0, 1, 2], [1, 0, 3], [0, 2, 4]]);
-        let trial = Trial::of(&super::MODULE).input("mesh", mesh).set("ratio", 1.0);
-        let outputs = trial.run().unwrap();
-        let found = outputs["statistics"].get::<Measures>().unwrap();
-        let number = |name: &str| found.0.iter().find(|m| m.name == name).unwrap().value;
-        assert_eq!([number("folded_edges"), number("slivers")], [1.0, 1.0]);
-    }
-}
+#[path = "simplificator_tests.rs"]
+mod tests;

@@ -9,9 +9,5 @@ mod save;
 pub mod texture_file;
 
 pub use file_error::{FileAction, FileError};
+pub use plain_file::{ReadError, load};
 pub use save::save_atomic;
-
-/// What `mve new loader` begins with.
-#[cfg(test)]
-#[path = "../../templates/format.rs"]
-pub(crate) mod template;

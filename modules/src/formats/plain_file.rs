@@ -4,7 +4,21 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-use mve_core::Control;
+use mve_core::{Cancelled, Control, ModuleError};
+use thiserror::Error;
+
+use super::FileError;
+
+/// Why the bytes of a file could not be read as one of its format.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ReadError {
+    /// What is wrong with them, with the line where there are lines.
+    #[error("{0}")]
+    Wrong(String),
+    /// The caller ended the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
 
 /// Bytes that are read between two looks whether the work was cancelled: some milliseconds.
 const PIECE: u64 = 1 << 23;
@@ -26,8 +40,7 @@ pub fn read_plain(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     read_long(path, max_bytes, Control::none())
 }
 
-/// The same of a file that may take long: fails with [`Cancelled`](mve_core::Cancelled) in it when
-/// `control` says so.
+/// The same of a file that may take long: fails with [`Cancelled`] in it when `control` says so.
 pub fn read_long(path: &Path, max_bytes: u64, control: Control) -> io::Result<Vec<u8>> {
     let (mut file, n_bytes) = open_plain(path)?;
     if n_bytes > max_bytes {
@@ -40,4 +53,22 @@ pub fn read_long(path: &Path, max_bytes: u64, control: Control) -> io::Result<Ve
             return Ok(bytes);
         }
     }
+}
+
+/// Reads an ordinary file of at most so many bytes as what `read` makes of them.
+///
+/// # Errors
+/// With the path, where the file or its content cannot be read; that `control` ended the work.
+pub fn load<T>(
+    path: &Path,
+    max_bytes: u64,
+    control: Control,
+    read: impl FnOnce(&[u8], Control) -> Result<T, ReadError>,
+) -> Result<T, ModuleError> {
+    let bytes = read_long(path, max_bytes, control);
+    let bytes = bytes.map_err(|source| FileError::read(path, source))?;
+    read(&bytes, control).map_err(|error| match error {
+        ReadError::Wrong(message) => ModuleError::io(path, message),
+        ReadError::Cancelled(cancelled) => cancelled.into(),
+    })
 }

@@ -76,7 +76,7 @@ pub struct ImageOptions {
     /// Which sides of a face are drawn.
     pub sides: Sides,
     /// What colors the surface.
-    pub albedo: Albedo<'static>,
+    pub albedo: Albedo,
     /// Whether light falls on it.
     pub is_lit: bool,
     /// Luminance where no face is.

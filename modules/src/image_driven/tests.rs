@@ -89,7 +89,7 @@ pub fn halve_with(
     simplify(mesh, cost, placement, options, Control::none()).unwrap().mesh
 }
 
-/// The picture of a mesh by the plain rasteriser.
+/// The picture of a mesh by the plain rasterizer.
 fn draw(mesh: &TriMesh, lens: &Lens, sides: Sides, background: u8) -> Vec<u8> {
     let seen = Visible::new(mesh, lens, sides);
     let value = |&face: &u32| {

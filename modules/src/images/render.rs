@@ -1,6 +1,6 @@
 //! Takes pictures of a mesh: see `picture/render` for what a pixel is.
 
-use crate::data::PixelKind;
+use crate::data::{Image, PixelKind};
 use crate::picture::missing::missing_colors;
 use crate::picture::render::{
     Albedo, Frame, MAX_SIZE, NormalSource, PictureOptions, Surface, pictures,
@@ -84,15 +84,19 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let view = VIEW.read(io.settings())?;
     let numbers = numbers(io, &view)?;
     let texture = io.maybe(TEXTURE_IN);
-    let albedo = albedo(io, &mesh, view.albedo, texture.as_deref());
+    let texture = texture_in_use(io, &mesh, &view, texture.as_deref());
     let control = io.control();
     let normals = io.param(NORMALS)?;
-    let surface = Surface::new(&mesh, view.shading, normals, albedo, control.part(0.0, 0.1))?;
+    let surface = Surface::new(&mesh, view.shading, normals, view.albedo, control.part(0.0, 0.1))?;
+    let surface = match texture {
+        Some(texture) => surface.painted(texture),
+        None => surface,
+    };
     let is_gray = io.param(GRAY)? || !surface.is_colored();
     let samples = samples(io, &view)?;
     let kind = if is_gray { PixelKind::Gray } else { PixelKind::Rgb };
     let options = PictureOptions { samples, ..view.pictures(kind) };
-    io.reserve(needs(&mesh, numbers.len(), &options))?;
+    io.reserve(options.bytes(&mesh, numbers.len()))?;
     let frame_mesh = io.maybe(FRAME_IN);
     let frame = Frame::around(view.cameras, frame_mesh.as_deref().unwrap_or(&mesh));
     let images = match frame {
@@ -110,18 +114,6 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     io.put(IMAGES_OUT, images);
     Ok(())
-}
-
-/// Bytes that pictures of so many cameras take, with what is drawn into on each thread.
-fn needs(mesh: &TriMesh, n_cameras: usize, options: &PictureOptions) -> usize {
-    /// The nearest face and its depth, and the picture itself.
-    const BYTES_A_SAMPLE: usize = 16;
-    /// A corner in the picture.
-    const BYTES_A_VERTEX: usize = 12;
-    let n_pixels = options.size * options.size;
-    let n_samples = n_pixels * options.samples * options.samples;
-    let of_thread = n_samples * BYTES_A_SAMPLE + mesh.positions.len() * BYTES_A_VERTEX;
-    n_cameras * n_pixels * options.kind.n_bytes() + rayon::current_num_threads() * of_thread
 }
 
 /// The cameras to take pictures with.
@@ -153,29 +145,29 @@ fn samples(io: &Io, view: &View) -> Result<usize, ModuleError> {
     Err(ModuleError::param(&SAMPLES, message))
 }
 
-/// What colors the surface: the texture that is given, or else what the view says.
-fn albedo<'a>(
+/// The texture that is given, if it can lie on the mesh; what else is missing is warned of.
+fn texture_in_use<'a>(
     io: &Io,
     mesh: &TriMesh,
-    of_view: Albedo<'a>,
-    texture: Option<&'a Images>,
-) -> Albedo<'a> {
-    let texture = texture.map_or(&[][..], |texture| &texture.0);
-    if texture.len() > 1 {
-        io.warn(format!("the first of {} textures is used", texture.len()));
+    view: &View,
+    textures: Option<&'a Images>,
+) -> Option<&'a Image> {
+    let textures = textures.map_or(&[][..], |textures| &textures.0);
+    if textures.len() > 1 {
+        io.warn(format!("the first of {} textures is used", textures.len()));
     }
-    match texture.first() {
-        Some(image) if mesh.layer(Layer::TEXCOORD).is_some() => return Albedo::Picture(image),
+    match textures.first() {
+        Some(image) if mesh.layer(Layer::TEXCOORD).is_some() => return Some(image),
         Some(_) => io.warn("the mesh has no layer \"texcoord\", so the texture is not used"),
         // A mesh without a layer of colors is white as it always was.
-        None if of_view == Albedo::Textures => {
-            for missing in missing_colors(mesh, of_view) {
+        None if view.albedo == Albedo::Textures => {
+            for missing in missing_colors(mesh, view.albedo) {
                 io.warn(format!("the mesh {missing}"));
             }
         }
         None => {}
     }
-    of_view
+    None
 }
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ mod tests {
         let problems = plan(folder.path(), "a.obj").unwrap_err();
         assert!(problems[0].contains("save.path writes \"a-textures\" alone"), "{problems:?}");
         let problems = plan(folder.path(), "A.obj").unwrap_err();
-        assert!(problems[0].contains("needs as a folder"), "{problems:?}");
+        assert!(problems[0].contains("as a folder, which"), "{problems:?}");
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Loads a picture from a PNG file.
 
-use crate::formats::FileError;
-use crate::formats::plain_file::read_plain;
 use crate::formats::png::read_png;
+use crate::formats::{ReadError, load};
 use crate::prelude::*;
 
 /// Bytes of the largest file that is read.
@@ -26,11 +25,10 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
-    let bytes =
-        read_plain(&path, MAX_FILE_BYTES).map_err(|source| FileError::read(&path, source))?;
-    io.check()?;
     // The name of the file is no part of what decides the result, so it must not enter it.
-    let image = read_png(&bytes, "image").map_err(|message| ModuleError::io(&path, message))?;
+    let image = load(&path, MAX_FILE_BYTES, io.control(), |bytes, _| {
+        read_png(bytes, "image").map_err(ReadError::Wrong)
+    })?;
     io.put(IMAGES_OUT, Images(vec![image]));
     Ok(())
 }

@@ -32,10 +32,6 @@ const DIFFERENCE_IMAGES_OUT: Out<Images> = Out::new(
     "How the pictures of the two differ, camera by camera; none if the metric takes none.",
 );
 
-/// What the search trees and samples of Msdm2 take for each face of both meshes: measured
-/// (docs/BENCHMARKS.md). Hausdorff takes 300; the pictures of image metrics are not counted.
-const BYTES_A_FACE: usize = 500;
-
 pub static MODULE: Module = Module {
     id: "MeshComparer",
     summary: "Measures how a simplified mesh differs from its original.",
@@ -55,9 +51,9 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (original, simplified) = (io.get(ORIGINAL_IN)?, io.get(SIMPLIFIED_IN)?);
-    io.reserve((original.faces.len() + simplified.faces.len()) * BYTES_A_FACE)?;
     let chosen = io.choice(METRIC)?;
     let metric = (chosen.entry.build.make)(&chosen.params)?;
+    io.reserve(metric.bytes(&original, &simplified))?;
     let found = metric.compare(&original, &simplified, io.control());
     let mut found = found.map_err(of_port)?;
     found.warnings.iter().for_each(|warning| io.warn(warning));

@@ -104,11 +104,6 @@ impl Adjacency {
         &self.edges
     }
 
-    /// The edge of these two ends, in either order.
-    pub fn edge_between(&self, a: VertexId, b: VertexId) -> Option<EdgeId> {
-        self.edges.binary_search(&[a.min(b), a.max(b)]).ok().map(|e| EdgeId(e as u32))
-    }
-
     /// The sides of faces that lie on an edge, by face: one at a border, two where the mesh is
     /// manifold, more elsewhere. A face that names three vertices has each edge once.
     pub fn sides_of(&self, edge: EdgeId) -> &[HalfEdge] {
@@ -243,7 +238,6 @@ mod tests {
         }
         let faces: Vec<u32> = adjacency.faces_of(VertexId(1)).map(|f| f.0).collect();
         assert_eq!(faces, [0, 1, 3]);
-        assert_eq!(adjacency.edge_between(VertexId(3), VertexId(1)), Some(EdgeId(4)));
         assert_eq!(adjacency.edges_of(FaceId(3)).map(|e| e.0), [3, 5, 4]);
     }
 
@@ -253,7 +247,8 @@ mod tests {
         let faces = [[0, 1, 2], [0, 1, 3], [1, 0, 4], [0, 1, 2], [1, 1, 4]];
         let mesh = mesh_of(&[[0.0; 3]; 6], &faces);
         let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
-        let edge = adjacency.edge_between(VertexId(0), VertexId(1)).unwrap();
+        let edge = EdgeId(0);
+        assert_eq!(adjacency.edges()[edge.idx()], [VertexId(0), VertexId(1)]);
         let faces: Vec<u32> = adjacency.sides_of(edge).iter().map(|s| s.face().0).collect();
         assert_eq!(faces, [0, 1, 2, 3]);
         assert_eq!(adjacency.winding(&mesh, edge), 2);

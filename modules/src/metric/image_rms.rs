@@ -64,6 +64,11 @@ pub struct ImageRmsMetric {
 }
 
 impl Metric for ImageRmsMetric {
+    fn bytes(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+        // The difference is a third set of pictures.
+        self.view.bytes_of_pair(original, simplified) * 3 / 2
+    }
+
     /// `difference_images` holds |original − simplified| at each pixel as it is, not scaled, so
     /// that the measures can be computed from it.
     fn compare(

@@ -79,7 +79,7 @@ fn colors_that_neither_mesh_has_are_refused() {
         match of(albedo) {
             Err(MetricError::Param { name: "albedo", message }) => {
                 assert!(message.starts_with("neither mesh has colors"), "{message}");
-                assert!(message.ends_with("choose White, or other meshes"), "{message}");
+                assert!(message.ends_with("choose White, or a mesh with colors"), "{message}");
             }
             other => panic!("{other:?}"),
         }

@@ -70,6 +70,15 @@ struct Index {
 }
 
 impl Metric for ImageSsimMetric {
+    fn bytes(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+        // The map is a third set of pictures. What is made of two pictures on each thread: the map
+        // in full, twice in color, and a channel of each.
+        const BYTES_A_PIXEL: usize = 24;
+        let of_thread = self.view.size * self.view.size * BYTES_A_PIXEL;
+        self.view.bytes_of_pair(original, simplified) * 3 / 2
+            + rayon::current_num_threads() * of_thread
+    }
+
     /// `difference_images` holds the index at each pixel: 255 where it is 1, 0 where it is 0 or
     /// less.
     fn compare(

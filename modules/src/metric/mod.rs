@@ -37,8 +37,18 @@ pub struct MakeMetric {
     pub make: fn(&Settings) -> Result<Box<dyn Metric>, ModuleError>,
 }
 
+/// What the search trees and samples of a metric take for each face of both meshes: measured
+/// (docs/BENCHMARKS.md). Msdm2 takes that, Hausdorff 300.
+const BYTES_A_FACE: usize = 500;
+
 /// A measure of how a simplified mesh differs from its original.
 pub trait Metric: Send + Sync {
+    /// Bytes of memory that [`Metric::compare`] takes at most, with what it gives; an estimate will
+    /// do.
+    fn bytes(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+        (original.faces.len() + simplified.faces.len()) * BYTES_A_FACE
+    }
+
     /// Compares the two; the same meshes and options give the same result on any number of threads.
     fn compare(
         &self,

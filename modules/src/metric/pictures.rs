@@ -4,8 +4,7 @@ use mve_core::Control;
 
 use super::{MeshRole, MetricError};
 use crate::data::TriMesh;
-use crate::picture::missing::missing_colors;
-use crate::picture::render::{Albedo, is_colored};
+use crate::picture::missing::{lack_of_colors, missing_colors};
 use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 
 /// The view of all metrics on pictures.
@@ -25,7 +24,9 @@ pub fn take_pair(
     simplified: &TriMesh,
     control: Control,
 ) -> Result<(Pair, Vec<String>), MetricError> {
-    refuse_white(view, [original, simplified])?;
+    if let Some(message) = lack_of_colors(&[original, simplified], view.albedo) {
+        return Err(MetricError::Param { name: VIEW.albedo.spec().name, message });
+    }
     let pair = view.pair(original, simplified, control)?.ok_or_else(|| {
         let message = "the original mesh has no finite extent, so no camera can look at it; a mesh \
                        with a box of some size is expected";
@@ -58,19 +59,6 @@ pub fn take_pair(
         _ => format!("each of the two meshes {missing}"),
     }));
     Ok((pair, warnings))
-}
-
-/// Refuses colors that no mesh has: the value would be that of white surfaces, under another name.
-fn refuse_white(view: &View, meshes: [&TriMesh; 2]) -> Result<(), MetricError> {
-    let drawn = || meshes.into_iter().filter(|mesh| !mesh.faces.is_empty());
-    let is_white = drawn().all(|mesh| !is_colored(mesh, view.albedo));
-    let Some(first) = drawn().next().filter(|_| is_white && view.albedo != Albedo::White) else {
-        return Ok(());
-    };
-    let missing = missing_colors(first, view.albedo).join(", and it ");
-    let message =
-        format!("neither mesh has colors to compare: it {missing}; choose White, or other meshes");
-    Err(MetricError::Param { name: VIEW.albedo.spec().name, message })
 }
 
 #[cfg(test)]

@@ -34,6 +34,11 @@ pub fn check_contract(metric: &dyn Metric) {
     broken.positions[1].x = f64::NAN;
     let found = metric.compare(&fine, &broken, Control::none()).unwrap();
     assert!(found.warnings[0].starts_with("3 faces of the simplified mesh"), "{found:?}");
+    // Pictures are more than meshes of few faces.
+    let few = metric.compare(&tetrahedron(), &tetrahedron(), Control::none()).unwrap();
+    let sets = [few.original_images, few.simplified_images, few.difference_images];
+    let given: usize = sets.iter().flat_map(|set| &set.0).map(|image| image.bytes.len()).sum();
+    assert!(metric.bytes(&tetrahedron(), &tetrahedron()) > given);
     let point = mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]);
     for bad in [TriMesh::default(), point] {
         let error = metric.compare(&bad, &fine, Control::none()).unwrap_err();

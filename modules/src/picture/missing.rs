@@ -33,6 +33,21 @@ pub fn missing_colors(mesh: &TriMesh, albedo: Albedo) -> Vec<String> {
     missing
 }
 
+/// Why pictures in these colors would be those of white surfaces, under another name: none of the
+/// meshes has any. `None` where they are asked for in white, or have no faces.
+pub fn lack_of_colors(meshes: &[&TriMesh], albedo: Albedo) -> Option<String> {
+    let drawn = || meshes.iter().filter(|mesh| !mesh.faces.is_empty());
+    if albedo == Albedo::White || drawn().any(|mesh| is_colored(mesh, albedo)) {
+        return None;
+    }
+    let missing = missing_colors(drawn().next()?, albedo).join(", and it ");
+    let which = match meshes.len() {
+        1 => "the mesh has no colors",
+        _ => "neither mesh has colors to compare",
+    };
+    Some(format!("{which}: it {missing}; choose White, or a mesh with colors"))
+}
+
 /// What of textures is not drawn, in a sentence a cause.
 fn flaws(textures: &[&Texture]) -> Vec<String> {
     let is_read =
@@ -74,6 +89,22 @@ mod tests {
     use super::*;
     use crate::data::{Image, PixelKind, TextureImage};
     use crate::mesh::fixtures::{tetrahedron, textured_square};
+
+    #[test]
+    fn colors_that_no_mesh_has_are_refused_for_one_reason() {
+        let (white, empty) = (tetrahedron(), TriMesh::default());
+        let textured = textured_square(Image::filled("t", [2, 2], PixelKind::Rgb, 9));
+        let lack = |meshes: &[&TriMesh], albedo| lack_of_colors(meshes, albedo);
+        assert_eq!(lack(&[&white, &white], Albedo::White), None);
+        assert_eq!(lack(&[&empty], Albedo::Colors), None);
+        assert_eq!(lack(&[&white, &textured], Albedo::Textures), None);
+        let why = "it has no layer \"color\" of three numbers, so it is white in pictures; choose \
+                   White, or a mesh with colors";
+        let one = lack(&[&white], Albedo::Colors).unwrap();
+        assert_eq!(one, format!("the mesh has no colors: {why}"));
+        let two = lack(&[&empty, &white], Albedo::Colors).unwrap();
+        assert_eq!(two, format!("neither mesh has colors to compare: {why}"));
+    }
 
     #[test]
     fn what_is_missing_is_named() {

@@ -1,4 +1,4 @@
-//! Pictures of meshes: the rasteriser, colors, captions, sheets, and how alike two pictures are.
+//! Pictures of meshes: the rasterizer, colors, captions, sheets, and how alike two pictures are.
 
 pub mod cameras;
 pub mod color_map;

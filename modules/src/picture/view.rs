@@ -32,7 +32,7 @@ impl Enumeration for Sides {
     const VALUES: &'static [Self] = &[Self::Both, Self::Front];
 }
 
-impl Enumeration for Albedo<'static> {
+impl Enumeration for Albedo {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("White", "White everywhere: pictures show shape alone."),
         (
@@ -56,7 +56,7 @@ pub struct View {
     /// With how many pixels a side.
     pub size: usize,
     /// What colors the surface.
-    pub albedo: Albedo<'static>,
+    pub albedo: Albedo,
     /// How the surface is lit.
     pub shading: Shading,
     /// Which sides of it are drawn.
@@ -89,7 +89,7 @@ pub struct ViewParams {
     /// Pixels a side.
     pub resolution: Param<i64>,
     /// What colors the surface.
-    pub albedo: Param<Albedo<'static>>,
+    pub albedo: Param<Albedo>,
     /// How the surface is lit.
     pub shading: Param<Shading>,
     /// Which sides of it are drawn.
@@ -197,6 +197,13 @@ impl View {
     pub fn pictures(&self, kind: PixelKind) -> PictureOptions {
         let Self { size, sides, background, .. } = *self;
         PictureOptions { size, sides, background, kind, samples: 1 }
+    }
+
+    /// Bytes that [`View::pair`] takes at most.
+    pub fn bytes_of_pair(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
+        let kind = if self.albedo == Albedo::White { PixelKind::Gray } else { PixelKind::Rgb };
+        let (options, n_cameras) = (self.pictures(kind), self.cameras.len());
+        options.bytes(original, n_cameras) + options.bytes(simplified, n_cameras)
     }
 
     /// Pictures of both meshes, from cameras around the original; normals of both are computed from

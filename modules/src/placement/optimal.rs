@@ -69,14 +69,16 @@ impl Placement for Optimal {
             let along = mesh.position(*gone) - from;
             let middle =
                 also_gone.map_or(0.5 * along, |third| (along + mesh.position(third) - from) / 3.0);
-            let mut quadric = *quadric;
+            let (mut quadric, mut stiffness) = (*quadric, self.stiffness);
             if mesh.forgets_planes()
                 && let Some((normal, volume)) = volume_plane(mesh, &batch[at])
             {
                 let weight = VOLUME_WEIGHT * quadric.weight();
                 quadric.add(&Quadric::from_plane(normal, volume, weight));
+                // A direction is as flat as it was.
+                stiffness /= 1.0 + VOLUME_WEIGHT;
             }
-            out.push(at, from + quadric.minimum_near(middle, self.stiffness).unwrap_or(middle));
+            out.push(at, from + quadric.minimum_near(middle, stiffness).unwrap_or(middle));
         }
     }
 

@@ -314,6 +314,7 @@ fn parts_of_a_program_run_alone() {
     only("print.label=x").succeeds().says("6 steps: 3 done, 3 to do; 3 run now");
     only("print.lable=x").fails(2, "it varies level.value, print.label; did you mean");
     only("print.label=z").fails(2, "no step has it as \"z\"");
+    only("print.label=xx").fails(2, "no step has it as \"xx\"; did you mean \"x\"?");
 }
 
 #[test]

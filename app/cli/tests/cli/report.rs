@@ -141,7 +141,10 @@ fn slips_are_told_before_anything_runs() {
     let folder = folder();
     folder.write("box.json", &MAP.replace("\"better\"", "\"beter\""));
     let answer = folder.mve(&["program", "box.json"]);
-    answer.fails(3, "program \"costs\": \"report.measures[0]\": unknown field `beter`");
+    answer.fails(
+        3,
+        "program \"costs\": \"report.measures[0]\": there is no field \"beter\"; did you mean",
+    );
     folder.write("box.json", &MAP.replace("[\"Quadric\", \"EdgeLength\"]}}", "[\"Q\", \"R\"]}}"));
     let answer = folder.mve(&["check", "box.json"]);
     answer.fails(3, "box.json: 2 problems").says("\"Q\" is not among the values of simplify.cost");

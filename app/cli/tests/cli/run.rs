@@ -25,6 +25,20 @@ fn parameters_are_set_as_json_or_text() {
 }
 
 #[test]
+fn files_are_where_the_person_is_wherever_a_value_names_them() {
+    let folder = Folder::new();
+    folder.write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("7", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write(
+        "maps/m.json",
+        r#"{"mve": 1, "nodes": {"a": {"module": "ObjLoader", "params": {"path": "none.obj"}}}}"#,
+    );
+    for set in ["a.path=cube.obj", "a.path=7", r#"a.module={"ObjLoader": {"path": "cube.obj"}}"#] {
+        folder.mve(&["run", "maps/m.json", "--set", set]).succeeds();
+    }
+}
+
+#[test]
 fn json_events_are_lines_and_the_summary_is_last() {
     let answer = Folder::new().mve(&["run", "map.json", "--json"]).succeeds();
     assert_eq!(answer.err, "");
@@ -68,6 +82,49 @@ fn all_problems_come_at_once_and_nothing_runs() {
     let lines = folder.mve(&["run", "bad.json", "--json"]).fails(3, "3 problems").json();
     assert!(lines.iter().any(|line| line["node"] == "level" && line["port"] == "value"));
     assert_eq!(lines.last().unwrap()["status"], "refused");
+}
+
+#[test]
+fn every_problem_has_a_line() {
+    let folder = Folder::new();
+    let text = common::map();
+    let swept = |program: &str| text.replace("\"sweep\": {", &format!("\"sweep\": {{{program}, "));
+    let linked = |link: &str| text.replace("\"links\": [", &format!("\"links\": [\n7, {link},"));
+    let axes = r#""axes": [{"level.value": [1, 2, 3]}, {"print.label": ["x", "y"]}]"#;
+    let uneven = r#""axes": [{"level.value": [1]}, {"print.label": ["x"], "level.value": [1, 2]}]"#;
+    for (place, text) in [
+        // Links: of no form, of no node, to no port, of another type.
+        ("7:1", linked("\"level.value\"")),
+        ("7:4", linked("\"level.value -> nobody.x\"")),
+        ("7:4", linked("\"level.value -> print.lbel\"")),
+        ("7:4", linked("\"level.none -> print.value\"")),
+        // Axes, steps and the rest of a program.
+        ("8:46", text.replace(axes, uneven)),
+        ("8:15", swept("\"repeats\": 0")),
+        ("8:15", swept("\"time_limit\": -1")),
+        ("8:26", swept("\"report\": {\"group\": [\"x.y\"]}")),
+        ("8:40", swept("\"report\": {\"measures\": [{\"column\": \"x.y\"}]}")),
+        ("8:39", swept("\"report\": {\"measures\": [3]}")),
+        // What stands twice, and what is of another form.
+        ("5:5", text.replace("\"other\"", "\"print\"")),
+        ("1:2", text.replace("\"mve\": 1", "\"mve\": -1")),
+        ("1:1", text.replace("\"mve\": 1, ", "")),
+        ("6:3", text.replace("\"links\": [", "\"links\": 3, \"_\": [")),
+        ("2:14", "{\"mve\": 1,\n \"layout\": { \"a\": 3}, \"nodes\": {}}".to_owned()),
+        ("1:12", "{\"mve\": 1, \"nodes\": {}}".to_owned()),
+    ] {
+        folder.write("bad.json", &text);
+        let answer = folder.mve(&["check", "--json", "bad.json"]);
+        let lines = answer.json();
+        let problems: Vec<_> = lines.iter().filter(|line| line["event"] == "problem").collect();
+        let at = |line: &&serde_json::Value| format!("{}:{}", line["line"], line["column"]);
+        let places: Vec<String> = problems.iter().map(at).collect();
+        assert!(
+            places.iter().any(|at| at == place),
+            "{place} not in {places:?}\n{answer:?}\n{text}"
+        );
+        assert!(!places.iter().any(|at| at.contains("null")), "{answer:?}");
+    }
 }
 
 #[test]
@@ -192,7 +249,8 @@ fn one_fault_is_one_problem_and_a_long_name_is_cut() {
     };
     // A mesh, its materials and the folder of its textures.
     check("a.obj", "a.obj").says("a.path writes \"a.obj\" too").says("(the first of 3 such files)");
-    check("a.obj", "a.obj/b.obj").says("which b.path needs as a folder");
+    check("a.obj", "a.obj/b.obj")
+        .says("b.path: needs \"a.obj\" as a folder, which a.path writes alone");
     let id = "M".repeat(5000);
     folder.write(
         "map.json",

@@ -138,6 +138,7 @@ impl Editor {
         let session = &mut sessions[*active];
         let (programs, scene) = session.programs(shared);
         let actions = programs.vary(node, param, &scene);
+        drop(scene);
         let edits: Vec<Edit> = actions.into_iter().filter_map(edit_of).collect();
         self.edit(&edits);
     }

@@ -45,6 +45,7 @@ impl Console {
             if ui.button("Clear").clicked() {
                 session.runner.log.clear();
             }
+            ui.weak("times in UTC");
         });
         ui.separator();
         let letters = self.letters.to_lowercase();
@@ -95,7 +96,7 @@ pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<
         selection.is_empty() || selection.contains(&item)
     };
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        for (name, node) in session.document.map().nodes.iter().filter(|(n, _)| is_shown(n)) {
+        for (name, node) in session.document.map().nodes.iter().filter(|(name, _)| is_shown(name)) {
             let Some(info) = shared.registry.find(&node.module) else { continue };
             ui.horizontal(|ui| {
                 ui.strong(name);

@@ -63,7 +63,9 @@ fn several(
         let (mut given, mut differing) = (JsonMap::new(), Vec::new());
         for spec in info.module.params.iter().filter(|spec| !linked(spec.name)) {
             match same(spec.name) {
-                Some(value) => given.extend(value.map(|v| (spec.name.to_owned(), v.clone()))),
+                Some(value) => {
+                    given.extend(value.map(|value| (spec.name.to_owned(), value.clone())))
+                }
                 None => differing.push(spec.name.replace('_', " ")),
             }
         }
@@ -78,6 +80,7 @@ fn several(
             wants_focus: false,
             link_of: &from_link,
             counts: &[],
+            folder: &session.folder(),
         };
         for event in form.show(ui, info.module.params) {
             wishes.push(Wish::Canvas(match event {
@@ -196,6 +199,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             wants_focus: false,
             link_of: &from_link,
             counts: &session.counts(name),
+            folder: &session.folder(),
         };
         let events = form.show(ui, module.params);
         wishes.extend(
@@ -229,8 +233,7 @@ pub fn port_table(
             let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
             ui.label(format!("in: {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);
-            let value =
-                link.and_then(|link| session.runner.value(&link.from.node, &link.from.port));
+            let value = link.and_then(|link| session.value_out_of(&link.from));
             match (link, value) {
                 (_, Some(value)) => value_label(ui, &value, is_whole),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),

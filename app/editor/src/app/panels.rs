@@ -11,7 +11,9 @@ use crate::drag::DraggedParam;
 use crate::views::ViewerAction;
 
 /// Width of the window in points below which the inspector would take the canvas its room.
-const NARROW: f32 = 620.0;
+pub const NARROW: f32 = 560.0;
+/// Part of the window that it takes at most.
+const INSPECTOR: f32 = 0.4;
 
 /// How long a message stays.
 const TOAST: Duration = Duration::from_secs(6);
@@ -61,7 +63,7 @@ impl Editor {
             return;
         }
         let panel = Panel::right("inspector").resizable(true).default_size(330.0);
-        panel.min_size(200.0).max_size(width * 0.5).show(ui, |ui| {
+        panel.min_size(200.0).max_size(width * INSPECTOR).show(ui, |ui| {
             // Long rows are cut: they must neither push the canvas aside nor hide the names.
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 inspector::show(ui, &self.sessions[self.active], &self.shared, wishes);
@@ -126,8 +128,9 @@ impl Editor {
                         let port = session.pinned.get_index(place).cloned();
                         wishes.extend(port.map(|port| Wish::Canvas(Action::Pin(port))));
                     }
-                    ViewerAction::Keep(edit) => {
-                        wishes.push(Wish::Canvas(Action::Edit(vec![Edit::Keep(edit)])));
+                    ViewerAction::Keep(edits) => {
+                        let edits = edits.into_iter().map(Edit::Keep).collect();
+                        wishes.push(Wish::Canvas(Action::Edit(edits)));
                     }
                     ViewerAction::Say(text) => wishes.push(Wish::Say(text)),
                     // The viewer has done that.

@@ -76,8 +76,12 @@ impl Editor {
                 );
                 ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("keep as view"));
             });
-            if typed_path(path).exists() {
-                ui.colored_label(ui.visuals().warn_fg_color, "The file is there and is replaced.");
+            let warn = ui.visuals().warn_fg_color;
+            if let Some(text) = self.of_kept_view(&form) {
+                ui.colored_label(warn, text);
+            }
+            if typed_path(&form.path).exists() {
+                ui.colored_label(warn, "The file is there and is replaced.");
             }
             ui.horizontal(|ui| {
                 is_wanted = ui.button("Save picture").clicked();
@@ -90,6 +94,20 @@ impl Editor {
             return None;
         }
         (!shown.inner && !shown.should_close()).then_some(form)
+    }
+
+    /// What becomes of a kept view that has the name already.
+    fn of_kept_view(&self, form: &PictureForm) -> Option<String> {
+        let name = form.keep_as.trim();
+        let kept = self.session().document.extras().kept.on(Shelf::Views).get(name)?;
+        if form.view.as_deref() != Some(name) {
+            return Some(format!("The view {name} is there and is replaced."));
+        }
+        let known = NamedView::from_json(kept).and_then(|view| view.picture);
+        let is_another = known.is_none_or(|known| {
+            (known.size, known.is_transparent) != (form.options.size, form.options.is_transparent)
+        });
+        is_another.then(|| format!("The view {name} has pictures like this one from now on."))
     }
 
     /// The list of views to show.
@@ -142,7 +160,11 @@ impl Editor {
             let mut kept = named.unwrap_or_else(|| view.named_view());
             kept.picture = Some(options);
             let content = kept.to_json();
-            self.edit(&[Edit::Keep(KeptEdit::Put { shelf: Shelf::Views, name, content })]);
+            let is_new =
+                session.document.extras().kept.on(Shelf::Views).get(&name) != Some(&content);
+            if is_new {
+                self.edit(&[Edit::Keep(KeptEdit::Put { shelf: Shelf::Views, name, content })]);
+            }
         }
         self.stills.push((path, still));
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use indexmap::IndexSet;
 use mve_core::{MapError, Node, NodeMode, PortRef, Registry, Value};
-use mve_modules::data::TriMesh;
+use mve_modules::data::{Field, TriMesh};
 
 use crate::canvas::Canvas;
 use crate::document::{DiskChange, Document};
@@ -78,8 +78,7 @@ impl Session {
 
     /// The folder that the map's input paths are relative to.
     pub fn folder(&self) -> PathBuf {
-        let parent = self.document.path().and_then(Path::parent);
-        parent.map_or_else(PathBuf::new, Path::to_owned)
+        self.document.folder()
     }
 
     /// The panel of its programs, and what it shows.
@@ -87,24 +86,23 @@ impl Session {
         &'a mut self,
         shared: &'a Shared,
     ) -> (&'a mut ProgramPanel, ProgramScene<'a>) {
-        let file = self.document.path().map(|path| path.display().to_string());
-        let nodes = self.document.map().nodes.keys();
-        let counts = nodes.map(|node| (node.clone(), self.counts(node))).collect();
+        let folder = self.folder();
+        let Self { document, runner, programs, .. } = self;
+        let map = document.map();
         let scene = ProgramScene {
-            folder: self.folder(),
-            map: self.document.map(),
-            map_file: file.unwrap_or_default(),
+            folder,
+            map,
+            map_file: document.path(),
             registry: &shared.registry,
             output_folder: &shared.output_folder,
-            counts,
+            counts: Box::new(|node| counts_in(&runner.inputs(map, node))),
         };
-        (&mut self.programs, scene)
+        (programs, scene)
     }
 
     /// How many of each kind of elements there are in what a node takes.
     pub fn counts(&self, node: &str) -> Counts {
-        let inputs = self.runner.inputs(self.document.map(), node);
-        inputs.iter().flat_map(counts_of).collect()
+        counts_in(&self.runner.inputs(self.document.map(), node))
     }
 
     /// The map as the runner takes it.
@@ -211,7 +209,7 @@ impl Session {
         let kind = mesh
             .or(largest)
             .filter(|(_, value)| value.scalar().is_none())
-            .map(|(_, v)| v.data_type());
+            .map(|(_, value)| value.data_type());
         let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
         let best = best.map(|(port, _)| port.clone());
         if best.is_some() {
@@ -238,30 +236,30 @@ impl Session {
         };
         let pinned = |port: &PortRef| {
             let title = port.to_string();
-            let Some(from) = self.behind_bypass(port) else {
+            let Some(from) = self.runner.source(self.document.map(), port) else {
                 let state = PortState::Absent(self.runner.status(&port.node).explanation());
-                return Pinned { title, value: None, state };
+                return Pinned { title, state, ..Pinned::default() };
             };
-            Pinned { title, value: value_of(&from), state: state_of(&from) }
+            let value = value_of(&from);
+            let mesh = value.as_ref().and_then(|value| self.mesh_of(&from.node, value));
+            Pinned { title, value, state: state_of(&from), mesh }
         };
         self.pinned.iter().map(pinned).collect()
     }
 
-    /// The value that goes out of a port: what passes through where its node is bypassed.
-    pub fn value_out_of(&self, port: &PortRef) -> Option<Value> {
-        let from = self.behind_bypass(port)?;
-        self.runner.value(&from.node, &from.port)
+    /// The mesh that a field of a node is over: the first that it fits of those that the node takes
+    /// and gives.
+    fn mesh_of(&self, node: &str, field: &Value) -> Option<Arc<TriMesh>> {
+        let field = field.get::<Field>()?;
+        let inputs = self.runner.inputs(self.document.map(), node);
+        let outputs = self.runner.ended(node).map_or(&[][..], |ended| &ended.outputs);
+        let mut meshes = inputs.iter().chain(outputs).filter_map(Value::get::<TriMesh>);
+        meshes.find(|mesh| field.check_fits(mesh).is_ok())
     }
 
-    /// The output whose value is that of this one: another where its node is bypassed, none where
-    /// it is muted.
-    fn behind_bypass(&self, port: &PortRef) -> Option<PortRef> {
-        let map = self.document.map();
-        let is_active = map.nodes.get(&port.node).is_none_or(|node| node.mode.is_active());
-        match is_active {
-            true => Some(port.clone()),
-            false => mve_core::passed_on(map, self.runner.registry(), port),
-        }
+    /// The value that goes out of a port: what passes through where its node is bypassed.
+    pub fn value_out_of(&self, port: &PortRef) -> Option<Value> {
+        self.runner.value_out_of(self.document.map(), port)
     }
 
     /// Takes over a node's new name.
@@ -280,9 +278,16 @@ impl Session {
         let map = self.document.map();
         let is_there = |port: &PortRef| {
             let module = map.nodes.get(&port.node).and_then(|node| registry.find(&node.module));
-            module.is_some_and(|info| info.module.outputs.iter().any(|o| o.name == port.port))
+            module.is_some_and(|info| {
+                info.module.outputs.iter().any(|output| output.name == port.port)
+            })
         };
         let all = self.pinned.drain(..).chain(self.lost_pins.drain(..));
         (self.pinned, self.lost_pins) = all.partition(is_there);
     }
+}
+
+/// How many of each kind of elements there are in some values.
+fn counts_in(values: &[Value]) -> Counts {
+    values.iter().flat_map(counts_of).collect()
 }

@@ -1,7 +1,11 @@
 //! Menus, the bar of buttons, the tabs of open maps, and the line at the bottom.
 
-use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
+use std::path::PathBuf;
 
+use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
+use mve_modules::data::TriMesh;
+
+use super::panels::NARROW;
 use super::{Command, Editor, Lower, Middle, Session, Theme, Wish};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
@@ -85,32 +89,41 @@ impl Editor {
     }
 
     fn file_menu(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let mut command = |ui: &mut Ui, label, keys, command| {
-            if entry(ui, label, keys, true) {
+        let mut command = |ui: &mut Ui, label, keys, is_on, command| {
+            if entry(ui, label, keys, is_on) {
                 wishes.push(Wish::Command(command));
             }
         };
-        command(ui, "New map", "Ctrl+N", Command::New);
-        command(ui, "Open…", "Ctrl+O", Command::Open);
-        ui.menu_button("Open recent", |ui| {
-            if self.settings.recent.is_empty() {
-                ui.weak("none yet");
-            }
-            for path in &self.settings.recent {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                    command(ui, "", "", Command::OpenPath(path.clone()));
-                }
-            }
-        });
-        command(ui, "Open the example", "", Command::Example);
+        command(ui, "New map", "Ctrl+N", true, Command::New);
+        command(ui, "Open…", "Ctrl+O", true, Command::Open);
+        let recent = ui.menu_button("Open recent", |ui| self.recent(ui));
+        command(ui, "Open the example", "", true, Command::Example);
         ui.separator();
-        command(ui, "Save", "Ctrl+S", Command::Save);
-        command(ui, "Save as…", "Ctrl+Shift+S", Command::SaveAs);
-        command(ui, "Save picture of the meshes…", "", Command::Picture);
-        command(ui, "Close map", "Ctrl+W", Command::Close(self.active));
+        command(ui, "Save", "Ctrl+S", true, Command::Save);
+        command(ui, "Save as…", "Ctrl+Shift+S", true, Command::SaveAs);
+        let pinned = self.session().pinned_values();
+        let mut values = pinned.iter().filter_map(|pinned| pinned.value.as_ref());
+        let has_mesh = values.any(|value| value.get::<TriMesh>().is_some());
+        command(ui, "Save picture of the meshes…", "", has_mesh, Command::Picture);
+        command(ui, "Close map", "Ctrl+W", true, Command::Close(self.active));
         ui.separator();
-        command(ui, "Quit", "Ctrl+Q", Command::Quit);
+        command(ui, "Quit", "Ctrl+Q", true, Command::Quit);
+        let recent = recent.inner.flatten().map(Command::OpenPath);
+        wishes.extend(recent.map(Wish::Command));
+    }
+
+    /// Maps that were open before; the one that was chosen.
+    fn recent(&self, ui: &mut Ui) -> Option<PathBuf> {
+        if self.settings.recent.is_empty() {
+            ui.weak("none yet");
+        }
+        let is_chosen = |path: &&PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            ui.button(name).on_hover_text(path.display().to_string()).clicked()
+        };
+        // All are shown, whichever is clicked.
+        let chosen: Vec<&PathBuf> = self.settings.recent.iter().filter(is_chosen).collect();
+        chosen.first().map(|path| (*path).clone())
     }
 
     fn edit_menu(&self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
@@ -240,8 +253,12 @@ impl Editor {
                 self.lower = lower;
             }
         }
-        ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
-            .on_hover_text("All about the selected node, beside the canvas");
+        let has_room = ui.ctx().content_rect().width() >= NARROW;
+        ui.add_enabled_ui(has_room, |ui| {
+            ui.toggle_value(&mut self.settings.has_inspector, "Inspector")
+                .on_hover_text("All about the selected node, beside the canvas")
+                .on_disabled_hover_text("The window is too narrow for it");
+        });
         if let Some(progress) = progress {
             let share = progress.working.as_ref().map_or(0.0, |(_, share)| *share);
             let bar = ProgressBar::new(share as f32).text(progress_text(&progress));

@@ -204,7 +204,8 @@ impl Canvas {
         self.view = Some(view);
 
         let painter = ui.painter_at(screen);
-        let brush = Brush { painter: &painter, view, palette: Palette::of(ui.visuals()) };
+        let brush =
+            Brush { painter: &painter, view, palette: Palette::of(ui.visuals(), view.camera.zoom) };
         brush.background();
         self.frames_and_notes(ui, &brush, scene, &mut actions);
         let (hovered_wire, over) = self.wires(ui, &brush, &back, scene);
@@ -281,7 +282,6 @@ impl Canvas {
         view.camera
     }
 
-    /// Draws the wires; the one below the pointer, if there is one.
     /// Draws the wires; the one below the pointer, and those to be drawn once more over the nodes:
     /// that one, and those of selected nodes, which can so be followed wherever they go.
     fn wires(

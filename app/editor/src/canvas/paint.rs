@@ -17,6 +17,9 @@ pub const ROWS_FROM: f32 = 0.45;
 /// Below this zoom, titles are too small to read and are not drawn.
 pub const TITLES_FROM: f32 = 0.22;
 
+/// At this zoom and below, text that matters less is drawn like all other text.
+const STRONG_AT: f32 = 0.6;
+
 /// Colors of the canvas in the current theme.
 pub struct Palette {
     /// Behind everything.
@@ -36,10 +39,11 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// The colors that go with a theme.
-    pub fn of(visuals: &Visuals) -> Self {
+    /// The colors that go with a theme. At a low zoom letters are so thin that they look paler than
+    /// they are: then all text is as strong as it can be.
+    pub fn of(visuals: &Visuals, zoom: f32) -> Self {
         let gray = Color32::from_gray;
-        match visuals.dark_mode {
+        let palette = match visuals.dark_mode {
             true => Self {
                 back: gray(24),
                 grid: gray(32),
@@ -58,7 +62,9 @@ impl Palette {
                 text: gray(25),
                 faint: gray(80),
             },
-        }
+        };
+        let share = ((zoom - STRONG_AT) / (1.0 - STRONG_AT)).clamp(0.0, 1.0);
+        Self { faint: palette.text.lerp_to_gamma(palette.faint, share), ..palette }
     }
 }
 
@@ -252,8 +258,7 @@ impl Brush<'_> {
             _ => shape.module.as_str(),
         };
         let at = title.right_center() - Vec2::new(pad, 0.0);
-        let faint = Color32::from_white_alpha(225);
-        self.line(at, Align2::RIGHT_CENTER, mark, 9.5, 76.0, faint);
+        self.line(at, Align2::RIGHT_CENTER, mark, 9.5, 76.0, white);
     }
 
     /// The line that says the node's state, with a bar while it runs.
@@ -474,4 +479,21 @@ fn heat(share: f32) -> Color32 {
     let t = share.clamp(0.0, 1.0).sqrt();
     let mix = |a: f32, b: f32| (a + (b - a) * t) as u8;
     Color32::from_rgb(mix(60.0, 205.0), mix(80.0, 55.0), mix(130.0, 45.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_stronger_where_letters_are_thin() {
+        for visuals in [Visuals::light(), Visuals::dark()] {
+            let contrast = |zoom: f32| {
+                let Palette { faint, node, .. } = Palette::of(&visuals, zoom);
+                faint.r().abs_diff(node.r())
+            };
+            assert!(contrast(0.5) > contrast(0.8) && contrast(0.8) > contrast(1.0));
+            assert_eq!(contrast(1.0), contrast(3.0));
+        }
+    }
 }

@@ -50,6 +50,7 @@ impl OpenParam {
                     wants_focus,
                     link_of: &|_| None,
                     counts: &inputs.iter().flat_map(counts_of).collect::<Vec<_>>(),
+                    folder: &scene.document.folder(),
                 };
                 let events = form.show(ui, std::slice::from_ref(spec));
                 actions

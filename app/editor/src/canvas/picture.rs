@@ -4,6 +4,8 @@ use eframe::egui::{
     Align2, Color32, Pos2, Rect, Sense, TextureId, Ui, Vec2, WidgetInfo, WidgetType,
 };
 
+use mve_core::{NodeMode, PortRef};
+
 use super::Scene;
 use super::paint::{Brush, ROWS_FROM, TITLES_FROM};
 use super::shape::WIDTH;
@@ -50,16 +52,25 @@ pub fn show_picture(
     scene: &Scene,
     (name, space): (&str, Rect),
 ) {
-    let ended = scene.runner.ended(name);
-    let module = ended.and_then(|node| scene.registry.find(&node.record.module));
+    let (map, runner) = (scene.document.map(), scene.runner);
+    let node = map.nodes.get(name);
+    let module = node.and_then(|node| scene.registry.find(&node.module));
     let outputs = module.map_or(&[][..], |info| info.module.outputs);
-    let values = ended.into_iter().flat_map(|node| outputs.iter().zip(&node.outputs));
-    let mut text = "not run yet";
-    let is_old = matches!(scene.runner.status(name), Status::Dirty | Status::Running(_));
-    for (output, value) in values.filter(|(o, _)| Thumbnails::are_of(o.data_type)) {
-        let Some(node) = ended else { break };
-        let key = (node.record.key, output.name.to_owned());
-        match thumbnails.of(ui.ctx(), key, value) {
+    let mut text = match node.map(|node| node.mode) {
+        Some(NodeMode::Muted) => "is muted",
+        Some(NodeMode::Bypassed) => "nothing passes through",
+        _ => "not run yet",
+    };
+    for output in outputs.iter().filter(|output| Thumbnails::are_of(output.data_type)) {
+        let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
+        let Some(from) = runner.source(map, &port) else { continue };
+        let value = runner.value(&from.node, &from.port);
+        let Some((ended, value)) = runner.ended(&from.node).zip(value) else { continue };
+        // One that waits for its turn in a run may well be the same again.
+        let is_fresh =
+            |status| matches!(status, Status::Done(_) | Status::Cached(_) | Status::Waiting);
+        let is_old = !is_fresh(runner.status(&from.node));
+        match thumbnails.of(ui.ctx(), (ended.record.key, from.port), &value) {
             Thumbnail::Picture(picture) => {
                 brush.picture(space, picture.id(), picture.size_vec2(), is_old);
                 return name_picture(ui, brush, name, space, "");

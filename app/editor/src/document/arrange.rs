@@ -2,8 +2,8 @@
 //!
 //! Layers are those of Sugiyama, Tagawa & Toda, "Methods for visual understanding of hierarchical
 //! system structures" (1981): each node right of all that it takes values from, then a few sweeps
-//! that put every node near the mean place of its neighbors. Long links get no dummy nodes: wires
-//! go straight from end to end, whatever lies between.
+//! that put every node near the mean place of its neighbors. Long links get no dummy nodes: their
+//! wires are led around nodes afterwards (`route`).
 
 use std::collections::{HashMap, HashSet};
 
@@ -17,7 +17,7 @@ use super::item::Item;
 const GAPS: [f64; 2] = [60.0, 30.0];
 
 /// Where the wires of a node end, below its top: about the first port of what is drawn.
-const WIRES: f64 = 40.0;
+pub(super) const WIRES: f64 = 40.0;
 
 /// Sweeps to and fro that order the nodes of layers; more change little.
 const SWEEPS: usize = 6;

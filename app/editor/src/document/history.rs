@@ -1,10 +1,14 @@
-//! What was done, to be undone: snapshots of the map, with the label of each step.
+//! What was done, to be undone: snapshots of the map and of what was selected in it, with the label
+//! of each step.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use indexmap::IndexSet;
 use mve_core::Map;
+
+use super::item::Item;
 
 /// Steps that can be undone.
 const LONGEST: usize = 300;
@@ -12,11 +16,18 @@ const LONGEST: usize = 300;
 /// Edits of one thing that come within this time are one step.
 const TOGETHER: Duration = Duration::from_secs(1);
 
-/// One step: what it was, and the map on its other side.
+/// A map, and what is selected in it.
+#[derive(Clone, Debug)]
+pub(super) struct Snapshot {
+    pub map: Arc<Map>,
+    pub selection: IndexSet<Item>,
+}
+
+/// One step: what it was, and what is on its other side.
 #[derive(Clone, Debug)]
 struct HistoryStep {
     label: String,
-    map: Arc<Map>,
+    other: Snapshot,
 }
 
 /// Steps back and steps forth.
@@ -36,9 +47,8 @@ impl History {
         label: String,
         target: Option<String>,
         now: Instant,
-        maps: [&Arc<Map>; 2],
+        (before, after): (&Snapshot, &Arc<Map>),
     ) {
-        let [before, after] = maps;
         self.future.clear();
         let joins = match (&self.last, &target) {
             (Some((last, time)), Some(target)) => {
@@ -49,12 +59,12 @@ impl History {
         self.last = target.map(|target| (target, now));
         match self.past.back() {
             // A slider that was dragged to where it was: nothing is left to undo.
-            Some(step) if joins && step.map == *after => {
+            Some(step) if joins && step.other.map == *after => {
                 self.past.pop_back();
                 self.last = None;
             }
             Some(_) if joins => {}
-            _ => self.past.push_back(HistoryStep { label, map: Arc::clone(before) }),
+            _ => self.past.push_back(HistoryStep { label, other: before.clone() }),
         }
         if self.past.len() > LONGEST {
             self.past.pop_front();
@@ -66,20 +76,20 @@ impl History {
         self.last = None;
     }
 
-    /// Takes one step back from the map `now`.
-    pub fn undo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
+    /// Takes one step back from `now`.
+    pub fn undo(&mut self, now: Snapshot) -> Option<Snapshot> {
         let step = self.past.pop_back()?;
         self.seal();
-        self.future.push(HistoryStep { label: step.label, map: Arc::clone(now) });
-        Some(step.map)
+        self.future.push(HistoryStep { label: step.label, other: now });
+        Some(step.other)
     }
 
-    /// Takes one step forth from the map `now`.
-    pub fn redo(&mut self, now: &Arc<Map>) -> Option<Arc<Map>> {
+    /// Takes one step forth from `now`.
+    pub fn redo(&mut self, now: Snapshot) -> Option<Snapshot> {
         let step = self.future.pop()?;
         self.seal();
-        self.past.push_back(HistoryStep { label: step.label, map: Arc::clone(now) });
-        Some(step.map)
+        self.past.push_back(HistoryStep { label: step.label, other: now });
+        Some(step.other)
     }
 
     /// What the next step back would undo.

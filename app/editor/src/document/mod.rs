@@ -19,6 +19,7 @@ mod paste;
 mod paths;
 mod programs;
 mod rename;
+mod route;
 mod transaction;
 
 use std::cell::OnceCell;
@@ -40,7 +41,7 @@ pub use fit::fits;
 pub use item::Item;
 pub use paths::{move_paths, written_path};
 
-use history::History;
+use history::{History, Snapshot};
 use transaction::Transaction;
 
 /// What became of the file of an open map.
@@ -160,6 +161,11 @@ impl Document {
         self.path.as_deref()
     }
 
+    /// The folder that the map's input paths are relative to.
+    pub fn folder(&self) -> PathBuf {
+        self.path().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned)
+    }
+
     /// The text of the map's file, as it would be saved.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.map.to_text())
@@ -215,23 +221,29 @@ impl Document {
         let targets: Option<Vec<String>> = edits.iter().map(Edit::target).collect();
         let map = Arc::new(map);
         let targets = targets.map(|targets| targets.join("; "));
-        self.history.push(label, targets, now, [&self.map, &map]);
+        self.history.push(label, targets, now, (&self.snapshot(), &map));
         self.show(map);
         Ok(applied)
     }
 
-    /// Takes back the last step; its label.
+    /// Takes back the last step, and selects what was selected before it; its label.
     pub fn undo(&mut self) -> Option<&str> {
-        let map = self.history.undo(&self.map)?;
+        let Snapshot { map, selection } = self.history.undo(self.snapshot())?;
         self.show(map);
+        self.select(selection);
         self.redo_label()
     }
 
     /// Does again what was undone last; its label.
     pub fn redo(&mut self) -> Option<&str> {
-        let map = self.history.redo(&self.map)?;
+        let Snapshot { map, selection } = self.history.redo(self.snapshot())?;
         self.show(map);
+        self.select(selection);
         self.undo_label()
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        Snapshot { map: Arc::clone(&self.map), selection: self.selection.clone() }
     }
 
     /// What [`Document::undo`] would undo.
@@ -315,7 +327,7 @@ impl Document {
         self.on_disk = Some(map.to_text());
         if map != *self.map {
             let map = Arc::new(map);
-            let maps = [&self.map, &map];
+            let maps = (&self.snapshot(), &map);
             self.history.push("Reload from disk".to_owned(), None, Instant::now(), maps);
             self.show(map);
         }

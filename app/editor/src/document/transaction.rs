@@ -14,6 +14,7 @@ use super::fits;
 use super::item::Item;
 use super::names::{free_name, name_after, taken};
 use super::rename::Renaming;
+use super::route;
 
 /// No place on a canvas lies farther out.
 const FARTHEST: f64 = 1e7;
@@ -418,6 +419,22 @@ impl Transaction<'_> {
             if let Some(around) = arrange::bounds(self.areas(&items)?) {
                 let frame = self.frame(&name)?;
                 Area { at: frame.at, size: frame.size } = around.framed();
+            }
+        }
+        self.lead_wires(&names)
+    }
+
+    /// Leads the wires between nodes that have new places around what stands between their ends.
+    fn lead_wires(&mut self, names: &[String]) -> Result<(), EditError> {
+        let is_led =
+            |link: &Link| [&link.from, &link.to].iter().all(|end| names.contains(&end.node));
+        self.extras.reroutes.retain(|_, reroute| !is_led(&reroute.link));
+        let links = self.map.links.iter().filter(|link| is_led(link));
+        for (link, points) in route::around_nodes(&self.map, links, |name| self.size(name)) {
+            for at in points {
+                let name = free_name("point", |name| self.extras.reroutes.contains_key(name));
+                let (link, at, extra) = (link.clone(), whole(at)?, JsonMap::new());
+                self.extras.reroutes.insert(name, Reroute { link, at, extra });
             }
         }
         Ok(())

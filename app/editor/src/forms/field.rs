@@ -2,12 +2,14 @@
 //! kinds of parameters apart.
 
 use std::cell::RefCell;
+use std::path::Path;
 
 use eframe::egui::emath::Numeric;
 use eframe::egui::{self, DragValue, Id, Slider, SliderClamping, Ui};
 use mve_core::{Expression, Kind, ParamSpec, PointsSpec, Selection, brief_value, chosen};
 use serde_json::Value as Json;
 
+use super::paths::path_line;
 use super::points::edit_points;
 use super::widgets::{line, name_it, pick};
 use super::{FormEvent, OFF, is_off};
@@ -41,6 +43,8 @@ pub struct ParamField<'a> {
     pub place: FieldPlace,
     /// A value for one that was off, if one suggests itself.
     pub suggested: Option<Json>,
+    /// The folder that paths are relative to; `None` offers no names in it.
+    pub folder: Option<&'a Path>,
     /// What a person does in it.
     pub events: &'a mut Vec<FormEvent>,
 }
@@ -87,7 +91,7 @@ impl ParamField<'_> {
                 self.number(ui, seed, (0, i64::from(u32::MAX)), None);
             }
             Kind::Text(_) => self.text(ui, id, value, ""),
-            Kind::InputFile(_) => self.text(ui, id, value, "path of a file"),
+            Kind::InputFile(spec) => self.path(ui, id, value, spec.extensions),
             Kind::OutputFile(_) => self.text(ui, id, value, "name, or {node.parameter}"),
             Kind::Enumeration(_) | Kind::Choice(_) => self.combo(ui, id, value),
             Kind::Points(spec) => self.points(ui, id, value, &spec),
@@ -200,6 +204,17 @@ impl ParamField<'_> {
         }
     }
 
+    /// The path of a file, with the names that it may go on with.
+    fn path(&mut self, ui: &mut Ui, id: Id, value: &Json, extensions: &'static [&'static str]) {
+        const HINT: &str = "path of a file";
+        let Some(folder) = self.folder else { return self.text(ui, id, value, HINT) };
+        let named = (self.name.as_str(), value.as_str().unwrap_or_default());
+        let form = (HINT, self.width(ui));
+        if let Some(text) = path_line(ui, id, named, form, (folder, extensions)) {
+            self.set(Some(Json::from(text)));
+        }
+    }
+
     /// Indices and ranges, and how many there are.
     fn selection(&mut self, ui: &mut Ui, id: Id, value: &Json, domain: &str) {
         let (written, n) = match Selection::from_json(value) {
@@ -262,13 +277,17 @@ impl ParamField<'_> {
     /// A line of text, which counts once the field is left or Enter is pressed; also what stands in
     /// it now.
     fn line(&self, ui: &mut Ui, id: Id, written: &str, hint: &str) -> (Option<String>, String) {
+        line(ui, id, &self.name, written, (hint, self.width(ui)))
+    }
+
+    /// Width of a line of text.
+    fn width(&self, ui: &Ui) -> f32 {
         let is_input = self.spec.input_file().is_some();
         let room = if is_input { BROWSE_WIDTH + BACK_WIDTH } else { BACK_WIDTH };
-        let width = match self.place {
+        match self.place {
             FieldPlace::Row => (ui.available_width() - room).max(60.0),
             FieldPlace::Cell => CELL_WIDTH,
-        };
-        line(ui, id, &self.name, written, (hint, width))
+        }
     }
 
     /// To look for a file, and to go back to the default.

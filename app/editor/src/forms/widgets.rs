@@ -40,11 +40,27 @@ pub fn line(
     written: &str,
     (hint, width): (&str, f32),
 ) -> (Option<String>, String) {
-    let mut text =
-        ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned());
+    let mut text = draft(ui, id, written);
     let field = egui::TextEdit::singleline(&mut text).id(id).hint_text(hint);
     let response = ui.add(field.desired_width(width));
     name_it(&response, name, written.chars().count());
+    commit(ui, id, &response, written, text)
+}
+
+/// What stands in a field: what is being typed, else what is written.
+pub fn draft(ui: &Ui, id: Id, written: &str) -> String {
+    ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.to_owned())
+}
+
+/// Keeps what is being typed; what a field was changed to once it is left or Enter is pressed, and
+/// what stands in it now.
+pub fn commit(
+    ui: &Ui,
+    id: Id,
+    response: &egui::Response,
+    written: &str,
+    text: String,
+) -> (Option<String>, String) {
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, text.clone()));
         return (None, text);
@@ -68,10 +84,18 @@ pub fn name_it(response: &egui::Response, name: &str, n_letters: usize) {
 
 /// Selects the text of a field of so many letters.
 pub fn select_all(field: &egui::Response, n_letters: usize) {
+    select(&field.ctx, field.id, CCursorRange::two(CCursor::new(0), CCursor::new(n_letters)));
+}
+
+/// Puts the cursor of a field behind its text.
+pub fn select_end(context: &egui::Context, field: Id, text: &str) {
+    select(context, field, CCursorRange::one(CCursor::new(text.chars().count())));
+}
+
+fn select(context: &egui::Context, field: Id, range: CCursorRange) {
     let mut state = TextEditState::default();
-    let all = CCursorRange::two(CCursor::new(0), CCursor::new(n_letters));
-    state.cursor.set_char_range(Some(all));
-    state.store(&field.ctx, field.id);
+    state.cursor.set_char_range(Some(range));
+    state.store(context, field);
 }
 
 /// Where it is kept that the next field is to get the focus.

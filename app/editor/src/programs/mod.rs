@@ -11,20 +11,23 @@ mod setup;
 mod show;
 mod widgets;
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
-use mve_core::{Map, Program, ProgramOutcome, ProgramSpec, Registry, Retry, Sharing, StepStatus};
+use mve_core::{
+    Map, ParamSpec, Program, ProgramOutcome, ProgramSpec, Registry, Retry, Sharing, StepStatus,
+};
 use serde_json::Value as Json;
 
 use results::sheet::{Records, Sheet, StepState};
 use run::check::{ProgramCheck, ProgramSubject};
 use run::job::{How, ProgramJob, RunningStep};
 pub use run::pace::in_words;
+
+use crate::forms::Counts;
 
 /// Pause between two drawings of the results while steps end.
 const REFRESH: Duration = Duration::from_millis(200);
@@ -38,26 +41,29 @@ pub struct ProgramScene<'a> {
     pub map: &'a Arc<Map>,
     /// The folder that its input paths are relative to.
     pub folder: PathBuf,
-    /// Name of its file; empty before it has one.
-    pub map_file: String,
+    /// Its file; none before it has one.
+    pub map_file: Option<&'a Path>,
     /// The modules.
     pub registry: &'a Registry,
     /// The folder of all results: `mve-out`, as for the command.
     pub output_folder: &'a Path,
-    /// How many of a unit there are in the inputs of each node: `("faces", 69451)`.
-    pub counts: HashMap<String, Vec<(&'static str, usize)>>,
+    /// How many of a unit there are in the inputs of a node: `("faces", 69451)`.
+    pub counts: Box<dyn Fn(&str) -> Counts + 'a>,
 }
 
 impl ProgramScene<'_> {
-    /// How many of a unit there are in the inputs of the node that has a parameter.
-    fn counts_at(&self, path: &str) -> &[(&'static str, usize)] {
-        let node = path.split('.').next().unwrap_or_default();
-        self.counts.get(node).map_or(&[], Vec::as_slice)
+    /// How many of what a parameter counts there are in the inputs of its node.
+    fn counts_at(&self, path: &str, spec: Option<&ParamSpec>) -> Counts {
+        // Of the others nothing can be suggested by a count.
+        match spec.is_some_and(|spec| !spec.unit.is_empty()) {
+            true => (self.counts)(path.split('.').next().unwrap_or_default()),
+            false => Counts::new(),
+        }
     }
 
     /// The folder of a program's results: the one that `mve program` takes by itself.
     fn store_folder(&self, program: &str) -> PathBuf {
-        let stem = Path::new(&self.map_file).file_stem();
+        let stem = self.map_file.and_then(Path::file_stem);
         let stem = stem.map_or("map".into(), |stem| stem.to_string_lossy());
         let plain = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
         let folder: String = format!("{stem}-{program}").chars().map(plain).collect();
@@ -308,7 +314,7 @@ impl ProgramPanel {
         Some(ProgramSubject {
             map: Arc::clone(scene.map),
             folder: scene.folder.clone(),
-            map_file: scene.map_file.clone(),
+            map_file: scene.map_file.map(Path::to_owned),
             registry: scene.registry.clone(),
             store: scene.store_folder(&name),
             name,
@@ -358,12 +364,12 @@ impl ProgramPanel {
             return;
         };
         let how = How { retry, ..self.how };
-        let runs = program.runs_by_step(mve_core::TIMINGS);
+        let timings = (how.sharing == Sharing::Timing).then_some(mve_core::TIMINGS);
+        let requirement = mve_core::Requirement::of(&program, timings);
         for step in &program.steps {
             let runs_again = self.records.get(&step.id).is_some_and(|record| {
                 (retry == Retry::Failed && record.status != StepStatus::Done)
-                    || (how.sharing == Sharing::Timing
-                        && !record.has_timings(runs.get(step.id.as_str()).copied().unwrap_or(1)))
+                    || !requirement.is_met_by(record)
             });
             if runs_again {
                 self.records.remove(&step.id);

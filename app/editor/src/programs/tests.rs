@@ -25,9 +25,12 @@ fn map(programs: Json) -> Arc<Map> {
 fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
     let registry = mve_modules::registry();
     let here = Path::new(".");
-    let map_file = "box.json".to_owned();
+    let map_file = Some(Path::new("box.json"));
     let folder = here.to_owned();
-    let counts = HashMap::from([("cut".to_owned(), vec![("faces", 69_451)])]);
+    let counts = Box::new(|node: &str| match node {
+        "cut" => vec![("faces", 69_451)],
+        _ => Vec::new(),
+    });
     let output_folder = here;
     let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder, counts };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
@@ -83,15 +86,15 @@ fn a_step_is_loaded_in_an_order_that_works() {
 #[test]
 fn results_go_where_the_command_puts_them() {
     let (map, registry) = (map(json!({})), Registry::new());
-    let folder = |map_file: &str, program| {
+    let folder = |map_file: Option<&str>, program| {
         let (folder, output_folder) = (PathBuf::new(), Path::new("mve-out"));
-        let map_file = map_file.to_owned();
-        let (registry, counts) = (&registry, HashMap::new());
+        let map_file = map_file.map(Path::new);
+        let (registry, counts) = (&registry, Box::new(|_: &str| Vec::new()));
         let scene = ProgramScene { map: &map, folder, map_file, registry, output_folder, counts };
         scene.store_folder(program)
     };
-    assert_eq!(folder("vase.json", "costs"), Path::new("mve-out/vase-costs"));
-    assert_eq!(folder("", "a/b"), Path::new("mve-out/map-a-b"));
+    assert_eq!(folder(Some("vase.json"), "costs"), Path::new("mve-out/vase-costs"));
+    assert_eq!(folder(None, "a/b"), Path::new("mve-out/map-a-b"));
 }
 
 #[test]
@@ -100,22 +103,37 @@ fn results_of_another_map_of_this_name_are_told() {
     let text = r#"{"mve": 1, "nodes": {"a": {"module": "Echo"}}, "programs": {"p": {}}}"#;
     let registry = mve_core::testing::registry();
     let map = Arc::new(mve_core::Map::parse(text).unwrap());
-    let subject = |folder: &str, map_file: &str| {
+    let subject = |folder: &str, map_file: Option<&str>| {
         let folder = base.path().join(folder);
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("m.json"), text).unwrap();
-        let (map, name, map_file) = (Arc::clone(&map), "p".to_owned(), map_file.to_owned());
+        let map_file = map_file.map(|file| folder.join(file));
+        let (map, name) = (Arc::clone(&map), "p".to_owned());
         let (registry, store) = (registry.clone(), base.path().join("store"));
         ProgramSubject { map, name, folder, map_file, registry, store }
     };
-    let first = check(subject("one", "m.json"));
+    let first = check(subject("one", Some("m.json")));
     assert_eq!(first.trouble, None);
     let store = mve_core::Store::open(&base.path().join("store")).unwrap();
     let cancel = mve_core::CancelToken::new();
     let options = mve_core::testing::program_options(&cancel);
     mve_core::run_program(&first.program.unwrap(), &store, &options).unwrap();
-    assert_eq!(check(subject("one", "m.json")).trouble, None);
-    let trouble = check(subject("two", "m.json")).trouble.unwrap();
+    assert_eq!(check(subject("one", Some("m.json"))).trouble, None);
+    let trouble = check(subject("two", Some("m.json"))).trouble.unwrap();
     assert!(trouble.contains("one/m.json") && trouble.contains("another map"), "{trouble}");
-    assert_eq!(check(subject("two", "")).trouble, None);
+    assert_eq!(check(subject("two", None)).trouble, None);
+}
+
+#[test]
+fn the_file_of_a_map_is_found_from_where_the_window_was_started() {
+    let text = r#"{"mve": 1, "nodes": {"a": {"module": "Echo"}}, "programs": {"p": {}}}"#;
+    let map = Arc::new(mve_core::Map::parse(text).unwrap());
+    let folder = PathBuf::from("maps");
+    let map_file = Some(folder.join("m.json"));
+    let (name, registry) = ("p".to_owned(), mve_core::testing::registry());
+    let store = PathBuf::from("no-such-folder");
+    let subject = ProgramSubject { map, name, folder, map_file, registry, store };
+    let program = check(subject).program.unwrap();
+    assert_eq!(program.map_file, "m.json");
+    assert_eq!(program.map_path, std::env::current_dir().unwrap().join("maps/m.json"));
 }

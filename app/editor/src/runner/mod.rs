@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 use indexmap::IndexMap;
 use mve_core::{
-    Cache, CancelToken, FileHashes, Fingerprint, Map, NodeRecord, NodeStatus, Problem, Registry,
-    Value,
+    Cache, CancelToken, FileHashes, Fingerprint, Map, NodeRecord, NodeStatus, PortRef, Problem,
+    Registry, Value,
 };
 
 pub use check::{MapCheck, Part};
@@ -283,10 +283,26 @@ impl Runner {
         ended.outputs.get(place).cloned()
     }
 
+    /// The output whose value is that of this one: another where its node is bypassed, none where
+    /// it is muted.
+    pub fn source(&self, map: &Map, port: &PortRef) -> Option<PortRef> {
+        let is_active = map.nodes.get(&port.node).is_none_or(|node| node.mode.is_active());
+        match is_active {
+            true => Some(port.clone()),
+            false => mve_core::passed_on(map, self.registry(), port),
+        }
+    }
+
+    /// The value that goes out of a port: what passes through where its node is bypassed.
+    pub fn value_out_of(&self, map: &Map, port: &PortRef) -> Option<Value> {
+        let from = self.source(map, port)?;
+        self.value(&from.node, &from.port)
+    }
+
     /// The values of the last results that a node takes, in the order of the links.
     pub fn inputs(&self, map: &Map, node: &str) -> Vec<Value> {
         let links = map.links.iter().filter(|link| link.to.node == node);
-        links.filter_map(|link| self.value(&link.from.node, &link.from.port)).collect()
+        links.filter_map(|link| self.value_out_of(map, &link.from)).collect()
     }
 
     /// Takes in what the threads have told since the last call. Whether a run came to its end.

@@ -279,6 +279,16 @@ impl Camera {
         }
     }
 
+    /// The camera that sees one box as this one sees another.
+    pub fn carried(&self, from: &Bounds, to: &Bounds) -> Self {
+        if from == to {
+            return *self;
+        }
+        let scale = to.radius() / from.radius();
+        let target = to.center() + scale * (self.target - from.center());
+        Self { target, distance: scale * self.distance, ..*self }
+    }
+
     /// Whether it can look at anything: files may say that it is nowhere.
     pub fn is_usable(&self) -> bool {
         let angles = [self.yaw_rad, self.pitch_rad];

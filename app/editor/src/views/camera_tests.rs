@@ -151,3 +151,15 @@ fn what_stands_on_the_xy_plane_points_up_along_z() {
     let low = [-0.09469, 0.03299, -0.06187];
     assert_eq!(at(low, [0.06101, 0.18732, 0.05880]), UpAxis::Y);
 }
+
+#[test]
+fn a_camera_is_carried_from_one_box_to_another_and_back() {
+    let from = Bounds { low: DVec3::ZERO, high: DVec3::splat(2.0) };
+    let to = Bounds { low: DVec3::splat(1e6), high: DVec3::splat(1e6 + 200.0) };
+    let camera = Camera { target: DVec3::new(1.0, 2.0, 1.0), ..Camera::default() };
+    let carried = camera.carried(&from, &to);
+    let corner = |bounds: &Bounds, camera: &Camera| camera.project(bounds.high, 1.5).unwrap();
+    assert!(corner(&from, &camera).distance(corner(&to, &carried)) < 1e-9);
+    let back = carried.carried(&to, &from);
+    assert!(back.target.distance(camera.target) < 1e-9 && back.distance == camera.distance);
+}

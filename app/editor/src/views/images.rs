@@ -276,7 +276,9 @@ impl ImagesView {
             ui.horizontal(|ui| {
                 for (at, image) in set.images.0.iter().enumerate() {
                     let key = (Same(Arc::clone(&set.images)), at);
-                    let Some(loaded) = self.loaded.iter().find(|l| l.key == key) else { continue };
+                    let Some(loaded) = self.loaded.iter().find(|known| known.key == key) else {
+                        continue;
+                    };
                     let sized = egui::load::SizedTexture::from_handle(&loaded.thumbnail);
                     let image_button =
                         egui::Image::from_texture(sized).max_size(vec2(96.0, STRIP - 24.0));

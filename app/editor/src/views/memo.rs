@@ -30,19 +30,23 @@ impl<K: PartialEq, T: Send + 'static> Memo<K, T> {
         key: K,
         work: impl FnOnce() -> T + Send + 'static,
     ) {
-        if let Some((made_for, task)) = self.task.take() {
-            match task.poll() {
-                Progress::Running => {
-                    self.task = Some((made_for, task));
-                    return;
-                }
-                Progress::Done(result) => self.made = Some((made_for, Arc::new(result))),
-                Progress::Lost => self.lost = Some(made_for),
-            }
+        self.take_in();
+        if self.task.is_some() {
+            return;
         }
         let is_made = self.made.as_ref().is_some_and(|(made_for, _)| *made_for == key);
         if !is_made && self.lost.as_ref() != Some(&key) {
             self.task = Some((key, Task::spawn(context, work)));
+        }
+    }
+
+    /// Looks after the task while nothing is wanted.
+    pub fn take_in(&mut self) {
+        let Some((made_for, task)) = self.task.take() else { return };
+        match task.poll() {
+            Progress::Running => self.task = Some((made_for, task)),
+            Progress::Done(result) => self.made = Some((made_for, Arc::new(result))),
+            Progress::Lost => self.lost = Some(made_for),
         }
     }
 

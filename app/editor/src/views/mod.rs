@@ -69,7 +69,7 @@ pub enum PortState {
 }
 
 /// A port that a viewer shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Pinned {
     /// Node and port: `simplify.mesh`.
     pub title: String,
@@ -77,6 +77,8 @@ pub struct Pinned {
     pub value: Option<Value>,
     /// How fresh it is, or why there is none.
     pub state: PortState,
+    /// The mesh that a field is over, if that is known.
+    pub mesh: Option<Arc<TriMesh>>,
 }
 
 /// What the user wants of whoever shows the viewer.
@@ -86,8 +88,8 @@ pub enum ViewerAction {
     Unpin(usize),
     /// To look at another element of a mesh, or at none. The viewer does that itself.
     Pick(Option<PickedElement>),
-    /// To keep something with the map, or no longer.
-    Keep(KeptEdit),
+    /// To keep something with the map, or no longer, all as one.
+    Keep(Vec<KeptEdit>),
     /// To read this sentence.
     Say(String),
     /// A picture of the meshes in a file.
@@ -226,7 +228,7 @@ impl Viewer {
                 SheetAction::BringIntoSight => {
                     let Some(picked) = &self.picked else { continue };
                     if let Some(mesh) = mesh_of(pinned, &picked.title) {
-                        self.meshes.go_to(ui.ctx(), picked, &mesh);
+                        self.meshes.go_to(ui.ctx(), picked.clone(), mesh);
                     }
                 }
             }

@@ -17,7 +17,7 @@ pub struct PickedElement {
 impl PickedElement {
     /// Whether the mesh has it: after another run there may be fewer.
     pub fn is_in(&self, mesh: &TriMesh) -> bool {
-        self.index < n_elements(mesh, self.domain)
+        self.index < mesh.n_elements(self.domain)
     }
 
     /// The same place as an element of another kind: the face or the vertex of a corner, the first
@@ -53,15 +53,6 @@ pub fn many_of(domain: Domain) -> &'static str {
         Domain::Vertex => "vertices",
         Domain::Corner => "corners",
         Domain::Face => "faces",
-    }
-}
-
-/// How many elements of a kind a mesh has.
-pub fn n_elements(mesh: &TriMesh, domain: Domain) -> usize {
-    match domain {
-        Domain::Vertex => mesh.positions.len(),
-        Domain::Corner => 3 * mesh.faces.len(),
-        Domain::Face => mesh.faces.len(),
     }
 }
 

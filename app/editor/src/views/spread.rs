@@ -19,7 +19,11 @@ impl Spread {
     pub fn of(values: &[f64]) -> Self {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
-        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        Self::within(values, [low, finite().fold(f64::NEG_INFINITY, f64::max)])
+    }
+
+    /// Counts the values within a range, O(n).
+    pub fn within(values: &[f64], [low, high]: [f64; 2]) -> Self {
         // Values that are all the same make one bar of some width.
         let pad = if low < high { 0.0 } else { 0.5 * low.abs().max(1.0) };
         let [low, high] = [low - pad, high + pad];

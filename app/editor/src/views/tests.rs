@@ -28,7 +28,7 @@ struct Shown {
 
 fn pinned(title: &str, value: Value) -> Pinned {
     let state = PortState::Ready;
-    Pinned { title: title.to_owned(), value: Some(value), state }
+    Pinned { title: title.to_owned(), value: Some(value), state, mesh: None }
 }
 
 fn harness(pinned: Vec<Pinned>) -> Harness<'static, Shown> {
@@ -339,6 +339,7 @@ fn values_of_other_types_are_shown() {
         title: "save.file".to_owned(),
         value: None,
         state: PortState::Absent("not run yet".to_owned()),
+        mesh: None,
     };
     let list = vec![
         pinned("count.number", Value::new(1234.5)),

@@ -1,8 +1,8 @@
 //! Small pictures of values, made one at a time on a thread and kept by the key of their result.
 //!
-//! A mesh is drawn by the rasteriser of modules, which needs no GPU, and never makes a frame wait.
+//! A mesh is drawn by the rasterizer of modules, which needs no GPU, and never makes a frame wait.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::HashMap;
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use mve_core::{Control, Data, DataType, Fingerprint, Value};
@@ -19,7 +19,7 @@ use super::picture::color_image;
 const SIDE: usize = 288;
 /// Pixels that are drawn for one that is kept, along each side.
 const SAMPLES: usize = 2;
-/// Pictures that are kept; those that were looked for longest ago give way.
+/// Pictures that are kept beside those in sight; what was in sight longest ago gives way.
 const MOST: usize = 256;
 
 /// The key of the node's result, and the output.
@@ -28,11 +28,16 @@ pub type ThumbnailKey = (Fingerprint, String);
 /// The pictures that were made, and the one in the making.
 #[derive(Default)]
 pub struct Thumbnails {
-    /// `None` where there is nothing to be seen.
-    made: HashMap<ThumbnailKey, Option<TextureHandle>>,
-    /// Those that are made, the oldest first.
-    order: VecDeque<ThumbnailKey>,
+    made: HashMap<ThumbnailKey, Made>,
     task: Option<(ThumbnailKey, Task<Option<ColorImage>>)>,
+}
+
+/// A picture that was made.
+struct Made {
+    /// `None` where there is nothing to be seen.
+    picture: Option<TextureHandle>,
+    /// The frame in which it was looked for last.
+    frame: u64,
 }
 
 /// What there is to show of a value.
@@ -62,10 +67,9 @@ impl Thumbnails {
             }
             return Thumbnail::Awaited;
         }
-        match self.made.get(&key) {
-            Some(Some(picture)) => Thumbnail::Picture(picture),
-            _ => Thumbnail::Nothing,
-        }
+        let Some(made) = self.made.get_mut(&key) else { return Thumbnail::Nothing };
+        made.frame = context.cumulative_frame_nr();
+        made.picture.as_ref().map_or(Thumbnail::Nothing, Thumbnail::Picture)
     }
 
     /// Whether one is in the making.
@@ -84,11 +88,14 @@ impl Thumbnails {
             Progress::Lost => None,
         };
         let load = |image| context.load_texture("thumbnail", image, TextureOptions::LINEAR);
-        self.made.insert(key.clone(), image.map(load));
-        self.order.push_back(key);
-        if self.order.len() > MOST
-            && let Some(oldest) = self.order.pop_front()
-        {
+        let (picture, frame) = (image.map(load), context.cumulative_frame_nr());
+        self.made.insert(key, Made { picture, frame });
+        // One that is in sight would be made again at once.
+        let is_seen = |made: &Made| made.frame + 1 >= frame;
+        while self.made.len() > MOST {
+            let oldest = self.made.iter().min_by_key(|(_, made)| made.frame);
+            let oldest = oldest.filter(|(_, made)| !is_seen(made)).map(|(key, _)| key.clone());
+            let Some(oldest) = oldest else { break };
             self.made.remove(&oldest);
         }
     }
@@ -216,5 +223,36 @@ mod tests {
         }
         assert!(matches!(thumbnails.of(&context, key("b"), &empty), Thumbnail::Nothing));
         assert!(matches!(thumbnails.of(&context, key("a"), &empty), Thumbnail::Picture(_)));
+    }
+
+    #[test]
+    fn what_is_in_sight_stays_and_what_was_longest_ago_gives_way() {
+        let context = Context::default();
+        let mut thumbnails = Thumbnails::default();
+        let nothing = Value::new(TriMesh::default());
+        let key = |n: usize| (Fingerprint::of(&n.to_le_bytes()), "mesh".to_owned());
+        let frame = |thumbnails: &mut Thumbnails, seen: std::ops::Range<usize>| {
+            let mut n_awaited = 0;
+            let mut output = context.run_ui(Default::default(), |_| {
+                let is_awaited = |n: &usize| {
+                    matches!(thumbnails.of(&context, key(*n), &nothing), Thumbnail::Awaited)
+                };
+                n_awaited = seen.clone().filter(is_awaited).count();
+            });
+            output.textures_delta.clear();
+            n_awaited
+        };
+        // More than are kept beside those in sight: all of them are made once, and stay.
+        while frame(&mut thumbnails, 0..MOST + 40) > 0 {
+            std::thread::yield_now();
+        }
+        assert_eq!(frame(&mut thumbnails, 0..MOST + 40), 0);
+        // The first is looked at, all others are not; then a new one comes.
+        (0..3).for_each(|_| assert_eq!(frame(&mut thumbnails, 0..1), 0));
+        while frame(&mut thumbnails, MOST + 40..MOST + 41) > 0 {
+            std::thread::yield_now();
+        }
+        assert!(thumbnails.made.contains_key(&key(0)));
+        assert!(thumbnails.made.len() <= MOST);
     }
 }

@@ -39,6 +39,64 @@ fn a_node_shows_a_picture_of_what_it_gives() {
 }
 
 #[test]
+fn a_bypassed_node_shows_and_counts_what_passes_through() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
+        "cut": {"module": "Simplificator", "params": {"target_faces": 12}},
+        "last": {"module": "Simplificator"}},
+        "links": ["box.mesh -> cut.mesh", "cut.mesh -> last.mesh"]}"#;
+    let mut hand = Hand::with_run(folder.path(), map);
+    hand.unpin_all();
+    let faces = |hand: &Hand| hand.editor().session().counts("last")[0];
+    assert_eq!(faces(&hand), ("faces", 12));
+    hand.click_at("node cut", 0.5, 0.05);
+    hand.point_within("node cut", 0.5, 0.05);
+    hand.press(Key::P);
+    hand.wait_for_the_pictures();
+    assert!(hand.sees("picture of cut"));
+    hand.press(Key::B);
+    hand.problems();
+    hand.wait_for_the_pictures();
+    assert_eq!(faces(&hand), ("faces", 768));
+    assert!(hand.sees("picture of cut"), "that of the box");
+    hand.press(Key::M);
+    hand.problems();
+    assert!(hand.sees("picture of cut: is muted"));
+    assert!(hand.editor().session().counts("last").is_empty());
+}
+
+#[test]
+fn a_path_goes_on_with_the_names_in_its_folder() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let path = cube(folder.path());
+    std::fs::write(folder.path().join("cube.txt"), "no mesh").expect("the folder takes files");
+    let mut hand = Hand::new(folder.path());
+    hand.add("ObjLoader");
+    hand.replace_text("path", &format!("{}/cu", folder.path().display()));
+    let start = std::time::Instant::now();
+    while !hand.sees("cube.obj") {
+        assert!(start.elapsed().as_secs() < 60, "nothing is offered");
+        hand.step();
+    }
+    assert!(!hand.sees("cube.txt"));
+    hand.press(Key::Tab);
+    hand.press(Key::Enter);
+    let given = |hand: &Hand| hand.map().nodes["obj_loader"].params["path"].clone();
+    assert_eq!(given(&hand), path.display().to_string());
+    assert!(!hand.sees("cube.obj"), "a whole name goes on with nothing");
+    // A name is clicked, too.
+    hand.replace_text("path", &format!("{}/", folder.path().display()));
+    while !hand.sees("cube.obj") {
+        assert!(start.elapsed().as_secs() < 60, "nothing is offered");
+        hand.step();
+    }
+    let at = hand.place_of("cube.obj");
+    hand.drag(at, at);
+    hand.press(Key::Enter);
+    assert_eq!(given(&hand), path.display().to_string());
+}
+
+#[test]
 fn a_frame_keeps_a_node_that_is_moved_a_little_over_its_edge() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = Hand::new(folder.path());

@@ -106,6 +106,15 @@ fn a_row_and_its_element_in_the_picture_are_picked_together() {
     let counted =
         hand.names_beginning("row vertex").iter().filter(|row| row.contains("faces")).count();
     assert_eq!(counted, 8);
+    // A vertex is no face; back among vertices its row is the chosen one again.
+    assert!(hand.sees("Copy rows"));
+    hand.click("12 faces");
+    hand.wait_for_the_views();
+    assert!(hand.sees("Copy all"));
+    hand.click("8 vertices");
+    hand.wait_for_the_views();
+    assert!(hand.sees("Copy rows"));
+    assert_eq!(picked(&hand), Some((Domain::Vertex, 4)));
     // Beside the cube there is nothing.
     hand.click_at(name, 0.02, 0.98);
     hand.wait_for_the_views();

@@ -1,6 +1,6 @@
 //! A few pictures of the window, compared with those in `tests/snapshots/`.
 //!
-//! They are drawn by one rasteriser only, Mesa's lavapipe, so that no GPU and no driver of a
+//! They are drawn by one rasterizer only, Mesa's lavapipe, so that no GPU and no driver of a
 //! machine decides. Where it is not there the tests say so and end; where `MVE_SNAPSHOTS=required`
 //! they fail. `UPDATE_SNAPSHOTS=1 cargo test -p mve-editor snapshots` makes the pictures anew: look
 //! at them before they go in.
@@ -26,8 +26,8 @@ fn is_lavapipe(adapter: &wgpu::Adapter) -> bool {
     info.backend == wgpu::Backend::Vulkan && info.driver == "llvmpipe"
 }
 
-/// The rasteriser that the pictures are made with; `None`, and a line that says so, without it.
-fn rasteriser() -> Option<RenderState> {
+/// The rasterizer that the pictures are made with; `None`, and a line that says so, without it.
+fn rasterizer() -> Option<RenderState> {
     let WgpuSetup::CreateNew(mut setup) = default_wgpu_setup() else { return None };
     setup.instance_descriptor.backends = wgpu::Backends::VULKAN;
     setup.native_adapter_selector = Some(Arc::new(|adapters, _| {
@@ -52,7 +52,7 @@ fn rasteriser() -> Option<RenderState> {
 }
 
 /// A pixel may differ by a step that an eye hardly sees, and so many pixels by more. Text and
-/// panels have whole pixels and hardly depend on a rasteriser, so few of theirs may; edges of a
+/// panels have whole pixels and hardly depend on a rasterizer, so few of theirs may; edges of a
 /// mesh and lines do. The numbers are a judgement, and were tried the other way round: a patch of
 /// 12 × 6 pixels of another color fails the canvas and the dialog, another hue or brightness the
 /// meshes.
@@ -62,7 +62,7 @@ fn tolerance(n_pixels: usize) -> SnapshotOptions {
 
 fn pin(title: &str, value: Value) -> Pinned {
     let (title, state) = (title.to_owned(), PortState::Ready);
-    Pinned { title, value: Some(value), state }
+    Pinned { title, value: Some(value), state, mesh: None }
 }
 
 /// A view by itself, once everything in it is made.
@@ -71,7 +71,7 @@ fn viewer(
     theme: Theme,
     set: impl Fn(&mut Viewer),
 ) -> Option<Harness<'static, Viewer>> {
-    let render = rasteriser()?;
+    let render = rasterizer()?;
     let renderer = WgpuTestRenderer::from_render_state(render.clone());
     let show = move |ui: &mut egui::Ui, viewer: &mut Viewer| {
         viewer.show(ui, &pinned, Some(&render));
@@ -141,7 +141,7 @@ fn a_section_shows_the_outlines_of_two_meshes() {
 
 /// A window on the example, checked; its savers would write to the folder.
 fn example(folder: &std::path::Path) -> Option<Hand> {
-    let mut hand = Hand::with_example(folder, rasteriser()?, Vec2::new(1000.0, 640.0));
+    let mut hand = Hand::with_example(folder, rasterizer()?, Vec2::new(1000.0, 640.0));
     assert_eq!(hand.problems(), Vec::<String>::new());
     Some(hand)
 }

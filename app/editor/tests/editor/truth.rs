@@ -6,13 +6,6 @@ use crate::window::cube;
 use eframe::egui::{Key, Modifiers};
 use mve_modules::data::TriMesh;
 
-/// A map in a file, for a window of its own.
-fn map_file(folder: &std::path::Path, text: &str) -> std::path::PathBuf {
-    let path = folder.join("map.json");
-    std::fs::write(&path, text).expect("the folder takes files");
-    path
-}
-
 /// A vase of 159,200 faces that is simplified, which takes a while.
 const SLOW: &str = r#"{"mve": 1, "nodes": {
     "vase": {"module": "Vase", "params": {"segments": 400, "profile_segments": 200}},
@@ -32,7 +25,7 @@ fn type_target(hand: &mut Hand, from: &str, to: &str) {
 #[test]
 fn on_edit_the_last_value_counts_also_when_it_is_typed_during_a_run() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), SLOW));
+    let mut hand = Hand::with_text(folder.path(), SLOW);
     hand.click("on edit");
     type_target(&mut hand, "4000", "3000");
     hand.wait_until_it_runs();
@@ -49,7 +42,7 @@ fn on_edit_the_last_value_counts_also_when_it_is_typed_during_a_run() {
 #[test]
 fn a_stopped_run_and_a_changed_file_are_not_up_to_date() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), SLOW));
+    let mut hand = Hand::with_text(folder.path(), SLOW);
     hand.click("\u{25b6} Run");
     hand.wait_until_it_runs();
     hand.click("\u{23f9} Stop");
@@ -77,9 +70,7 @@ fn a_copy_takes_no_result_away() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "info": {"module": "MeshInfo"}},
         "links": ["box.mesh -> info.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     assert!(hand.sees("Unpin box.mesh"));
     hand.click_at("node box", 0.5, 0.05);
     hand.point_within("node box", 0.5, 0.05);
@@ -89,6 +80,16 @@ fn a_copy_takes_no_result_away() {
     assert_eq!(n_faces(&hand, "box"), 768);
     assert!(hand.description("node box").starts_with("done"));
     assert_eq!(hand.description("node box-2"), "has not run yet");
+    // Each step back and forth selects what was selected there.
+    let selected = |hand: &Hand| {
+        let items = hand.editor().session().document.selection().iter();
+        items.map(|item| format!("{item:?}")).collect::<Vec<_>>()
+    };
+    assert_eq!(selected(&hand), ["Node(\"box-2\")"]);
+    hand.press_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(selected(&hand), ["Node(\"box\")"]);
+    hand.press_with(Modifiers::COMMAND, Key::Y);
+    assert_eq!(selected(&hand), ["Node(\"box-2\")"]);
 }
 
 #[test]
@@ -121,9 +122,7 @@ fn an_output_without_content_is_not_chosen_and_says_what_it_is() {
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "ball": {"module": "Vase"},
         "far": {"module": "MeshComparer"}},
         "links": ["box.mesh -> far.original", "ball.mesh -> far.simplified"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     let pinned: Vec<_> = hand.editor().session().pinned.iter().cloned().collect();
     let values =
         pinned.iter().map(|port| hand.editor().session().runner.value(&port.node, &port.port));
@@ -141,9 +140,7 @@ fn a_file_that_was_written_is_named_by_its_path_and_seconds_stay_when_a_value_is
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
         "save": {"module": "ObjSaver", "params": {"path": "a/box.obj"}}},
         "links": ["box.mesh -> save.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     hand.click_at("node save", 0.5, 0.05);
     let written = hand.output_folder().join("a/box.obj");
     assert!(written.is_file());
@@ -163,9 +160,7 @@ fn a_node_that_warned_says_so() {
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
         "cut": {"module": "Simplificator", "params": {"target_faces": 0}}},
         "links": ["box.mesh -> cut.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let hand = Hand::with_run(folder.path(), map);
     assert!(!hand.description("node box").contains("warned"));
     let said = hand.description("node cut");
     assert!(said.contains("warned: stopped at 4 faces, 0 were asked for"), "{said}");
@@ -186,9 +181,7 @@ fn colors_of_a_field_leave_out_extremes_and_their_ends_can_be_typed() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let map = r#"{"mve": 1, "nodes": {"vase": {"module": "Vase"},
         "bend": {"module": "Curvature"}}, "links": ["vase.mesh -> bend.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     hand.unpin_all();
     hand.pin("vase", "mesh");
     hand.pin("bend", "mean");
@@ -266,9 +259,7 @@ fn a_viewer_keeps_its_height_whatever_is_in_it() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "bend": {"module": "Curvature"}},
         "links": ["box.mesh -> bend.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     hand.unpin_all();
     // More than half of the window has room for.
     hand.pin("bend", "mean");
@@ -290,9 +281,7 @@ fn a_mesh_is_looked_at_first_and_no_picture_of_differences() {
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
         "render": {"module": "Render"}},
         "links": ["box.mesh -> render.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     hand.step();
     assert!(hand.sees("Unpin box.mesh"));
     assert!(!hand.sees("Unpin render.images"));
@@ -304,9 +293,7 @@ fn a_bypassed_node_shows_what_passes_through_and_a_muted_one_nothing() {
     let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"},
         "cut": {"module": "Simplificator", "params": {"target_faces": 12}}},
         "links": ["box.mesh -> cut.mesh"]}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
-    hand.press(Key::F5);
-    hand.wait_until_up_to_date();
+    let mut hand = Hand::with_run(folder.path(), map);
     hand.unpin_all();
     hand.pin("cut", "mesh");
     hand.wait_for_the_views();
@@ -382,7 +369,7 @@ fn a_node_is_found_put_on_a_wire_and_set_with_others() {
         "cut": {"module": "Simplificator"}, "cut-2": {"module": "Simplificator"}},
         "links": ["box.mesh -> info.mesh"],
         "layout": {"box": [0, 0], "info": [700, 0], "cut": [300, 400], "cut-2": [600, 400]}}"#;
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    let mut hand = Hand::with_text(folder.path(), map);
     hand.problems();
     hand.press_with(Modifiers::COMMAND, Key::F);
     hand.replace_text("find a node", "MESHINFO");
@@ -411,7 +398,7 @@ fn a_node_is_found_put_on_a_wire_and_set_with_others() {
 fn keys_that_nothing_reads_are_warned_of_with_their_line() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let map = "{\"mve\": 1, \"nodes\": {\n\"box\": {\"module\": \"Box\",\n\"flavor\": {}}}}";
-    let mut hand = Hand::with_map(folder.path(), &map_file(folder.path(), map));
+    let mut hand = Hand::with_text(folder.path(), map);
     let problems = hand.problems();
     let [said] = problems.as_slice() else { panic!("{problems:?}") };
     assert!(said.contains("flavor"), "{said}");

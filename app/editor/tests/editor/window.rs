@@ -188,6 +188,19 @@ fn a_map_is_not_saved_over_another_without_a_question() {
 }
 
 #[test]
+fn a_map_that_was_open_is_opened_again() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let mut hand =
+        Hand::with_text(folder.path(), r#"{"mve": 1, "nodes": {"a": {"module": "Box"}}}"#);
+    hand.press_with(Modifiers::COMMAND, Key::W);
+    assert!(hand.map().nodes.is_empty());
+    hand.click("File");
+    hand.click_beginning("Open recent");
+    hand.click("map.json");
+    assert!(hand.map().nodes.contains_key("a"));
+}
+
+#[test]
 fn dropped_files_are_opened_or_read() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = Hand::new(folder.path());

@@ -9,9 +9,10 @@ mod tables;
 
 use std::fmt::Write;
 
+use mve_core::is_steering;
+
 use crate::answers::Answer;
 use crate::columns::MeasureColumn;
-use crate::labels;
 use crate::pictures::Pictures;
 use crate::pivot::Pivot;
 use crate::plots::Figure;
@@ -92,7 +93,7 @@ pub fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             // What would steer a reader, or is no character of HTML.
-            c if labels::is_odd(c) && !"\n\t".contains(c) => out.push('\u{fffd}'),
+            c if is_steering(c) && !"\n\t".contains(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }

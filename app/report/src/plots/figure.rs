@@ -91,11 +91,11 @@ impl Figure {
 pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, usize) {
     let against = columns::against(results);
     let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));
-    let measures: Vec<&MeasureColumn> = measures.iter().filter(is_drawn).collect();
-    let quota = (MOST_PANELS / (measures.len() * against.len()).max(1)).max(1);
+    let drawn: Vec<&MeasureColumn> = measures.iter().filter(is_drawn).collect();
+    let quota = (MOST_PANELS / (drawn.len() * against.len()).max(1)).max(1);
     let mut n_hidden = 0;
     let mut all = Vec::new();
-    for measure in &measures {
+    for measure in drawn {
         let others = against.iter().filter(|column| **column != measure.column);
         // Times against times of their own step say nothing.
         let others = others.filter(|column| !(is_time(column) && is_time(&measure.column)));
@@ -106,7 +106,7 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
             if panels.is_empty() {
                 continue;
             }
-            let x = columns::title(results, &[], column);
+            let x = columns::title(results, measures, column);
             let points = || panels.iter().flat_map(|panel| &panel.points);
             let scales = [
                 scale(points().map(|point| &point.x)),

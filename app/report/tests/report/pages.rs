@@ -181,6 +181,15 @@ fn what_is_missing_is_said_in_every_format() {
 }
 
 #[test]
+fn no_cell_of_a_table_is_a_formula() {
+    let mut maker = small(json!({ "measures": [{ "column": "compare.err" }] }), [1.0; 4]);
+    let outputs = json!({ "err": -1.5, "faces": 100 });
+    maker.step(json!({ "model.module": "=cmd|x", "cut.cost": "A" }), 0, Some(outputs));
+    let csv = text(maker.finish().path(), Format::Csv);
+    assert!(csv.contains("\n'=cmd|x,A,-1.5,"), "{csv}");
+}
+
+#[test]
 fn nothing_from_a_store_becomes_markup() {
     let bad = "<script>alert(1)</script>";
     let mut maker = Maker::new(json!({
@@ -292,6 +301,34 @@ fn times_of_several_runs_are_tables_with_their_spread() {
 fn plots_stand_alone() {
     plots_of(&json!({}));
     plots_of(&json!({ "against": ["cut.faces", "seconds.cut"] }));
+}
+
+/// Of a measure that a report names, and of a parameter that is varied.
+#[test]
+fn axes_of_plots_have_titles() {
+    let mut maker = Maker::new(json!({
+        "axes": [{ "cut.cost": ["A", "B"] }, { "cut.n_rings": [1, 2, 3] }],
+        "report": {
+            "measures": [{ "column": "compare.err" }, { "column": "compare.like", "title": "Likeness" }],
+            "against": ["compare.like", "cut.n_rings"]
+        }
+    }));
+    for (series, cost) in ["A", "B"].into_iter().enumerate() {
+        for n in [1, 2, 3] {
+            let err = f64::from(n) + series as f64;
+            let outputs = json!({ "err": err, "like": 1.0 / err, "faces": 100 });
+            maker.step(json!({ "cut.cost": cost, "cut.n_rings": n }), 0, Some(outputs));
+        }
+    }
+    let folder = maker.finish();
+    let plots = Report::read(folder.path()).unwrap().plots();
+    let names: Vec<String> = plots.iter().map(|plot| plot.name()).collect();
+    let svg = |name: &str| {
+        let plot = names.iter().position(|known| known == name).unwrap();
+        String::from_utf8(plots[plot].svg().unwrap()).unwrap()
+    };
+    assert!(svg("compare.err-by-compare.like").contains(">Likeness<"), "{names:?}");
+    assert!(svg("compare.err-by-cut.n_rings").contains(">n rings<"), "{names:?}");
 }
 
 fn plots_of(report: &Json) {

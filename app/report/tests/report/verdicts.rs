@@ -332,6 +332,60 @@ fn ways_to_measure_are_not_ranked() {
 }
 
 #[test]
+fn a_row_of_one_number_has_no_best_and_is_not_counted() {
+    let mut maker = Maker::new(json!({
+        "axes": [{ "model.module": ["Box", "Vase", "Ball"] }, { "cut.cost": ["A", "B"] }]
+    }));
+    for (model, cost) in [("Box", "A"), ("Box", "B"), ("Vase", "A"), ("Vase", "B"), ("Ball", "A")] {
+        let error = if cost == "A" { 1.0 } else { 2.0 };
+        let params = json!({ "model.module": model, "cut.cost": cost });
+        maker.step(params, 0, Some(json!({ "err": error, "faces": 100 })));
+    }
+    maker.step(json!({ "model.module": "Ball", "cut.cost": "B" }), 0, None);
+    let markdown = text(maker.finish().path(), Format::Markdown);
+    assert!(markdown.contains("| Best in, of 2 comparable rows | 2 | 0 |"), "{markdown}");
+    assert!(markdown.contains("| Geometric mean of 2 comparable rows | **1** | 2 |"), "{markdown}");
+}
+
+#[test]
+fn what_is_compared_is_no_group_to_average() {
+    let report = json!({ "group": "cut.cost", "series": "cut.n", "questions": [{ "text": "?",
+        "measure": "compare.err", "compare": { "cut.cost": ["A", "B"] } }] });
+    let axes = json!([{ "cut.cost": ["A", "B"] }, { "cut.n": [1, 2, 3, 4, 5, 6] }]);
+    let mut maker = Maker::new(json!({ "axes": axes, "report": report }));
+    for (place, cost) in ["A", "B"].into_iter().enumerate() {
+        for n in 1..=6 {
+            let outputs = json!({ "err": n as f64 / (1.0 + place as f64), "faces": 100 });
+            maker.step(json!({ "cut.cost": cost, "cut.n": n }), 0, Some(outputs));
+        }
+    }
+    let answers = Report::read(maker.finish().path()).unwrap().answers_in_words();
+    let words = answers[0].1.join(" ");
+    assert!(words.contains("geometric mean of 6 pairs") && !words.contains("averaged"), "{words}");
+}
+
+/// A node that takes two meshes, fits one to the other and passes it on does not measure.
+#[test]
+fn what_changes_its_input_is_no_instrument() {
+    let is_ranked = |columns: Json, links: &[&str]| {
+        let report = json!({ "measures": [{ "column": "compare.err", "better": "lower" }],
+            "series": "compare.steps" });
+        let mut maker = by_ratio("compare.steps", &json!([1, 2]), &report, |r, n| r + n as f64);
+        maker.plan["columns"] = columns;
+        let mut all = vec!["model.mesh -> compare.original", "cut.mesh -> compare.mesh"];
+        all.extend(links);
+        maker.plan["map"]["links"] = json!(all);
+        text(maker.finish().path(), Format::Markdown).contains("**")
+    };
+    let undeclared = || json!({ "compare.err": [{}], "cut.faces": [{ "role": "size" }] });
+    assert!(!is_ranked(undeclared(), &[]));
+    assert!(is_ranked(undeclared(), &["compare.mesh -> save.mesh"]));
+    assert!(is_ranked(json!({ "compare.err": [{ "better": "lower" }] }), &[]));
+    let chief = json!({ "compare.err": [{ "better": "lower", "role": "chief" }] });
+    assert!(!is_ranked(chief, &["compare.field -> save.field"]));
+}
+
+#[test]
 fn costs_are_ranked_among_those_measured_alike() {
     let axes = json!([{ "model.module": ["Box", "Vase"] }, { "cut.cost": ["A", "B"] },
         { "compare.metric": ["Near", "Far"] }]);

@@ -119,7 +119,10 @@ impl<B: Sync + 'static> ChoiceParam<B> {
         default: &'static str,
     ) -> Self {
         let kind = Kind::Choice(ChoiceSpec { default, list: choices });
-        Self { spec: ParamSpec { name, doc, unit: "", can_be_off: false, kind }, choices }
+        Self {
+            spec: ParamSpec { name, doc, unit: "", can_be_off: false, counts: None, kind },
+            choices,
+        }
     }
 
     /// The declaration, for [`crate::Module::params`].

@@ -1,9 +1,10 @@
 //! Formulas over declared variables: `2 * height^2 + min(1, slope)`.
 //!
 //! Numbers, variables and `pi`; `+ - * /` and `^`, which binds closest and from the right (`-x^2`
-//! is `-(x^2)`); parentheses; one comparison `< <= > >= == !=` between two sums, which is 1 or 0;
-//! and the functions of [`FUNCTIONS`]. All is arithmetic of IEEE 754 doubles, so a division by zero
-//! or the root of a negative number gives infinity or not a number, which the module has to expect.
+//! is `-(x^2)`); parentheses; one comparison `< <= > >= == !=`, or `=` for `==`, between two sums,
+//! which is 1 or 0; and the functions of [`FUNCTIONS`]. All is arithmetic of IEEE 754 doubles, so a
+//! division by zero or the root of a negative number gives infinity or not a number, which the
+//! module has to expect.
 
 use serde_json::{Value as Json, json};
 
@@ -203,10 +204,11 @@ impl Reader<'_> {
     }
 
     fn comparison(&mut self) -> Result<Term, String> {
-        const SIGNS: [(&str, Operator); 6] = [
+        const SIGNS: [(&str, Operator); 7] = [
             ("<=", LessOrEqual),
             (">=", GreaterOrEqual),
             ("==", Equal),
+            ("=", Equal),
             ("!=", Unequal),
             ("<", Less),
             (">", Greater),
@@ -311,7 +313,11 @@ impl Reader<'_> {
             return Ok(Term::Number(std::f64::consts::PI));
         }
         let known = || self.variables.iter().map(|(name, _)| *name);
-        let hint = did_you_mean(&name, known().chain(FUNCTIONS.iter().map(|(name, _)| *name)));
+        // What stands before a parenthesis is meant as a function, and nothing else is.
+        let hint = match self.peek() {
+            Some('(') => did_you_mean(&name, FUNCTIONS.iter().map(|(name, _)| *name)),
+            _ => did_you_mean(&name, known()),
+        };
         let all = known().collect::<Vec<_>>().join(", ");
         let all = if all.is_empty() { String::new() } else { format!("; there are {all}") };
         Err(self.fault_at(start, &format!("\"{name}\" is not known{all}{hint}")))
@@ -422,6 +428,7 @@ mod tests {
             ("ceil(height) + round(2.5) + tan(0)", 4.0),
             ("(x > 2) * 10 + (x <= 2)", 10.0),
             ("height == 0.5", 1.0),
+            ("height = 0.5", 1.0),
             ("1 + 1 != 2", 0.0),
             ("x >= 3", 1.0),
             ("1 < 0.5", 0.0),
@@ -443,6 +450,9 @@ mod tests {
         assert_eq!(said("2 x"), "column 3: an operator is expected, not \"x\"");
         assert!(said("1 + heigth").starts_with("column 5: \"heigth\" is not known; there are x"));
         assert!(said("heigth").ends_with("did you mean \"height\"?"));
+        assert!(said("sqrtt(2)").ends_with("did you mean \"sqrt\"?"));
+        // A function is not meant where nothing is called.
+        assert!(!said("floo > 1").contains("did you mean"));
         assert!(said("(1 + 2").starts_with("column 7: \")\" is missing"));
         assert!(said("1 + 2)").starts_with("column 6: an operator is expected"));
         assert!(said("sqrt 4").starts_with("column 6: \"(\" is expected behind sqrt"));

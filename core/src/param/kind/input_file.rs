@@ -7,6 +7,7 @@ use serde_json::{Value as Json, json};
 use super::super::{Fault, Param, ParamType, Setting};
 use super::{Kind, Misfit, ParamKind};
 use crate::fingerprint::FingerprintBuilder;
+use crate::port::InputSpec;
 
 /// A file that is read, relative to the map's file.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +16,8 @@ pub struct InputFileSpec {
     pub extensions: &'static [&'static str],
     /// The files that it names, which are read with it.
     pub also_reads: fn(&Path) -> Vec<PathBuf>,
+    /// The content of a small one, for tests of modules; empty where they have a file.
+    pub example: &'static [u8],
 }
 
 /// The path of a file, read or written.
@@ -50,6 +53,17 @@ impl ParamKind for InputFileSpec {
         value.as_str()?.rsplit(['/', '\\']).next().map(str::to_owned)
     }
 
+    /// Who looks for the reader of a file puts its ending into small letters first.
+    fn fault(&self, _: &[InputSpec]) -> Option<String> {
+        let is_plain = |ending: &&&str| {
+            !ending.is_empty()
+                && !ending.starts_with('.')
+                && !ending.contains(|c: char| c.is_uppercase() || c.is_whitespace())
+        };
+        let wrong = self.extensions.iter().find(|ending| !is_plain(ending))?;
+        Some(format!("\"{wrong}\" is no ending in small letters without its dot"))
+    }
+
     /// The key has the content of the file, not its name.
     fn write_key(&self, _: &Setting, _: &mut FingerprintBuilder) {}
 }
@@ -64,7 +78,16 @@ impl Param<PathBuf> {
         fn none(_: &Path) -> Vec<PathBuf> {
             Vec::new()
         }
-        Self::of_kind(name, doc, Kind::InputFile(InputFileSpec { extensions, also_reads: none }))
+        let spec = InputFileSpec { extensions, also_reads: none, example: &[] };
+        Self::of_kind(name, doc, Kind::InputFile(spec))
+    }
+
+    /// The content of a small file of the format: tests call the module on it, whole and damaged.
+    pub const fn example(mut self, content: &'static [u8]) -> Self {
+        if let Kind::InputFile(spec) = &mut self.spec.kind {
+            spec.example = content;
+        }
+        self
     }
 
     /// The files that an input file names, which are read with it.
@@ -81,6 +104,24 @@ impl ParamType for PathBuf {
         match setting {
             Setting::File { resolved, .. } => Some(resolved.clone()),
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_are_declared_as_they_are_looked_for() {
+        let fault = |endings: &'static [&'static str]| {
+            Param::input_file("path", "The file.", endings).spec().fault(&[])
+        };
+        assert_eq!(fault(&["obj", "tar.gz"]), None);
+        assert_eq!(fault(&[]), None);
+        for (wrong, endings) in [(".off", &["off", ".off"]), ("OFF", &["off", "OFF"])] {
+            let said = fault(endings).unwrap();
+            assert!(said.contains(&format!("\"{wrong}\"")), "{said}");
         }
     }
 }

@@ -10,11 +10,10 @@
 //!
 //! There is no bound of n log n: the crate finds the place of a point by a walk to the vertex
 //! nearest to it, which may lie behind many long thin triangles, and which looks at all neighbors
-//! of a vertex on its way. Combs of 400,000 and 500,000 corners with teeth of random length take
-//! 0.3 to 0.5 s, but one of 800,000, where the end of the strip below the teeth is there early and
-//! has 200,000 neighbors, 7.6 s (release build, one core). Points along a space-filling curve in
-//! each round are no remedy: neighbors on the curve have many teeth between them, and combs took up
-//! to ten times as long and more.
+//! of a vertex on its way. A comb is slow where an end of the strip below its teeth is there early
+//! and has most of the teeth as neighbors; `obj/comb` in `benches/obj.rs` measures two. Points
+//! along a space-filling curve in each round are no remedy: neighbors on the curve have many teeth
+//! between them.
 //!
 //! What the crate does not know is that several corners may lie on one point: where a polygon is
 //! joined to its holes by bridges that it walks both ways, or touches itself. There a triangle

@@ -18,6 +18,11 @@ pub(super) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
+/// The same of a character.
+pub(super) fn is_blank_char(c: char) -> bool {
+    u8::try_from(c).is_ok_and(is_blank)
+}
+
 impl<'a> Cursor<'a> {
     /// At the start, after a UTF-8 byte order mark if there is one.
     pub fn new(bytes: &'a [u8]) -> Self {
@@ -179,9 +184,9 @@ impl<'a> Cursor<'a> {
     /// Reads what is left of the line as one name. A comment in the place of the name is none.
     pub fn name(&mut self) -> String {
         let name = self.text(Backslash::OfName);
-        let is_comment = name.strip_prefix('#').is_some_and(|rest| {
-            rest.is_empty() || rest.starts_with(|c: char| c.is_ascii() && is_blank(c as u8))
-        });
+        let is_comment = name
+            .strip_prefix('#')
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with(is_blank_char));
         if is_comment { String::new() } else { name }
     }
 }

@@ -128,7 +128,7 @@ fn save_with(
     control: Control,
 ) -> Result<(), FileError> {
     let write = |out: &mut dyn Write, mtl_name: Option<&str>| {
-        write_obj(mesh, &mut Watched { out, control }, mtl_name)
+        write_obj(mesh, &mut ControlledWriter { out, control }, mtl_name)
     };
     if mesh.materials.is_empty() {
         return save_atomic(path, |out| write(out, None));
@@ -150,7 +150,7 @@ fn save_with(
     }
     for (name, image) in &placed.files {
         save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
-            Some(bytes) => Watched { out, control }.write_all(bytes),
+            Some(bytes) => ControlledWriter { out, control }.write_all(bytes),
             // What has no bytes has pixels.
             None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
@@ -167,12 +167,12 @@ fn folder_beside(path: &Path) -> PathBuf {
 }
 
 /// A writer that fails once the control says so.
-struct Watched<'a> {
+struct ControlledWriter<'a> {
     out: &'a mut dyn Write,
     control: Control<'a>,
 }
 
-impl Write for Watched<'_> {
+impl Write for ControlledWriter<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.control.at(0.0).map_err(io::Error::other)?;
         self.out.write(bytes)

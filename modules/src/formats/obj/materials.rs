@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::io;
 
 use super::builder::LabelTrack;
-use super::cursor::{Backslash, Cursor, is_blank, quoted};
+use super::cursor::{Backslash, Cursor, is_blank_char, quoted};
 use super::textures::texture_of;
 use super::{Companions, Warning, Warnings};
 use crate::data::{Material, name_recoded, shown_name};
@@ -94,10 +94,6 @@ impl<'a> Readings<'a> {
     fn lengths(&self, first: usize) -> impl Iterator<Item = usize> {
         (1..=MOST_WORDS.min(self.words.len() - first)).rev()
     }
-}
-
-fn is_blank_char(c: char) -> bool {
-    u8::try_from(c).is_ok_and(is_blank)
 }
 
 /// A name without what stands behind a ` #`, if that leaves something.

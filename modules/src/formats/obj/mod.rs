@@ -5,7 +5,7 @@
 //! the file's vertex i + 1, used by a face or not. Texture coordinates and normals keep theirs and
 //! are corner layers; objects, groups, materials and smoothing groups are face layers; colors after
 //! the coordinates are a vertex layer. Polygons are cut into triangles on their own vertices, so
-//! that n corners give n - 2 triangles in the place of the polygon.
+//! that n corners give n - 2 triangles in the place of the polygon (see `triangulate.rs`).
 //!
 //! The reader takes what files in the wild contain: any line end, continued lines, comments
 //! anywhere, faces before their vertices, names that are not UTF-8, numbers as old programs spell

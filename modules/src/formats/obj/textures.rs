@@ -146,11 +146,11 @@ pub(super) enum Place {
 }
 
 /// A picture, and why its file cannot be decoded, if so.
-type Kept = (Arc<TextureImage>, Option<String>);
+type PictureFile = (Arc<TextureImage>, Option<String>);
 
 /// Reads pictures, each file once.
 pub(super) struct Pictures {
-    known: HashMap<PathBuf, Result<Kept, String>>,
+    known: HashMap<PathBuf, Result<PictureFile, String>>,
     n_bytes_left: u64,
 }
 
@@ -210,7 +210,7 @@ impl Pictures {
     }
 
     /// The picture of a file, and why it cannot be decoded.
-    fn read(&mut self, path: &Path) -> Result<Kept, String> {
+    fn read(&mut self, path: &Path) -> Result<PictureFile, String> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
         }

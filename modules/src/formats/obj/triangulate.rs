@@ -7,8 +7,9 @@
 //! get a constrained Delaunay triangulation, and each is there for where the other one fails: the
 //! ears know no corners closer than a tolerance, and the triangulation takes a corner that rounding
 //! puts across an edge for a crossing. Every polygon of n vertices gives n - 2 triangles of the
-//! same orientation. Vertices that lie on a straight edge are kept, where earcut and its kin drop
-//! them and leave a T-junction.
+//! same orientation, a large one also one more for each point where it touches an edge of its own.
+//! Vertices that lie on a straight edge are kept, where earcut and its kin drop them and leave a
+//! T-junction.
 //!
 //! A quadrilateral is cut at the diagonal from its first vertex unless only the other one lies
 //! within it. The shorter diagonal would give better triangles, but then a file with bent

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::cursor::is_blank_char;
 use crate::data::{
     Domain, Layer, LayerValues, Material, NO_VALUE, Texture, TriMesh, name_to_bytes,
 };
@@ -165,17 +166,12 @@ fn plain_char(c: char) -> char {
     if matches!(c, '\n' | '\r' | '\0') { '_' } else { c }
 }
 
-/// Whether the reader takes a character for the space between words.
-fn is_blank(c: char) -> bool {
-    matches!(c, ' ' | '\t' | '\x0b' | '\x0c')
-}
-
 /// A statement without what would join the next line on: blanks and backslashes at its end, but
 /// not the backslash of a name.
 fn line_that_ends(line: &str) -> &str {
-    let mut line = line.trim_end_matches(is_blank);
-    while let Some(shorter) = line.strip_suffix('\\').filter(|rest| rest.ends_with(is_blank)) {
-        line = shorter.trim_end_matches(is_blank);
+    let mut line = line.trim_end_matches(is_blank_char);
+    while let Some(shorter) = line.strip_suffix('\\').filter(|rest| rest.ends_with(is_blank_char)) {
+        line = shorter.trim_end_matches(is_blank_char);
     }
     line
 }
@@ -206,9 +202,9 @@ impl Text<'_> {
     }
 
     fn name_line(&mut self, keyword: &str, name: &str) -> io::Result<()> {
-        let name = name.trim_matches(is_blank);
+        let name = name.trim_matches(is_blank_char);
         // Alone, or before a blank, it would begin a comment.
-        let is_comment = |rest: &str| rest.is_empty() || rest.starts_with(is_blank);
+        let is_comment = |rest: &str| rest.is_empty() || rest.starts_with(is_blank_char);
         match name.strip_prefix('#').filter(|rest| is_comment(rest)) {
             Some(rest) => self.statement(keyword, &format!("_{rest}")),
             None => self.statement(keyword, name),

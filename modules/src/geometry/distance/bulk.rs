@@ -44,17 +44,17 @@ const STRIDE: usize = 1 << 15;
 
 /// A face as seen from the middle of a group.
 #[derive(Clone, Copy, Debug)]
-struct View {
+struct FaceView {
     slot: u32,
     /// To the middle from the nearest point of the face.
     offset: DVec3,
     /// No point of the face is farther from that one.
     size: f64,
-    /// What [`View::shortfall`] is at most for points of the group.
+    /// What [`FaceView::shortfall`] is at most for points of the group.
     most_shortfall: f64,
 }
 
-impl View {
+impl FaceView {
     #[inline]
     fn of(bvh: &Bvh, slot: u32, ball: &Ball) -> Self {
         let triangle = &bvh.triangles[slot as usize];
@@ -82,7 +82,7 @@ impl View {
 #[derive(Debug)]
 pub(super) struct Panorama {
     ball: Ball,
-    views: Vec<View>,
+    views: Vec<FaceView>,
 }
 
 impl Panorama {
@@ -95,7 +95,7 @@ impl Panorama {
             control.item(at, usize::MAX)?;
             for slot in node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF) {
                 if !std::mem::replace(&mut is_there[slot as usize], true) {
-                    views.push(View::of(bvh, slot, &ball));
+                    views.push(FaceView::of(bvh, slot, &ball));
                 }
             }
         }
@@ -108,9 +108,9 @@ pub(super) struct Bulk<'a> {
     bvh: &'a Bvh,
     all: &'a Panorama,
     /// The lists of the groups that are being divided, one after the other.
-    lists: Vec<View>,
+    lists: Vec<FaceView>,
     /// The list in work as seen from its new middle.
-    views: Vec<View>,
+    views: Vec<FaceView>,
     /// The list that points take as a whole, four faces together.
     fours: Vec<Four>,
     /// Squared distances from a point to what is nearest to the middle, of these.
@@ -283,14 +283,14 @@ impl<'a> Bulk<'a> {
                 (best, best_least) = (at, least);
             }
         }
-        let mut nearest = Nearest::new(View::of(bvh, all[best].slot, ball), ball);
+        let mut nearest = Nearest::new(FaceView::of(bvh, all[best].slot, ball), ball);
         views.clear();
         views.push(nearest.view);
         for (at, view) in all.iter().enumerate() {
             if at == best || ball.is_never_nearer(view, moved, away, &nearest) {
                 continue;
             }
-            let view = View::of(bvh, view.slot, ball);
+            let view = FaceView::of(bvh, view.slot, ball);
             views.push(view);
             if view.offset.length_squared() < nearest.distance_sq {
                 nearest = Nearest::new(view, ball);
@@ -322,8 +322,8 @@ fn halves<'q>(queries: &'q mut [Query], ball: &Ball) -> impl Iterator<Item = &'q
 
 impl Four {
     /// Of up to four views; what is missing is infinitely far.
-    fn of(views: &[View], ball: &Ball) -> Self {
-        let lanes = |of: &dyn Fn(&View) -> f64, missing: f64| {
+    fn of(views: &[FaceView], ball: &Ball) -> Self {
+        let lanes = |of: &dyn Fn(&FaceView) -> f64, missing: f64| {
             f64x4::from([0, 1, 2, 3].map(|lane| views.get(lane).map_or(missing, of)))
         };
         Self {
@@ -354,7 +354,13 @@ impl Ball {
     /// Whether no point of the ball has `other` nearer than `nearest`; `other` as seen from where
     /// the middle was before it moved.
     #[inline]
-    fn is_never_nearer(&self, other: &View, moved: DVec3, away: f64, nearest: &Nearest) -> bool {
+    fn is_never_nearer(
+        &self,
+        other: &FaceView,
+        moved: DVec3,
+        away: f64,
+        nearest: &Nearest,
+    ) -> bool {
         let offset = other.offset + moved;
         let gap = offset.length_squared() * (1.0 + TIE) - nearest.rounded_sq;
         // `gap ≥ 2 r |q - q'| + e` without the root.
@@ -368,7 +374,7 @@ impl Ball {
 /// The face nearest to the middle of a ball.
 #[derive(Clone, Copy)]
 struct Nearest {
-    view: View,
+    view: FaceView,
     /// Its squared distance.
     distance_sq: f64,
     /// The same, less what rounding may add.
@@ -379,7 +385,7 @@ struct Nearest {
 }
 
 impl Nearest {
-    fn new(view: View, ball: &Ball) -> Self {
+    fn new(view: FaceView, ball: &Ball) -> Self {
         let distance_sq = view.offset.length_squared();
         let room = 4.0 * ball.radius * (distance_sq.sqrt() + ball.radius);
         Self { view, distance_sq, rounded_sq: distance_sq * (1.0 - TIE), room }

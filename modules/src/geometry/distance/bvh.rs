@@ -308,14 +308,14 @@ impl<'a> Walker<'a> {
         let middle = points[points.len() / 2];
         let Some(hit) = self.closest_by(middle, MOST_GROUP_VISITS) else { return false };
         let bvh = self.bvh;
-        let spread = Spread::of(points, middle);
+        let around = PointBox::of(points, middle);
         let triangle = &bvh.triangles[hit.slot as usize];
         let first = out.len();
         out.extend(points.iter().map(|&p| triangle.distance_sq(p)));
         let most_sq = out[first..].iter().copied().fold(0.0, f64::max);
-        let reach = (hit.distance_sq.sqrt() + spread.radius).min(most_sq.sqrt());
+        let reach = (hit.distance_sq.sqrt() + around.radius).min(most_sq.sqrt());
         let bound = bvh.frame.reach(reach);
-        let query = spread.query(&bvh.frame);
+        let query = around.query(&bvh.frame);
         let mut n_visits = 0;
         self.candidates.clear();
         self.stack.clear();
@@ -354,13 +354,13 @@ impl<'a> Walker<'a> {
 }
 
 /// The box around some points, and how far they are from one of them.
-struct Spread {
+struct PointBox {
     low: DVec3,
     high: DVec3,
     radius: f64,
 }
 
-impl Spread {
+impl PointBox {
     fn of(points: &[DVec3], middle: DVec3) -> Self {
         let (mut low, mut high) = (middle, middle);
         let mut radius_sq = 0.0f64;

@@ -140,7 +140,7 @@ impl<'a> ManyQueries<'a> {
     }
 
     /// What [`ManyQueries::closest`] gives, but nothing for the points that take long, which are
-    /// returned as well. They are for [`ManyQueries::hard_hits`], the more at a time the better.
+    /// returned as well, for [`ManyQueries::hard_hits`].
     fn easy_hits(
         &self,
         points: &[DVec3],
@@ -159,7 +159,8 @@ impl<'a> ManyQueries<'a> {
 
     /// The squared distances instead of hits, into `out`: faster where points that follow each
     /// other lie closer together than the faces are wide. Points that are not finite, that are
-    /// hard, and trees without faces give infinity.
+    /// hard, and trees without faces give infinity. Returns the places of the hard ones, for
+    /// [`ManyQueries::hard_hits`].
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
@@ -186,7 +187,8 @@ impl<'a> ManyQueries<'a> {
         Ok(hard.points)
     }
 
-    /// The face nearest to every point that `easy_hits` found hard, in order.
+    /// The face nearest to every point, in order, for those that take long: the more at a time the
+    /// better.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.

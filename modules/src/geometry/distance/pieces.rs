@@ -20,9 +20,7 @@ impl Item {
     pub fn center(&self) -> Vec3A {
         self.low + self.high
     }
-}
 
-impl Item {
     /// Around a piece of a face of the mesh.
     pub fn around(face: u32, piece: u32, points: &[DVec3]) -> Self {
         let mut bounds = Bounds::EMPTY;

@@ -273,19 +273,6 @@ pub fn sample_edges(
     Ok(points)
 }
 
-/// The points of the vertices that some face names, in the mesh's order; points that are not
-/// finite are left out.
-pub fn sample_vertices(mesh: &TriMesh) -> Vec<DVec3> {
-    let mut is_used = vec![false; mesh.positions.len()];
-    for v in mesh.faces.iter().flatten() {
-        if let Some(used) = is_used.get_mut(v.idx()) {
-            *used = true;
-        }
-    }
-    let used = mesh.positions.iter().zip(is_used).filter(|(p, used)| *used && p.is_finite());
-    used.map(|(&p, _)| p).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

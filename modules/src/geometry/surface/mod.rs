@@ -1,6 +1,7 @@
 //! What a surface is like and how it is made finer: counts, normals, subdivision; vertices joined
 //! and split.
 
+pub mod components;
 pub mod folds;
 pub mod mesh_info;
 pub mod normals;

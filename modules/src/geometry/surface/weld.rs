@@ -179,7 +179,9 @@ pub(super) fn coincident(places: &[u32], edges: impl Iterator<Item = [VertexId; 
     ends.chunk_by(|a, b| a == b).map(<[_]>::len).filter(|n_equal| *n_equal > 1).sum()
 }
 
-/// How many border edges lie on another one: the surface looks whole there and is not.
+/// How many border edges lie on another one: the surface looks whole there and is not. Says 0
+/// without a look where there are so few vertices that a surface without handles has none twice; on
+/// one with handles, which has fewer, a short cut is then not seen.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.

@@ -1,7 +1,7 @@
 //! One camera in a direction that is named, near enough to fill its picture.
 
 use glam::DVec3;
-use mve_core::{Entry, Enumeration};
+use mve_core::{Condition, Entry, Enumeration};
 
 use super::MakeCameras;
 use crate::picture::render::CameraSet;
@@ -44,12 +44,13 @@ impl Enumeration for From {
 }
 
 const FROM: Param<From> = Param::one_of("from", "Where the camera is.", "ThreeQuarter");
-const X: Param<f64> = coordinate("x", "Of Vector: how far the camera is to the right.");
-const Y: Param<f64> = coordinate("y", "Of Vector: how far it is up.");
-const Z: Param<f64> = coordinate("z", "Of Vector: how far it is to the front.");
+const X: Param<f64> = coordinate("x", "How far the camera is to the right.");
+const Y: Param<f64> = coordinate("y", "How far it is up.");
+const Z: Param<f64> = coordinate("z", "How far it is to the front.");
 
 const fn coordinate(name: &'static str, doc: &'static str) -> Param<f64> {
-    Param::number(name, doc, 1.0).within((-1e6, 1e6)).usually((-1.0, 1.0))
+    let vector = Condition::Is { param: "from", value: "Vector" };
+    Param::number(name, doc, 1.0).within((-1e6, 1e6)).usually((-1.0, 1.0)).only_where(vector)
 }
 
 pub static CAMERAS: Entry<MakeCameras> = Entry {

@@ -14,7 +14,7 @@ use crate::data::{
 
 /// What colors a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Albedo<'a> {
+pub enum Albedo {
     /// White everywhere.
     #[default]
     White,
@@ -23,8 +23,6 @@ pub enum Albedo<'a> {
     /// The base color of each face's material: its texture by the layer [`Layer::TEXCOORD`], else
     /// its diffuse color. Faces without either are as in [`Albedo::Colors`].
     Textures,
-    /// One picture for all faces, by the layer [`Layer::TEXCOORD`]; white without coordinates.
-    Picture(&'a Image),
 }
 
 /// Where the color of a face comes from.
@@ -85,7 +83,6 @@ impl ColorSources {
         match albedo {
             Albedo::White => Self { others: ColorSource::Plain(DVec3::ONE), ..Self::default() },
             Albedo::Colors => Self::default(),
-            Albedo::Picture(_) => Self { others: ColorSource::Picture(0), ..Self::default() },
             Albedo::Textures => {
                 let materials = FaceMaterials::of(mesh);
                 let source = |(number, material): (u32, &Option<&Material>)| {
@@ -196,6 +193,11 @@ fn vec2(values: &LayerValues) -> Option<&[DVec2]> {
     }
 }
 
+/// The layer of texture coordinates.
+fn texcoords(mesh: &TriMesh) -> Option<Attribute<'_, DVec2>> {
+    Attribute::of(mesh, Layer::TEXCOORD, vec2)
+}
+
 /// The colors of a mesh.
 pub(super) struct MeshColors<'a> {
     sources: ColorSources,
@@ -206,24 +208,27 @@ pub(super) struct MeshColors<'a> {
 
 impl<'a> MeshColors<'a> {
     /// `None` where all is white.
-    pub fn of(mesh: &'a TriMesh, albedo: Albedo<'a>) -> Option<Self> {
+    pub fn of(mesh: &'a TriMesh, albedo: Albedo) -> Option<Self> {
         let colors = || Attribute::of(mesh, Layer::COLOR, vec3);
-        let texcoords = || Attribute::of(mesh, Layer::TEXCOORD, vec2);
         let (pictures, texcoords, colors) = match albedo {
             Albedo::White => return None,
             Albedo::Colors => (Vec::new(), None, Some(colors()?)),
-            Albedo::Picture(image) => {
-                (vec![Some(image)], Some(texcoords().filter(|_| has_pixels(image))?), None)
-            }
             Albedo::Textures => {
                 let pixels = |image: Option<&'a Arc<TextureImage>>| image?.pixels();
-                (textures(mesh).into_iter().map(pixels).collect(), texcoords(), colors())
+                (textures(mesh).into_iter().map(pixels).collect(), texcoords(mesh), colors())
             }
         };
         let sources = ColorSources::of(mesh, albedo);
-        let is_colored =
-            colors.is_some() || sources.others != ColorSource::Layer || sources.has_materials();
+        let is_colored = colors.is_some() || sources.has_materials();
         is_colored.then_some(Self { sources, pictures, texcoords, colors })
+    }
+
+    /// One picture on all faces, by the layer [`Layer::TEXCOORD`]; `None` where that is not there
+    /// or the picture has no pixels.
+    pub fn of_picture(mesh: &'a TriMesh, image: &'a Image) -> Option<Self> {
+        let texcoords = Some(texcoords(mesh).filter(|_| has_pixels(image))?);
+        let sources = ColorSources { others: ColorSource::Picture(0), ..ColorSources::default() };
+        Some(Self { sources, pictures: vec![Some(image)], texcoords, colors: None })
     }
 
     /// The color of a face.

@@ -1,4 +1,4 @@
-//! The rasteriser: exact, deterministic pictures of a mesh, on the CPU.
+//! The rasterizer: exact, deterministic pictures of a mesh, on the CPU.
 //!
 //! Pictures are square, in perspective with an opening of 60°, with the light at the camera. See
 //! `raster` for the fill rule and `luminance` for what a pixel's value means. All that decides

@@ -33,6 +33,19 @@ pub struct PictureOptions {
 }
 
 impl PictureOptions {
+    /// Bytes that pictures of a mesh by so many cameras take, with what is drawn into on each
+    /// thread.
+    pub fn bytes(&self, mesh: &TriMesh, n_cameras: usize) -> usize {
+        /// The nearest face and its depth, and the picture itself.
+        const BYTES_A_SAMPLE: usize = 16;
+        /// A corner in the picture.
+        const BYTES_A_VERTEX: usize = 12;
+        let n_pixels = self.size * self.size;
+        let n_samples = n_pixels * self.samples * self.samples;
+        let of_thread = n_samples * BYTES_A_SAMPLE + mesh.positions.len() * BYTES_A_VERTEX;
+        n_cameras * n_pixels * self.kind.n_bytes() + rayon::current_num_threads() * of_thread
+    }
+
     /// Pictures of nothing, from the cameras of these numbers.
     pub fn empty(&self, numbers: &[usize]) -> Images {
         let size = [self.size; 2];

@@ -73,7 +73,7 @@ impl<'a> Surface<'a> {
         mesh: &'a TriMesh,
         shading: Shading,
         source: NormalSource,
-        albedo: Albedo<'a>,
+        albedo: Albedo,
         control: Control,
     ) -> Result<Self, Cancelled> {
         let layer = || Attribute::of(mesh, Layer::NORMAL, vec3);
@@ -90,6 +90,12 @@ impl<'a> Surface<'a> {
         };
         let is_lit = shading != Shading::Unlit;
         Ok(Self { mesh, normals, colors: MeshColors::of(mesh, albedo), is_lit })
+    }
+
+    /// The same with one picture on all faces, by the layer [`Layer::TEXCOORD`]; white where that
+    /// is not there.
+    pub fn painted(self, picture: &'a Image) -> Self {
+        Self { colors: MeshColors::of_picture(self.mesh, picture), ..self }
     }
 
     /// The mesh.

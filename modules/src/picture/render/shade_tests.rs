@@ -100,11 +100,19 @@ fn a_picture_lies_on_the_surface_as_it_stands() {
     let kind = PixelKind::Gray;
     let texture =
         Image { name: String::new(), width: 2, height: 2, kind, bytes: vec![10, 20, 30, 40] };
-    let albedo = Albedo::Picture(&texture);
     let gray = options(4, Sides::Front, PixelKind::Gray);
-    let found = shot(&square(), Shading::Flat, NormalSource::Faces, albedo, &lens(4), gray);
-    let expected = [7, 7, 7, 7, 7, 10, 20, 7, 7, 30, 40, 7, 7, 7, 7, 7];
-    assert_eq!(found.bytes, expected);
+    let painted = |mesh: &TriMesh| {
+        let faces = NormalSource::Faces;
+        let surface = Surface::new(mesh, Shading::Flat, faces, Albedo::Colors, Control::none());
+        let surface = surface.unwrap().painted(&texture);
+        picture(&surface, &lens(4), "a", &gray, || Ok(())).unwrap().bytes
+    };
+    let on_square = |[a, b, c, d]: [u8; 4]| [7, 7, 7, 7, 7, a, b, 7, 7, c, d, 7, 7, 7, 7, 7];
+    assert_eq!(painted(&square()), on_square([10, 20, 30, 40]));
+    // It takes the place of colors, also where it cannot lie.
+    let mut bare = square();
+    bare.layers.retain(|layer| layer.name == Layer::COLOR);
+    assert_eq!(painted(&bare), on_square([255; 4]));
 }
 
 #[test]

@@ -234,7 +234,7 @@ mod tests {
         let found: Vec<_> = curves(&sheet, choice)
             .iter()
             .map(|curve| {
-                (curve.name.clone(), curve.points.iter().map(|s| s.row).collect::<Vec<_>>())
+                (curve.name.clone(), curve.points.iter().map(|spot| spot.row).collect::<Vec<_>>())
             })
             .collect();
         let expected = [("A", vec![1, 0]), ("B", vec![2, 3]), ("A", vec![4, 5])];

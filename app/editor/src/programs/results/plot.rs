@@ -148,18 +148,22 @@ fn pick(
 ) {
     make_room(ui, ROOM_OF_LIST);
     ui.label(what);
-    let name = |place: usize| sheet.columns[place].name.as_str();
-    let current = current.map_or("", name);
-    let text = if current.is_empty() { "one line" } else { current };
-    let combo = ComboBox::from_id_salt(what).selected_text(text).height(320.0);
+    let current = current.map(|place| &sheet.columns[place]);
+    let text = current.map_or_else(|| "one line".to_owned(), SheetColumn::shown);
+    let combo = ComboBox::from_id_salt(what).selected_text(text.as_str()).height(320.0);
     let shown = combo.show_ui(ui, |ui| {
         // One line for all is a choice where lines are chosen, and nowhere else.
-        let none = (what != "Plot" && what != "against").then_some("");
-        let columns = sheet.columns.iter().filter(is_wanted).map(|column| column.name.as_str());
-        for name in none.into_iter().chain(columns) {
-            let text = if name.is_empty() { "one line" } else { name };
-            if ui.selectable_label(name == current, text).clicked() {
-                *chosen = Some(name.to_owned());
+        if what != "Plot"
+            && what != "against"
+            && ui.selectable_label(current.is_none(), "one line").clicked()
+        {
+            *chosen = Some(String::new());
+        }
+        for column in sheet.columns.iter().filter(is_wanted) {
+            let is_current = current.is_some_and(|current| current.name == column.name);
+            let option = ui.selectable_label(is_current, column.shown());
+            if option.on_hover_text(&column.name).clicked() {
+                *chosen = Some(column.name.clone());
             }
         }
     });
@@ -176,7 +180,8 @@ fn draw(
     selected: Option<&str>,
 ) -> Option<usize> {
     let at = |spot: &Spot| [on_axis(spot.x, log[0]), on_axis(spot.y, log[1])];
-    let names = [choice.x, choice.y].map(|place| sheet.columns[place].name.as_str());
+    let names = [choice.x, choice.y].map(|place| sheet.columns[place].shown());
+    let names = [names[0].as_str(), names[1].as_str()];
     let spots = || curves.iter().flat_map(|curve| &curve.points);
     let is_selected =
         |spot: &&Spot| sheet.step(spot.row).is_some_and(|step| Some(step.id.as_str()) == selected);
@@ -207,7 +212,7 @@ fn draw(
     let is_clicked = response.clicked();
     response.on_hover_ui_at_pointer(|ui| {
         ui.strong(sheet.step(spot.row).map(label).unwrap_or_default());
-        ui.label(format!("{} {}\n{} {}", names[0], brief(spot.x), names[1], brief(spot.y)));
+        ui.label(format!("{} = {}\n{} = {}", names[0], brief(spot.x), names[1], brief(spot.y)));
     });
     is_clicked.then_some(spot.row)
 }

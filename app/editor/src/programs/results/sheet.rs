@@ -50,6 +50,32 @@ pub struct SheetColumn {
     pub best: Option<f64>,
 }
 
+impl SheetColumn {
+    /// Its name as a person reads it: `cut: target faces`.
+    pub fn shown(&self) -> String {
+        let words = |name: &str| name.replace('_', " ");
+        if !self.title.is_empty() {
+            return match &self.source {
+                ColumnSource::Output(node, _) => format!("{node}: {}", self.title),
+                _ => self.title.clone(),
+            };
+        }
+        match &self.source {
+            ColumnSource::Param(path) => match path.split_once('.') {
+                Some((node, param)) => format!("{node}: {}", words(param)),
+                None => path.clone(),
+            },
+            ColumnSource::Output(node, output) => format!("{node}: {}", words(output)),
+            ColumnSource::NodeSeconds(node, None) => format!("seconds of {node}"),
+            ColumnSource::NodeSeconds(node, Some(phase)) => {
+                format!("seconds of {node}, {}", words(phase))
+            }
+            ColumnSource::Seconds => "seconds of the step".to_owned(),
+            ColumnSource::Repeat | ColumnSource::Status => self.name.clone(),
+        }
+    }
+}
+
 /// A cell: what is shown, and the number that it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SheetCell {
@@ -216,7 +242,8 @@ fn columns(program: &Program, records: &[&StepRecord]) -> Vec<SheetColumn> {
     // What the program names stands first, then what modules declare as chief, then the outputs of
     // nodes that compare, which need more than one link; outputs of one node stand together, in the
     // order in which nodes run.
-    let nodes: Vec<_> = times.iter().filter(|(_, p)| p.is_none()).map(|(node, _)| *node).collect();
+    let nodes: Vec<_> =
+        times.iter().filter(|(_, phase)| phase.is_none()).map(|(node, _)| *node).collect();
     let rank = |node: &String| nodes.iter().position(|known| *known == node);
     let urgency = |name: &str| {
         let report = &program.report;
@@ -413,6 +440,28 @@ mod tests {
         let sheet = Sheet { rows: rows.collect(), ..Sheet::default() };
         assert_eq!(sheet.order(0, true), [2, 0, 3, 1]);
         assert_eq!(sheet.order(0, false), [0, 2, 3, 1]);
+    }
+
+    #[test]
+    fn columns_have_names_for_a_person() {
+        let column = |title: &str, source: ColumnSource| {
+            let (name, title, better, best) = ("raw.name".to_owned(), title.to_owned(), None, None);
+            SheetColumn { name, title, source, is_chief: true, is_number: true, better, best }
+        };
+        let texts = |node: &str, part: &str| (node.to_owned(), part.to_owned());
+        let (node, output) = texts("compare", "rms_relative");
+        let output = ColumnSource::Output(node.clone(), output);
+        let param = ColumnSource::Param("cut.cost.weight_of".to_owned());
+        let phase = ColumnSource::NodeSeconds(node, Some("first_prices".to_owned()));
+        for (column, shown) in [
+            (column("RMS [%]", output.clone()), "compare: RMS [%]"),
+            (column("", output), "compare: rms relative"),
+            (column("", param), "cut: cost.weight of"),
+            (column("", phase), "seconds of compare, first prices"),
+            (column("Best", ColumnSource::Seconds), "Best"),
+        ] {
+            assert_eq!(column.shown(), shown);
+        }
     }
 
     #[test]

@@ -65,7 +65,8 @@ impl ProgramPanel {
             scroll.auto_shrink([false, true]).show(ui, |ui| {
                 for row in self.failed_rows().take(MOST_FAILED) {
                     let StepState::Failed(reason) = &row.state else { continue };
-                    let step = self.sheet.program.as_ref().and_then(|p| p.steps.get(row.place));
+                    let step =
+                        self.sheet.program.as_ref().and_then(|known| known.steps.get(row.place));
                     let Some(step) = step else { continue };
                     ui.horizontal_wrapped(|ui| {
                         let load =

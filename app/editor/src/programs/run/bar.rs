@@ -6,12 +6,12 @@ use eframe::egui::{self, Color32, ComboBox, DragValue, ProgressBar, RichText, Te
 use mve_core::{Problem, ProgramSpec, Retry, Sharing};
 
 use crate::programs::results::sheet::{StepState, label};
-use crate::programs::run::job;
+use crate::programs::run::job::{self, RunningStep};
 use crate::programs::run::pace::{Pace, in_words};
 use crate::programs::widgets::{button_if, count, icon_button, named};
 use crate::programs::{ProgramAction, ProgramPanel, ProgramScene, fresh_name};
 
-/// Problems and running steps that are listed; more would push the rest away.
+/// Problems that are listed; more would push the rest away.
 const MOST_LINES: usize = 6;
 /// Height of the line that says how far it is.
 const BAR_HEIGHT: f32 = 18.0;
@@ -21,8 +21,6 @@ const BAR_HEIGHT: f32 = 18.0;
 pub struct BarState {
     /// The new name while a program is renamed.
     new_name: Option<String>,
-    /// How many lines running steps took in the last run.
-    n_lines: Option<usize>,
 }
 
 impl ProgramPanel {
@@ -170,8 +168,9 @@ impl ProgramPanel {
                 self.how.sharing = if timing { Sharing::Timing } else { Sharing::Shared };
             }
             let store = scene.store_folder(name);
-            let report = button_if(ui, self.has_results() || store.is_dir(), "Open report", "Open report", "nothing has run yet");
-            if report.clicked() {
+            let (name, why) = ("Open report", "nothing has run yet");
+            let has_report = self.has_results() || store.is_dir();
+            if button_if(ui, has_report, name, name, why).clicked() {
                 self.open_report(store);
             }
         });
@@ -189,9 +188,10 @@ impl ProgramPanel {
             (true, _) => "all steps are done",
         };
         let is_resumed = n_todo > 0 && n_todo < self.sheet.rows.len();
-        let text = if is_resumed { "\u{25b6} Resume" } else { "\u{25b6} Run" };
-        let name = if is_resumed { "Resume" } else { "Run" };
-        if button_if(ui, is_sound && has_work, text, name, why).clicked() {
+        // Beside it there is the button that runs the map as it is.
+        let name = if is_resumed { "Resume" } else { "Run steps" };
+        let text = format!("\u{25b6} {name}");
+        if button_if(ui, is_sound && has_work, &text, name, why).clicked() {
             self.run(scene, Retry::Nothing);
         }
         if n_failed > 0 {
@@ -202,24 +202,23 @@ impl ProgramPanel {
         }
     }
 
-    /// How far the program is, and which steps run.
+    /// How far the program is, and which steps run: two lines, whether it runs or not, so that a
+    /// click below meets what it was meant for.
     fn show_progress(&mut self, ui: &mut Ui, name: &str) {
         let Some(job) = &self.job else {
-            // As high as while it ran, so that a click below meets what it was meant for.
-            ui.horizontal_wrapped(|ui| {
-                ui.set_min_height(BAR_HEIGHT);
-                ui.label(self.state_in_words(name));
-                let Some(note) = &self.note else { return };
-                let visuals = ui.visuals();
-                let color = match note.is_trouble {
-                    true => visuals.error_fg_color,
-                    false => visuals.weak_text_color(),
-                };
-                ui.colored_label(color, &note.text);
+            let size = egui::vec2(ui.available_width(), BAR_HEIGHT);
+            let left = egui::Layout::left_to_right(egui::Align::Center);
+            ui.allocate_ui_with_layout(size, left, |ui| {
+                ui.set_min_size(size);
+                ui.add(egui::Label::new(self.state_in_words(name)).truncate());
             });
-            for _ in 0..self.bar.n_lines.filter(|_| self.note.is_some()).unwrap_or(0) {
-                ui.label(RichText::new(" ").small());
-            }
+            let visuals = ui.visuals();
+            let (text, color) = match &self.note {
+                Some(note) if note.is_trouble => (note.text.as_str(), visuals.error_fg_color),
+                Some(note) => (note.text.as_str(), visuals.weak_text_color()),
+                None => (" ", visuals.weak_text_color()),
+            };
+            ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate());
             return;
         };
         let pace = self.pace();
@@ -242,19 +241,20 @@ impl ProgramPanel {
         let share = n_ended as f32 / total.max(1) as f32;
         let bar = ui.add(ProgressBar::new(share).desired_height(BAR_HEIGHT).text(text.as_str()));
         named(bar, &format!("Progress: {text}"));
-        // As many lines as there can be, so that what stands below does not jump.
-        let n_lines = pace.jobs.min(total).min(MOST_LINES);
-        self.bar.n_lines = Some(n_lines);
-        for nth in 0..n_lines {
-            let line = self.running.get_index(nth).and_then(|(place, running)| {
-                let share = running.share.map(|share| format!(" {:.0} %", share * 100.0));
-                let (share, time) = (share.unwrap_or_default(), in_words(running.since.elapsed()));
-                let step = label(job.program.steps.get(*place)?);
-                Some(format!("{step}  \u{2013}  {}{share}, {time}", running.node))
-            });
-            let text = RichText::new(line.unwrap_or_else(|| " ".to_owned())).small().weak();
-            ui.add(egui::Label::new(text).truncate());
-        }
+        let line = |(place, running): (&usize, &RunningStep)| {
+            let share = running.share.map(|share| format!(" {:.0} %", share * 100.0));
+            let (share, time) = (share.unwrap_or_default(), in_words(running.since.elapsed()));
+            let step = label(job.program.steps.get(*place)?);
+            Some(format!("{step}  \u{2013}  {}{share}, {time}", running.node))
+        };
+        let lines: Vec<String> = self.running.iter().filter_map(line).collect();
+        let text = match lines.as_slice() {
+            [] => " ".to_owned(),
+            [one] => one.clone(),
+            [first, others @ ..] => format!("{first}, and {} more", others.len()),
+        };
+        let shown = ui.add(egui::Label::new(RichText::new(text).small().weak()).truncate());
+        shown.on_hover_text(lines.join("\n"));
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(250));
     }
 
@@ -292,7 +292,7 @@ impl ProgramPanel {
         Pace {
             left: ids.len() - records.len(),
             ended: records.iter().map(|record| record.seconds).collect(),
-            running: self.running.values().map(|s| s.since.elapsed().as_secs_f64()).collect(),
+            running: self.running.values().map(|step| step.since.elapsed().as_secs_f64()).collect(),
             jobs: if job.how.sharing == Sharing::Timing { 1 } else { job.how.jobs },
         }
     }

@@ -15,8 +15,8 @@ pub struct ProgramSubject {
     pub name: String,
     /// The folder that input paths are relative to.
     pub folder: PathBuf,
-    /// Name of the map's file.
-    pub map_file: String,
+    /// The map's file; none before it has one.
+    pub map_file: Option<PathBuf>,
     /// The modules.
     pub registry: Registry,
     /// The folder of the program's results.
@@ -74,9 +74,11 @@ pub fn check(subject: ProgramSubject) -> ProgramCheck {
     match Program::new(map, name, registry, folder) {
         Ok(mut sound) => {
             problems.extend(sound.warnings.iter().cloned());
-            sound.map_file.clone_from(map_file);
-            if !map_file.is_empty() {
-                sound.map_path = std::path::absolute(folder.join(map_file)).unwrap_or_default();
+            if let Some(file) = map_file {
+                let name = file.file_name().unwrap_or_default();
+                sound.map_file = name.to_string_lossy().into_owned();
+                // As the window has it, seen from where that was started.
+                sound.map_path = std::path::absolute(file).unwrap_or_default();
             }
             program = Some(Arc::new(sound));
         }

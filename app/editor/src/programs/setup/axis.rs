@@ -43,8 +43,8 @@ pub fn vary(path: &str, scene: &ProgramScene, spec: &ProgramSpec) -> ProgramEdit
         Some(axis) => add_value(scene, axis, &spec.axes[axis]),
         None => {
             let first = current(scene.map, scene.registry, path);
-            let counts = scene.counts_at(path);
-            let values = declared.spec().map_or(Vec::new(), |spec| fewer(spec, &first, counts));
+            let counts = scene.counts_at(path, declared.spec());
+            let values = declared.spec().map_or(Vec::new(), |spec| fewer(spec, &first, &counts));
             if !values.is_empty() {
                 return ProgramEdit::AddAxis { path: path.to_owned(), values };
             }
@@ -75,8 +75,8 @@ pub fn add_value(scene: &ProgramScene, place: usize, axis: &Axis) -> ProgramEdit
     let again = ProgramEdit::AddRow { axis: place, row };
     let Some((path, list)) = axis.first().filter(|_| axis.len() == 1) else { return again };
     let declared = declared(scene.map, scene.registry, path);
-    let counts = scene.counts_at(path);
-    let Some(value) = next_value(scene, (&declared, counts), list) else { return again };
+    let counts = scene.counts_at(path, declared.spec());
+    let Some(value) = next_value(scene, (&declared, &counts), list) else { return again };
     let values = list.iter().cloned().chain([value]).collect();
     ProgramEdit::SetList { axis: place, path: path.clone(), values }
 }

@@ -188,8 +188,9 @@ impl SetupState {
             let name = format!("{path}, value {}", row + 1);
             ui.horizontal(|ui| {
                 let id = Id::new(("value", place, path, row));
-                let known = (&declared, scene.counts_at(path));
-                if let Some(value) = value::field(ui, id, &name, known, json) {
+                let counts = scene.counts_at(path, declared.spec());
+                let edited = value::field(ui, id, &name, (&declared, &counts), json);
+                if let Some(value) = edited {
                     edits.push(ProgramEdit::SetValue {
                         axis: place,
                         path: path.clone(),
@@ -238,7 +239,7 @@ impl SetupState {
             let found = generate::files(&scene.folder, &folder, &pattern);
             Draft::Files { folder, pattern, found }
         } else {
-            Draft::Range(range_of(list, spec, scene.counts_at(path)))
+            Draft::Range(range_of(list, spec, &scene.counts_at(path, Some(spec))))
         };
         let is_open = matches!(&self.opened, Some(Opened::Generator { axis: a, path: p, .. })
             if (*a, p.as_str()) == (axis, path));

@@ -75,8 +75,9 @@ fn show_step(
             Some(json) => {
                 let declared = declared(scene.map, scene.registry, &path);
                 let id = Id::new(("step", place, &path));
-                let known = (&declared, scene.counts_at(&path));
-                if let Some(value) = value::field(ui, id, &name, known, json) {
+                let counts = scene.counts_at(&path, declared.spec());
+                let edited = value::field(ui, id, &name, (&declared, &counts), json);
+                if let Some(value) = edited {
                     edits.push(ProgramEdit::SetInStep { step: place, path: path.clone(), value });
                 }
                 let leave = format!("Leave {name} as the map has it");

@@ -33,11 +33,18 @@ pub fn field(
     if !is_drawn(spec, value) {
         return raw(ui, id, name, value);
     }
-    let (mut events, place) = (Vec::new(), FieldPlace::Cell);
-    let name = name.to_owned();
-    let suggested = halves(spec, counts, 1).pop();
-    ParamField { spec, name, path: "", given: Some(value), place, suggested, events: &mut events }
-        .show(ui, id);
+    let mut events = Vec::new();
+    let mut edited = ParamField {
+        spec,
+        name: name.to_owned(),
+        path: "",
+        given: Some(value),
+        place: FieldPlace::Cell,
+        suggested: halves(spec, counts, 1).pop(),
+        folder: None,
+        events: &mut events,
+    };
+    edited.show(ui, id);
     events.into_iter().find_map(|event| match event {
         FormEvent::Set { value, .. } => value,
         _ => None,

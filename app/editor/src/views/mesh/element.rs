@@ -1,11 +1,14 @@
 //! What is known of one element of a mesh: where it is, and its values.
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use mve_modules::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh};
+use mve_modules::data::{Domain, TriMesh};
 
 use super::look::coloring::PinnedField;
 use crate::views::PickedElement;
 use crate::views::number::number_text;
+use crate::views::sheet::{SheetColumn, mesh_columns};
 
 /// One thing that is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,17 +22,19 @@ pub struct Fact {
 }
 
 impl Fact {
-    fn of_numbers(name: &str, numbers: &[f64], unit: &str) -> Self {
-        let join = |text: &dyn Fn(f64) -> String, between: &str| {
-            numbers.iter().map(|number| text(*number)).collect::<Vec<_>>().join(between)
+    /// What columns of a table that are parts of one thing say of an element; `None` where they
+    /// say nothing.
+    fn of(columns: &[SheetColumn], element: usize) -> Option<Self> {
+        let first = columns.first()?;
+        let said = |column: &SheetColumn| {
+            let number = column.number(element).map(number_text);
+            number.or_else(|| column.text(element))
         };
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        let brief = join(&number_text, ", ") + &unit;
-        Self { name: name.to_owned(), brief, exact: join(&|number| number.to_string(), "\t") }
-    }
-
-    fn of_text(name: &str, text: String) -> Self {
-        Self { name: name.to_owned(), brief: text.clone(), exact: text }
+        let brief = columns.iter().map(said).collect::<Option<Vec<_>>>()?.join(", ");
+        let unit = if first.unit.is_empty() { "" } else { " " };
+        let brief = format!("{brief}{unit}{}", first.unit);
+        let exact: Vec<_> = columns.iter().map(|column| column.copied(element)).collect();
+        Some(Self { name: first.of.clone(), brief, exact: exact.join("\t") })
     }
 }
 
@@ -71,7 +76,8 @@ pub fn place_of(mesh: &TriMesh, element: &PickedElement) -> Option<(DVec3, DVec3
     };
     let towards = match vertex_of(mesh, element) {
         Some(vertex) => {
-            let around = mesh.faces.iter().filter(|face| face.iter().any(|v| v.idx() == vertex));
+            let around =
+                mesh.faces.iter().filter(|face| face.iter().any(|corner| corner.idx() == vertex));
             around.filter_map(area).sum()
         }
         None => area(mesh.faces.get(element.index)?)?,
@@ -79,53 +85,24 @@ pub fn place_of(mesh: &TriMesh, element: &PickedElement) -> Option<(DVec3, DVec3
     (!points.is_empty() && middle.is_finite()).then_some((middle, towards))
 }
 
-/// All that is known of an element: where it is, then the fields and layers of its kind.
-pub fn facts(mesh: &TriMesh, element: &PickedElement, fields: &[PinnedField]) -> Vec<Fact> {
-    let mut facts = Vec::new();
-    match points_of(mesh, element).as_slice() {
-        [point] => facts.push(Fact::of_numbers("position", &point.to_array(), "")),
-        [a, b, c] => {
-            let middle = (a + b + c) / 3.0;
-            facts.push(Fact::of_numbers("middle", &middle.to_array(), ""));
-            facts.push(Fact::of_numbers("area", &[0.5 * (b - a).cross(c - a).length()], ""));
-        }
-        _ => {}
-    }
-    if let Some(corners) = face_of(mesh, element) {
-        let corners = corners.map(|vertex| vertex.to_string());
-        let (brief, exact) = (corners.join(", "), corners.join("\t"));
-        facts.push(Fact { name: "vertices".to_owned(), brief, exact });
-    }
-    let fitting = fields.iter().filter(|pinned| {
-        pinned.field.domain == element.domain && pinned.field.check_fits(mesh).is_ok()
-    });
-    for PinnedField { title, field } in fitting {
-        if let Some(&value) = field.values.get(element.index) {
-            let name = format!("{title}: {}", field.name);
-            facts.push(Fact::of_numbers(&name, &[value], &field.unit));
-        }
-    }
-    let layers = mesh.layers.iter().filter(|layer| layer.domain == element.domain);
-    facts.extend(layers.filter_map(|layer| fact_of_layer(layer, element.index)));
-    facts
+/// All that is known of an element: what the table of its kind says.
+pub fn facts(mesh: &Arc<TriMesh>, element: &PickedElement, fields: &[PinnedField]) -> Vec<Fact> {
+    let fields: Vec<_> =
+        fields.iter().map(|pinned| (pinned.title.clone(), Arc::clone(&pinned.field))).collect();
+    let columns = mesh_columns(mesh, element.domain, &fields, None);
+    // The first one is the number of the element.
+    let parts = columns[1..].chunk_by(|one, next| one.of == next.of);
+    parts.filter_map(|columns| Fact::of(columns, element.index)).collect()
 }
 
-fn fact_of_layer(layer: &Layer, element: usize) -> Option<Fact> {
-    let at = *layer.index.get(element).filter(|at| **at != NO_VALUE)? as usize;
-    let name = &layer.name;
-    Some(match &layer.values {
-        LayerValues::Number(values) => Fact::of_numbers(name, &[*values.get(at)?], ""),
-        LayerValues::Vec2(values) => Fact::of_numbers(name, &values.get(at)?.to_array(), ""),
-        LayerValues::Vec3(values) => Fact::of_numbers(name, &values.get(at)?.to_array(), ""),
-        LayerValues::Label(names) => Fact::of_text(name, names.get(at)?.clone()),
-    })
+/// The first face around a vertex, O(n).
+pub fn first_face_at(mesh: &TriMesh, vertex: usize) -> Option<usize> {
+    mesh.faces.iter().position(|face| face.iter().any(|corner| corner.idx() == vertex))
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use mve_modules::data::Field;
+    use mve_modules::data::{Field, Layer, LayerValues, NO_VALUE};
     use mve_modules::mesh::fixtures::mesh_of;
 
     use super::*;
@@ -155,6 +132,7 @@ mod tests {
             field(Domain::Face, vec![7.0, 8.0]),
             field(Domain::Vertex, vec![1.0]),
         ];
+        let mesh = Arc::new(mesh);
         let told = |domain, index| {
             let facts = facts(&mesh, &element(domain, index), &fields).into_iter();
             facts.map(|fact| format!("{} = {}", fact.name, fact.brief)).collect::<Vec<_>>()
@@ -163,14 +141,17 @@ mod tests {
         assert_eq!(
             told(Domain::Face, 0),
             [
-                "middle = 1, 1.33333, 0",
-                "area = 6",
                 "vertices = 0, 1, 2",
-                "b.field: far = 7 mm",
-                "material = tin"
+                "center = 1, 1.33333, 0",
+                "area = 6",
+                "least angle = 36.8699 °",
+                "material = tin",
+                "b.field: far = 7 mm"
             ]
         );
         assert!(!told(Domain::Face, 1).iter().any(|fact| fact.starts_with("material")));
+        assert_eq!(told(Domain::Corner, 4), ["face = 1", "vertex = 3", "position = 0, 0, 1"]);
+        assert_eq!([1, 9].map(|vertex| first_face_at(&mesh, vertex)), [Some(0), None]);
         let exact = &facts(&mesh, &element(Domain::Vertex, 1), &fields)[1].exact;
         assert_eq!(exact, "0.30000000000000004");
         assert_eq!(told(Domain::Vertex, 99), Vec::<String>::new());

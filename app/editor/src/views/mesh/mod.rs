@@ -2,7 +2,8 @@
 //!
 //! `arrays/` makes what is drawn of a mesh, `gpu/` draws it, `look/` says what it looks like,
 //! `hand/` is what pointer and keys do, and `overlays/` holds what lies on the pictures. `section`
-//! is the plane that cuts them, `outline` where it meets them.
+//! is the plane that cuts them, `outline` where it meets them; `viewpoint` and `placing` say from
+//! where they are seen.
 
 mod arrays;
 mod backdrop;
@@ -17,9 +18,11 @@ mod look;
 mod offers;
 mod outline;
 mod overlays;
+mod placing;
 mod scene;
 mod section;
 mod view;
+mod viewpoint;
 mod viewport;
 
 pub use distance::Distance;

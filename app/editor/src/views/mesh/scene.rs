@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Pos2, Rect, Vec2, vec2};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use mve_modules::data::{Images, TriMesh};
 
 use super::item::MeshItem;
@@ -13,6 +13,7 @@ use super::look::coloring::PinnedField;
 use super::look::settings::{Arrangement, MeshSettings};
 use super::look::values::Values;
 use super::section::Plane;
+use super::viewpoint::Viewpoint;
 use crate::kept::Kept;
 use crate::views::camera::{Bounds, Camera};
 use crate::views::{PickedElement, ViewerAction};
@@ -106,12 +107,10 @@ pub struct MeshScene<'a> {
     pub tiles: &'a [Tile],
     /// What pointer and keys do with the pictures; two over each other are one here.
     pub responses: &'a [egui::Response],
-    /// The camera that all share.
-    pub camera: &'a Camera,
+    /// From where each picture is seen; none without a mesh that can be drawn.
+    pub viewpoints: &'a [Viewpoint],
     /// What is shown and how.
     pub settings: &'a mut MeshSettings,
-    /// The box around all; `None` without a mesh that can be drawn.
-    pub bounds: Option<Bounds>,
     /// The space for a color bar, where numbers color a mesh.
     pub bar: Option<Rect>,
     /// The numbers that color meshes.
@@ -130,8 +129,8 @@ pub struct MeshScene<'a> {
     pub kept: &'a Kept,
     /// Whether it is a picture for a file.
     pub is_still: bool,
-    /// The point to look at next, and what points from it towards the viewer.
-    pub look_at: Option<(DVec3, DVec3)>,
+    /// The element to look at next, and its mesh.
+    pub look_at: Option<(PickedElement, Arc<TriMesh>)>,
     /// What the user wants of whoever shows the viewer.
     pub actions: Vec<ViewerAction>,
 }

@@ -5,13 +5,11 @@ use std::sync::Arc;
 use eframe::egui::emath::GuiRounding;
 use eframe::egui::{self, Rect, Sense, Vec2, pos2};
 use eframe::egui_wgpu::RenderState;
-use glam::DVec3;
 use mve_core::Value;
 use mve_modules::data::{Field, Images, TriMesh};
 
 use super::backdrop::paint_background;
 use super::distance::Distance;
-use super::element::place_of;
 use super::gpu::Gpu;
 use super::gpu::target::FINE;
 use super::gpu::texture::GpuTexture;
@@ -28,8 +26,10 @@ use super::look::values::Values;
 use super::offers::{offers, pinned_picture};
 use super::outline::outline_color;
 use super::overlays::{Depth, Overlays};
+use super::placing::Placing;
 use super::scene::{MeshInput, MeshPicture, MeshScene, PinnedPicture, Screen, Subject};
 use super::section::{Plane, Section};
+use super::viewpoint::{Viewpoint, is_each_fitted, viewpoints};
 use super::viewport::{Colors, ShownOutline, Viewport};
 use crate::kept::{Kept, Shelf};
 use crate::views::camera::{Bounds, Camera};
@@ -46,9 +46,7 @@ pub struct MeshView {
     /// What is shown and how.
     pub settings: MeshSettings,
     items: Vec<MeshItem>,
-    /// What was fitted last into which aspect, and whether the user has moved since.
-    fitted: Option<(Bounds, f64)>,
-    has_moved: bool,
+    placing: Placing,
     /// The section in the frame before.
     cut_before: Section,
     /// When the camera moved last, by the clock of the window.
@@ -102,10 +100,13 @@ impl ValueView for MeshView {
     /// Lets go of all meshes, and of what is on the GPU.
     fn forget(&mut self) {
         self.items.clear();
+        self.overlays = Overlays::default();
     }
 
     fn is_busy(&self) -> bool {
         self.items.iter().any(MeshItem::is_busy)
+            || self.overlays.is_busy()
+            || self.placing.is_busy()
     }
 }
 
@@ -115,14 +116,21 @@ impl MeshView {
         MeshLook::of(&self.settings, &self.camera)
     }
 
-    /// Turns an element of a mesh to the middle and the front; O(n) for a vertex.
-    pub fn go_to(&mut self, context: &egui::Context, element: &PickedElement, mesh: &TriMesh) {
-        place_of(mesh, element).into_iter().for_each(|place| self.look_at(context, place));
+    /// Turns an element of a mesh to the middle and the front, once its place is found.
+    pub fn go_to(&mut self, context: &egui::Context, element: PickedElement, mesh: Arc<TriMesh>) {
+        self.placing.go_to(context, element, mesh);
     }
 
-    fn look_at(&mut self, context: &egui::Context, (point, towards): (DVec3, DVec3)) {
-        self.camera.look_at(point, towards);
-        self.has_moved = true;
+    fn arrive(&mut self, context: &egui::Context, meshes: &[MeshInput]) {
+        let Some((element, (point, towards))) = self.placing.arrived() else { return };
+        let place = meshes.iter().position(|mesh| mesh.title == element.title);
+        let own = place.and_then(|place| self.items[place].bounds()).zip(self.bounds());
+        let own = own.filter(|_| is_each_fitted(&self.settings, &self.items));
+        // Seen in a scale of its own, it is looked at as if it were in that of all.
+        let mut camera = own.map_or(self.camera, |(own, all)| self.camera.carried(&all, &own));
+        camera.look_at(point, towards);
+        self.camera = own.map_or(camera, |(own, all)| camera.carried(&own, &all));
+        self.placing.has_moved = true;
         context.request_repaint();
     }
 
@@ -136,9 +144,7 @@ impl MeshView {
         let mut view = Self {
             camera: self.camera,
             settings: self.settings.clone(),
-            // A camera that no hand has placed fits all into the other form.
-            fitted: self.fitted.filter(|_| self.has_moved || named.is_some()),
-            has_moved: self.has_moved,
+            placing: self.placing.for_still(named.is_some()),
             still: Some(options),
             ..Self::default()
         };
@@ -154,7 +160,7 @@ impl MeshView {
     /// Looks in a way that was kept.
     pub fn look_as(&mut self, named: &NamedView) {
         named.apply(&mut self.settings, &mut self.camera);
-        self.has_moved = true;
+        self.placing.has_moved = true;
     }
 
     /// Takes over what is kept with the map.
@@ -187,6 +193,7 @@ impl MeshView {
             return Vec::new();
         };
         self.take_over(subject.meshes);
+        self.arrive(ui.ctx(), subject.meshes);
         let offers = self.offers(subject);
         let color_by = offers.in_force(&self.settings.color_by);
         let mut wishes = Wishes::default();
@@ -202,7 +209,9 @@ impl MeshView {
         let mut actions = self.panel(ui, subject, &mut gpu, &wishes);
         self.gpu = Some(gpu);
         actions.extend(wishes.is_picture.then_some(ViewerAction::TakePicture));
-        actions.extend(wishes.kept.into_iter().map(ViewerAction::Keep));
+        if !wishes.kept.is_empty() {
+            actions.push(ViewerAction::Keep(wishes.kept));
+        }
         actions.extend(wishes.faults.into_iter().map(ViewerAction::Say));
         actions
     }
@@ -246,6 +255,7 @@ impl MeshView {
             range: self.range(),
             views: views.filter_map(view).collect(),
             bounds: self.bounds(),
+            is_one_scale: !is_each_fitted(&self.settings, &self.items),
             ..offers(subject.meshes, subject.fields, subject.pictures)
         }
     }
@@ -296,25 +306,26 @@ impl MeshView {
         let values: Vec<Arc<Values>> = self.items.iter().filter_map(MeshItem::values).collect();
         let range = self.settings.scale.range(values.iter().map(AsRef::as_ref));
         let (mut tiles, bar) = layout(whole, &self.settings, meshes.len(), !values.is_empty());
-        for tile in &mut tiles {
-            tile.rect = tile.rect.round_to_pixels(ui.pixels_per_point());
-        }
+        let points = ui.pixels_per_point();
+        tiles.iter_mut().for_each(|tile| tile.rect = tile.rect.round_to_pixels(points));
         let is_overlaid = self.settings.arrangement != Arrangement::SideBySide && tiles.len() == 2;
         let bounds = self.bounds();
         let responses = responses(ui, meshes, &tiles, is_overlaid);
         let moved = match (bounds, tiles.first()) {
             (Some(bounds), Some(tile)) => {
-                self.navigate(ui, &responses, tile.rect, &bounds, wishes.is_fit)
+                self.navigate(ui, &responses, (&tiles, tile.rect), &bounds, wishes.is_fit)
             }
             _ => Moved::default(),
         };
+        let mut seen_from = Vec::new();
         if let Some(bounds) = &bounds {
             self.color_table(gpu);
             // Pictures made by the processor are rougher in motion, and made well at rest.
             let is_moving = self.is_in_motion(ui, &responses, moved.is_moving);
             let is_rough = is_moving && gpu.is_software() && self.still.is_none();
             let samples = if is_rough { 1 } else { FINE };
-            self.draw(ui, gpu, &tiles, bounds, range, samples);
+            seen_from = viewpoints(&tiles, &self.items, &self.settings, (self.camera, *bounds));
+            self.draw(ui, gpu, (&tiles, &seen_from), range, samples);
         }
         let plane = self.plane();
         let mut scene = MeshScene {
@@ -322,9 +333,8 @@ impl MeshView {
             items: &self.items,
             tiles: &tiles,
             responses: &responses,
-            camera: &self.camera,
+            viewpoints: &seen_from,
             settings: &mut self.settings,
-            bounds,
             bar,
             values: &values,
             range,
@@ -339,7 +349,9 @@ impl MeshView {
         };
         self.overlays.show(ui, &mut scene);
         let (look_at, actions) = (scene.look_at, scene.actions);
-        look_at.into_iter().for_each(|place| self.look_at(ui.ctx(), place));
+        if let Some((element, mesh)) = look_at {
+            self.go_to(ui.ctx(), element, mesh);
+        }
         actions
     }
 
@@ -348,12 +360,12 @@ impl MeshView {
         &mut self,
         ui: &egui::Ui,
         responses: &[egui::Response],
-        rect: Rect,
+        (tiles, rect): (&[Tile], Rect),
         bounds: &Bounds,
         is_fit: bool,
     ) -> Moved {
         let aspect = Screen { rect }.aspect();
-        if self.is_other_scene(bounds, aspect) {
+        if self.placing.is_other_scene(bounds, aspect) {
             self.fit(bounds, aspect);
             self.settings.section.fit(bounds);
         }
@@ -361,16 +373,18 @@ impl MeshView {
         let (camera, settings) = (&mut self.camera, &mut self.settings);
         let switches = self.overlays.switches();
         let mut moved = by_keys(ui, responses, aspect, camera, bounds, (settings, &switches));
-        for response in responses {
+        let seen_from = viewpoints(tiles, &self.items, &self.settings, (self.camera, *bounds));
+        for (response, seen) in responses.iter().zip(seen_from) {
             let screen = Screen { rect: response.rect };
-            let section = &mut self.settings.section;
-            let by = by_pointer(ui, response, &screen, &mut self.camera, (bounds, section));
+            let unit = seen.bounds.radius() / bounds.radius();
+            let plane = (bounds, &mut self.settings.section, unit);
+            let by = by_pointer(ui, response, &screen, &mut self.camera, plane);
             moved.is_fit |= by.is_fit;
             moved.is_moving |= by.is_moving;
         }
         let cut_before = std::mem::replace(&mut self.cut_before, self.settings.section);
         moved.is_moving |= self.camera != before || self.settings.section != cut_before;
-        self.has_moved |= self.camera != before;
+        self.placing.has_moved |= self.camera != before;
         if moved.is_fit || is_fit {
             self.fit(bounds, aspect);
         }
@@ -397,21 +411,7 @@ impl MeshView {
 
     fn fit(&mut self, bounds: &Bounds, aspect: f64) {
         self.camera.up = self.settings.up.unwrap_or_else(|| bounds.up());
-        self.camera.fit(bounds, aspect);
-        self.fitted = Some((*bounds, aspect));
-        self.has_moved = false;
-    }
-
-    /// Whether what is shown is too different from what was fitted for the camera to stay. One
-    /// that the user has placed stays for results of another run.
-    fn is_other_scene(&self, bounds: &Bounds, aspect: f64) -> bool {
-        let Some((fitted, fitted_aspect)) = &self.fitted else { return true };
-        if !self.has_moved {
-            return fitted != bounds || *fitted_aspect != aspect;
-        }
-        let (old, new) = (fitted.radius(), bounds.radius());
-        let moved = (fitted.center() - bounds.center()).abs().max_element();
-        moved > old || new > 2.0 * old || old > 2.0 * new
+        self.placing.fit(&mut self.camera, bounds, aspect);
     }
 
     /// Uploads the color scale when it has changed.
@@ -433,8 +433,7 @@ impl MeshView {
         &mut self,
         ui: &egui::Ui,
         gpu: &mut Gpu,
-        tiles: &[Tile],
-        bounds: &Bounds,
+        (tiles, viewpoints): (&[Tile], &[Viewpoint]),
         range: [f64; 2],
         samples: u32,
     ) {
@@ -444,11 +443,11 @@ impl MeshView {
         let most = gpu.max_texture_side() as f32;
         let line_color = ui.visuals().weak_text_color();
         let plane = self.plane();
-        for (at, tile) in tiles.iter().enumerate() {
+        for (at, (tile, Viewpoint { camera, bounds })) in tiles.iter().zip(viewpoints).enumerate() {
             let pixels = |length: f32| (length * points).round().clamp(1.0, most) as u32;
             let size = [pixels(tile.rect.width()), pixels(tile.rect.height())];
             let viewport = Viewport {
-                camera: &self.camera,
+                camera,
                 bounds,
                 size,
                 samples,
@@ -461,7 +460,7 @@ impl MeshView {
             let picture = MeshPicture {
                 painter: ui.painter_at(clip),
                 screen: Screen { rect: tile.rect },
-                camera: &self.camera,
+                camera,
                 bounds: item.bounds(),
                 line_color,
                 is_above: self.settings.arrangement == Arrangement::Blend

@@ -1,5 +1,5 @@
-//! What a table of elements says of each: where it is, what the layers and fields of the mesh have
-//! for it, and what is soon computed from its points.
+//! What is said of each element, in a table and beside a picture: where it is, what the layers and
+//! fields of the mesh have for it, and what is soon computed from its points.
 //!
 //! Nothing is read before it is asked for, so the table of a large mesh costs as much as that of a
 //! small one.
@@ -11,7 +11,7 @@ use mve_core::Expression;
 use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh, shown_name};
 
 use crate::views::picked::one_of;
-use crate::views::table::compare_texts;
+use crate::views::table::{compare_texts, title_of};
 
 /// What joins the conditions of a filter.
 pub const AND: &str = "and";
@@ -37,6 +37,8 @@ pub struct SheetColumn {
     pub unit: String,
     /// What it holds.
     pub doc: String,
+    /// What it is a part of, as a person reads it: the layer `2nd normal`.
+    pub of: String,
     /// What is in it.
     pub cells: Cells,
 }
@@ -93,6 +95,11 @@ fn place_in(layer: &Layer, element: usize) -> Option<usize> {
 }
 
 impl SheetColumn {
+    /// Its name and unit.
+    pub fn title(&self) -> String {
+        title_of(&self.name, &self.unit)
+    }
+
     /// Whether it holds numbers.
     pub fn is_numeric(&self) -> bool {
         matches!(self.cells, Cells::Numbers(_))
@@ -134,9 +141,9 @@ impl Columns {
         columns
     }
 
-    fn add(&mut self, name: &str, unit: &str, doc: impl Into<String>, cells: Cells) {
-        let (name, unit) = (self.free_name(name), unit.to_owned());
-        self.0.push(SheetColumn { name, unit, doc: doc.into(), cells });
+    fn add(&mut self, name: &str, (of, unit): (&str, &str), doc: impl Into<String>, cells: Cells) {
+        let (name, of, unit) = (self.free_name(name), of.to_owned(), unit.to_owned());
+        self.0.push(SheetColumn { name, unit, doc: doc.into(), of, cells });
     }
 
     fn add_numbers(
@@ -145,7 +152,7 @@ impl Columns {
         doc: impl Into<String>,
         read: impl Fn(usize) -> Option<f64> + Send + Sync + 'static,
     ) {
-        self.add(name, "", doc, Cells::Numbers(Box::new(read)));
+        self.add(name, (name, ""), doc, Cells::Numbers(Box::new(read)));
     }
 
     /// The name in letters that a filter can have, and no other column has.
@@ -169,11 +176,12 @@ impl Columns {
         doc: &str,
         point: impl Fn(usize) -> Option<DVec3> + Clone + Send + Sync + 'static,
     ) {
+        let of = doc.to_lowercase();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let point = point.clone();
-            self.add_numbers(name, format!("{doc}, {name}"), move |element| {
-                Some(point(element)?[axis])
-            });
+            let read = move |element: usize| Some(point(element)?[axis]);
+            let doc = format!("{doc}, {name}");
+            self.add(name, (&of, ""), doc, Cells::Numbers(Box::new(read)));
         }
     }
 
@@ -196,16 +204,18 @@ impl Columns {
         let field = Arc::clone(field);
         let unit = field.unit.clone();
         let read = move |element: usize| field.values.get(element).copied();
+        let of = if name.is_empty() { title.to_owned() } else { format!("{title}: {name}") };
         let name = if name.is_empty() { title } else { name };
-        self.add(name, &unit, doc, Cells::Numbers(Box::new(read)));
+        self.add(name, (&of, &unit), doc, Cells::Numbers(Box::new(read)));
     }
 
     fn add_layer(&mut self, mesh: &Arc<TriMesh>, at: usize, layer: &Layer) {
         let name = layer.name.as_str();
+        let of = shown_name(name);
         let parts: &[&str] = match &layer.values {
             LayerValues::Label(_) => {
                 let names = NameLayer { mesh: Arc::clone(mesh), layer: at };
-                return self.add(name, "", layer_doc(name), Cells::Names(names));
+                return self.add(name, (&of, ""), layer_doc(name), Cells::Names(names));
             }
             LayerValues::Number(_) => &[""],
             LayerValues::Vec2(_) => &["_u", "_v"],
@@ -214,7 +224,7 @@ impl Columns {
         };
         for (part, letters) in parts.iter().enumerate() {
             let mesh = Arc::clone(mesh);
-            self.add_numbers(&format!("{name}{letters}"), layer_doc(name), move |element| {
+            let read = move |element: usize| {
                 let layer = mesh.layers.get(at)?;
                 let place = place_in(layer, element)?;
                 match &layer.values {
@@ -223,7 +233,9 @@ impl Columns {
                     LayerValues::Vec3(values) => Some(values.get(place)?[part]),
                     LayerValues::Label(_) => None,
                 }
-            });
+            };
+            let name = format!("{name}{letters}");
+            self.add(&name, (&of, ""), layer_doc(&layer.name), Cells::Numbers(Box::new(read)));
         }
     }
 }
@@ -282,9 +294,9 @@ pub fn mesh_columns(
 fn add_faces(columns: &mut Columns, mesh: &Arc<TriMesh>) {
     for (corner, name) in ["a", "b", "c"].into_iter().enumerate() {
         let (job, doc) = (Arc::clone(mesh), format!("Its {} vertex", ORDINALS[corner]));
-        columns.add_numbers(name, doc, move |face| {
-            job.faces.get(face).map(|vertices| f64::from(vertices[corner].0))
-        });
+        let read =
+            move |face: usize| job.faces.get(face).map(|vertices| f64::from(vertices[corner].0));
+        columns.add(name, ("vertices", ""), doc, Cells::Numbers(Box::new(read)));
     }
     let job = Arc::clone(mesh);
     let corners = move |face: usize| corners_of(&job, face);
@@ -300,7 +312,7 @@ fn add_faces(columns: &mut Columns, mesh: &Arc<TriMesh>) {
     });
     let least = move |face: usize| corners(face).map(least_angle_rad).map(f64::to_degrees);
     let doc = "The least of its angles: near 0 for a sliver, 60 at most";
-    columns.add("least_angle", "°", doc, Cells::Numbers(Box::new(least)));
+    columns.add("least_angle", ("least angle", "°"), doc, Cells::Numbers(Box::new(least)));
 }
 
 const ORDINALS: [&str; 3] = ["first", "second", "third"];

@@ -45,10 +45,15 @@ enum Condition {
 impl Filter {
     /// Reads a filter; the error says what is wrong and where.
     pub fn compile(text: &str, columns: &[SheetColumn]) -> Result<Self, String> {
-        match text.len() > LONGEST {
-            true => Err(format!("it is longer than {LONGEST} characters")),
-            false => Self::read(text, Place::default(), columns),
+        if text.len() > LONGEST {
+            return Err(format!("it is longer than {LONGEST} characters"));
         }
+        let marks: Vec<usize> =
+            text.chars().enumerate().filter(|(_, c)| *c == '"').map(|(at, _)| at).collect();
+        if let (1, Some(last)) = (marks.len() % 2, marks.last()) {
+            return Err(format!("column {}: the text behind \" has no second \"", last + 1));
+        }
+        Self::read(text, Place::default(), columns)
     }
 
     /// Reads a part of a filter.
@@ -140,7 +145,7 @@ fn condition(text: &str, place: Place, columns: &[SheetColumn]) -> Result<Condit
         of.extend(column.filter(|at| columns[*at].is_numeric()));
     }
     // Blanks in the place of what stands before, so that an error names the right column.
-    let text = format!("{}{}", " ".repeat(place.n_before), with_double_signs(text));
+    let text = format!("{}{text}", " ".repeat(place.n_before));
     let named: Vec<_> = of.iter().map(|&at| (columns[at].name.as_str(), "")).collect();
     let formula = Expression::compile(&text, &named).or_else(|_| {
         // An error lists all that there is.
@@ -170,30 +175,20 @@ fn in_parentheses(text: &str) -> Option<Range<usize>> {
 /// Reads what stands behind the name of a column of names.
 fn name_condition(column: usize, name: &str, rest: &str) -> Result<Condition, String> {
     let signs = [("==", true), ("=", true), ("!=", false)];
-    let found = signs.iter().find_map(|(sign, is_equal)| {
-        let text = rest.strip_prefix(sign)?.trim();
-        Some((text.strip_prefix('"').map_or(text, |text| text.trim_end_matches('"')), *is_equal))
-    });
+    let found = signs
+        .iter()
+        .find_map(|(sign, is_equal)| Some((rest.strip_prefix(sign)?.trim(), *is_equal)));
     match found {
-        Some((text, is_equal)) => Ok(Condition::Name { column, name: text.to_owned(), is_equal }),
+        Some((text, is_equal)) => {
+            let quoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+            let name = quoted.unwrap_or(text).to_owned();
+            match name.contains('"') {
+                true => Err(format!("{text} is not one text in quotation marks")),
+                false => Ok(Condition::Name { column, name, is_equal }),
+            }
+        }
         None => Err(format!("\"{name}\" is a name: write {name} = \"…\" or {name} != \"…\"")),
     }
-}
-
-/// A formula with `==` where a single `=` compares.
-fn with_double_signs(text: &str) -> String {
-    let mut whole = String::with_capacity(text.len() + 1);
-    let mut chars = text.chars().peekable();
-    while let Some(c) = chars.next() {
-        let is_single = c == '='
-            && !whole.ends_with(['<', '>', '!', '='])
-            && chars.peek().is_none_or(|next| *next != '=');
-        whole.push(c);
-        if is_single {
-            whole.push('=');
-        }
-    }
-    whole
 }
 
 #[cfg(test)]
@@ -271,5 +266,10 @@ mod tests {
         assert!(said(&nested(400)).contains("deeper than 16 levels"));
         assert!(Filter::compile(&nested(16), &columns).is_ok());
         assert!(said("(x > 0").starts_with("column 7: \")\" is missing"));
+        assert!(said("x = 1 and y = 2 and z >").starts_with("column 24: a value is missing"));
+        let two = said("material = \"red\" \"gold\"");
+        assert!(two.ends_with("is not one text in quotation marks"), "{two}");
+        let open = "x > 0 and material = \"red or x > 4";
+        assert_eq!(said(open), "column 22: the text behind \" has no second \"");
     }
 }

@@ -9,4 +9,5 @@ mod scroll;
 mod source;
 mod view;
 
+pub use columns::{SheetColumn, mesh_columns};
 pub use view::{SheetAction, SheetView};

@@ -33,7 +33,8 @@ pub fn forms_of(sheet: &Sheet) -> Arc<[Form]> {
         let format = ColumnFormat::of(numbers.into_iter());
         let texts = sampled.iter().map(|element| cell(column, format, *element));
         let longest = texts.map(|text| text.chars().count()).max().unwrap_or(0);
-        let title = column.name.chars().count() + column.unit.chars().count() + 3;
+        // Beside it there is the arrow of the order.
+        let title = column.title().chars().count() + 2;
         let width = LETTER * (longest.max(title) as f32).clamp(5.0, 40.0) + MARGIN;
         Form { width, format }
     };

@@ -41,13 +41,14 @@ impl Sheet {
         }
     }
 
+    /// The place of a column among all.
+    pub fn place_of(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.name == name)
+    }
+
     /// Rows as tab-separated text below the names of the columns.
     pub fn to_tsv(&self, rows: impl Iterator<Item = usize>) -> String {
-        let title = |column: &SheetColumn| match column.unit.is_empty() {
-            true => column.name.clone(),
-            false => format!("{} ({})", column.name, column.unit),
-        };
-        let head = self.columns.iter().map(title).collect::<Vec<_>>();
+        let head = self.columns.iter().map(SheetColumn::title).collect::<Vec<_>>();
         let mut text = head.join("\t") + "\n";
         for element in rows {
             let cells = self.columns.iter().map(|column| column.copied(element));
@@ -73,11 +74,11 @@ impl Rows {
         found.map_or(place, |element| *element as usize)
     }
 
-    /// Where an element stands, O(n) where rows are filtered or sorted.
+    /// Where an element stands; where rows are filtered or sorted O(n), on all threads.
     pub fn place(&self, element: usize) -> Option<usize> {
         match &self.found {
             None => (element < self.n).then_some(element),
-            Some(found) => found.iter().position(|one| *one as usize == element),
+            Some(found) => found.par_iter().position_any(|one| *one as usize == element),
         }
     }
 }

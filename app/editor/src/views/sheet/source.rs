@@ -29,7 +29,7 @@ impl Source {
             let fitting = fields.iter().filter(|field| fits(&mesh, field)).cloned().collect();
             Self::Mesh(title, mesh, fitting)
         };
-        let alone = fields.iter().filter(|field| !meshes.iter().any(|(_, m)| fits(m, field)));
+        let alone = fields.iter().filter(|field| !meshes.iter().any(|(_, mesh)| fits(mesh, field)));
         let alone: Vec<_> =
             alone.cloned().map(|(title, field)| Self::Field(title, field)).collect();
         meshes.iter().cloned().map(mesh).chain(alone).collect()
@@ -92,8 +92,13 @@ impl SheetMaker {
         source: &Source,
         domain: Domain,
     ) -> Arc<Sheet> {
-        let counts = source.mesh().filter(|_| domain == Domain::Vertex);
-        let counts = counts.and_then(|mesh| self.counts(context, mesh));
+        let counts = match source.mesh() {
+            Some(mesh) if domain == Domain::Vertex => self.counts(context, mesh),
+            _ => {
+                self.counts.take_in();
+                None
+            }
+        };
         let same = |(title, field): &TitledField| (title.clone(), Same(Arc::clone(field)));
         let fields = match source {
             Source::Mesh(_, _, fields) => fields.iter().map(same).collect(),

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use eframe::egui::{self, Event, Key, Rect, Sense, pos2, vec2};
 use mve_modules::data::Domain;
 
-use super::columns::SheetColumn;
 use super::filter::Filter;
 use super::row::{Form, Row, forms_of, show_row};
 use super::rows::{Rows, Sheet};
@@ -36,6 +35,16 @@ struct RowsKey {
     sort: Sort,
 }
 
+/// An element, and the rows among which it was shown.
+#[derive(PartialEq)]
+struct Shown {
+    element: PickedElement,
+    /// Of this value and this kind.
+    rows_of: (String, Domain),
+    /// In this order; `None` is that of the elements.
+    order: Option<Same<Vec<u32>>>,
+}
+
 /// The state of the table.
 pub struct SheetView {
     /// The value that was chosen; the first one where it is not there.
@@ -50,8 +59,8 @@ pub struct SheetView {
     scroll: RowScroll,
     /// The places of the first and the last row that were chosen, in the order that is shown.
     chosen: Option<[usize; 2]>,
-    /// The element and the rows that the table was scrolled for.
-    shown: Option<(PickedElement, Option<Same<Vec<u32>>>)>,
+    /// What the table was scrolled for.
+    shown: Option<Shown>,
     copying: Option<Task<String>>,
 }
 
@@ -97,7 +106,7 @@ impl SheetView {
     ) -> Vec<SheetAction> {
         let sources = Source::all(pinned);
         // What is picked in a picture is what is looked at.
-        let shown = self.shown.as_ref().map(|(shown, _)| shown);
+        let shown = self.shown.as_ref().map(|shown| &shown.element);
         if let Some(picked) = picked.filter(|picked| shown != Some(picked)) {
             self.title.clone_from(&picked.title);
             // A corner stands for its face.
@@ -124,14 +133,14 @@ impl SheetView {
         let fault = filter.as_ref().err().cloned();
         let rows = self.rows(ui, &sheet, filter.unwrap_or_default());
         let mut actions = Vec::new();
-        let before = (self.domain, sheet.title.clone());
+        let before = self.domain;
         ui.horizontal_wrapped(|ui| {
             self.choices(ui, &sources, &sheet, &domains);
             self.filter_field(ui, fault.as_deref());
             self.buttons(ui, &sheet, &rows, picked, &mut actions);
             self.say_counts(ui, &sheet, &rows, fault);
         });
-        if before != (self.domain, self.title.clone()) && before.0 != self.domain {
+        if before != self.domain {
             // The same place as another kind of element.
             self.chosen = None;
             let seen = picked.zip(sheet.mesh.as_ref());
@@ -150,12 +159,18 @@ impl SheetView {
         self.rows.is_busy() || self.maker.is_busy() || self.copying.is_some()
     }
 
+    /// The order that holds in a table: none where it lacks the column.
+    fn sort_in(&self, sheet: &Sheet) -> Sort {
+        self.sort.as_ref().and_then(|(name, by)| Some((sheet.place_of(name)?, *by)))
+    }
+
     /// The rows that are shown: of the last filter and order that are done, for this table.
     fn rows(&mut self, ui: &egui::Ui, sheet: &Arc<Sheet>, filter: Option<Filter>) -> Rows {
-        let place_of = |name: &str| sheet.columns.iter().position(|column| column.name == name);
-        let sort = self.sort.as_ref().and_then(|(name, by)| Some((place_of(name)?, *by)));
+        let sort = self.sort_in(sheet);
         let all = Rows { n: sheet.n_elements, found: None };
         if filter.is_none() && sort.is_none() {
+            // Nobody waits for rows that are being looked for.
+            self.rows = Memo::default();
             return all;
         }
         let text = if filter.is_some() { self.filter.clone() } else { String::new() };
@@ -255,17 +270,21 @@ impl SheetView {
 
     /// Scrolls to what was picked elsewhere, and again when rows have another order.
     fn follow(&mut self, sheet: &Sheet, rows: &Rows, picked: Option<&PickedElement>) {
+        // A table that has become shorter has no such rows.
+        self.chosen = self.chosen.filter(|chosen| chosen.iter().all(|place| *place < rows.n));
         let Some(picked) = picked else {
-            (self.shown, self.chosen) = (None, None);
+            if self.shown.take().is_some() {
+                self.chosen = None;
+            }
             return;
         };
+        let rows_of = (sheet.title.clone(), sheet.domain);
         let order = rows.found.clone().map(Same);
-        let is_shown =
-            self.shown.as_ref().is_some_and(|(shown, of)| shown == picked && *of == order);
-        if is_shown {
+        let now = Some(Shown { element: picked.clone(), rows_of, order });
+        if self.shown == now {
             return;
         }
-        self.shown = Some((picked.clone(), order));
+        self.shown = now;
         let place = sheet.row_of(picked).and_then(|element| rows.place(element));
         self.chosen = place.map(|place| [place, place]);
         if let Some(place) = place {
@@ -321,18 +340,13 @@ impl SheetView {
     }
 
     fn head(&mut self, ui: &mut egui::Ui, sheet: &Sheet, forms: &[Form]) {
-        let title = |column: &SheetColumn| match column.unit.is_empty() {
-            true => column.name.clone(),
-            false => format!("{} ({})", column.name, column.unit),
-        };
         let heads = sheet.columns.iter().zip(forms).map(|(column, form)| Head {
             name: &column.name,
-            title: title(column),
+            title: column.title(),
             doc: &column.doc,
             width: form.width,
         });
-        let place_of = |name: &str| sheet.columns.iter().position(|column| column.name == name);
-        let known = self.sort.as_ref().and_then(|(name, by)| Some((place_of(name)?, *by)));
+        let known = self.sort_in(sheet);
         let mut sort = known;
         header(ui, heads, &mut sort);
         if sort != known {
@@ -385,8 +399,8 @@ impl SheetView {
     /// Picks a row that is in sight already.
     fn pick(&mut self, sheet: &Sheet, element: usize) -> SheetAction {
         let element = sheet.element(element);
-        if let Some((shown, _)) = &mut self.shown {
-            shown.clone_from(&element);
+        if let Some(shown) = &mut self.shown {
+            shown.element.clone_from(&element);
         }
         SheetAction::Pick(element)
     }
@@ -466,3 +480,7 @@ impl SheetView {
 fn counted_rows(n: usize) -> String {
     format!("{} {}", count_text(n), if n == 1 { "row" } else { "rows" })
 }
+
+#[cfg(test)]
+#[path = "view_tests.rs"]
+mod tests;

@@ -15,6 +15,13 @@ pub struct Column {
     pub unit: String,
 }
 
+impl Column {
+    /// Its name and unit.
+    pub fn title(&self) -> String {
+        title_of(&self.name, &self.unit)
+    }
+}
+
 /// Rows of cells under columns. A row may be short; what it lacks is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -64,7 +71,7 @@ impl Table {
     pub fn to_tsv(&self, order: &[usize]) -> String {
         // Tabs and line ends in a cell would be taken for the table's own.
         let plain = |text: String| text.replace(['\t', '\n', '\r'], " ");
-        let head = self.columns.iter().map(|column| plain(title_of(column)));
+        let head = self.columns.iter().map(|column| plain(column.title()));
         let mut text = head.collect::<Vec<_>>().join("\t") + "\n";
         for &row in order {
             let cells = (0..self.columns.len()).map(|column| {
@@ -76,11 +83,11 @@ impl Table {
     }
 }
 
-/// Name and unit of a column.
-pub fn title_of(column: &Column) -> String {
-    match column.unit.is_empty() {
-        true => column.name.clone(),
-        false => format!("{} ({})", column.name, column.unit),
+/// What stands above numbers: their name and unit.
+pub fn title_of(name: &str, unit: &str) -> String {
+    match unit.is_empty() {
+        true => name.to_owned(),
+        false => format!("{name} ({unit})"),
     }
 }
 

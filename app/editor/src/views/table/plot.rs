@@ -3,7 +3,7 @@
 use eframe::egui;
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 
-use super::data::{Table, title_of};
+use super::data::{Column, Table};
 use crate::views::spread::Spread;
 
 /// What is drawn.
@@ -60,11 +60,11 @@ impl TablePlot {
         let Some(column) = self.column.filter(|&column| column < table.columns.len()) else {
             return;
         };
-        let name = title_of(&table.columns[column]);
+        let name = table.columns[column].title();
         let over = self.over.filter(|&over| over < table.columns.len());
         let (x_label, y_label) = match (self.kind, over) {
             (PlotKind::Histogram, _) => (name.clone(), "rows".to_owned()),
-            (_, Some(over)) => (title_of(&table.columns[over]), name.clone()),
+            (_, Some(over)) => (table.columns[over].title(), name.clone()),
             (_, None) => ("row".to_owned(), name.clone()),
         };
         let plot = Plot::new("table plot")
@@ -108,12 +108,12 @@ fn choose(
     table: &Table,
 ) {
     let named = chosen.and_then(|column| table.columns.get(column));
-    let text = named.map_or(nothing.to_owned(), title_of);
+    let text = named.map_or(nothing.to_owned(), Column::title);
     ui.label(label);
     egui::ComboBox::from_id_salt(label).selected_text(text).show_ui(ui, |ui| {
         ui.selectable_value(chosen, None, nothing);
         for &column in columns {
-            ui.selectable_value(chosen, Some(column), title_of(&table.columns[column]));
+            ui.selectable_value(chosen, Some(column), table.columns[column].title());
         }
     });
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Layout, vec2};
 use mve_core::Scalar;
 
-use super::data::{Column, Table, cell_text, title_of};
+use super::data::{Column, Table, cell_text};
 use super::head::{Head, LETTER, Sort, header};
 use super::plot::TablePlot;
 use crate::views::number::{ColumnFormat, count_text};
@@ -55,7 +55,7 @@ impl TableView {
                             let heads = table.columns.iter().zip(laid_out.widths.iter());
                             let heads = heads.map(|(column, &width)| Head {
                                 name: &column.name,
-                                title: title_of(column),
+                                title: column.title(),
                                 doc: "",
                                 width,
                             });
@@ -94,7 +94,7 @@ impl TableView {
         let formats: Arc<[ColumnFormat]> = (0..table.columns.len()).map(format).collect();
         let width = |(at, column): (usize, &Column)| {
             let sampled = sampled(at).map(|cell| cell_text(cell, formats[at]).chars().count());
-            let most = sampled.max().unwrap_or(0).max(title_of(column).chars().count() + 3);
+            let most = sampled.max().unwrap_or(0).max(column.title().chars().count() + 3);
             LETTER * (most as f32).clamp(5.0, 48.0)
         };
         let widths = table.columns.iter().enumerate().map(width).collect();

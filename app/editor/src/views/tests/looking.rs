@@ -33,10 +33,7 @@ fn click(harness: &mut Harness<Shown>, at: egui::Pos2) {
     harness.drop_at(at);
     harness.step();
     // The answer comes from a thread.
-    for _ in 0..20 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        harness.step();
-    }
+    settle(harness);
 }
 
 /// How many pixels of the picture a color has, about.
@@ -78,7 +75,7 @@ fn a_plane_cuts_away_what_is_before_it_and_a_flip_what_is_behind() {
 
 fn shifted(by: f64) -> TriMesh {
     let mut mesh = cube(DVec3::ZERO);
-    mesh.positions.iter_mut().for_each(|p| p.x += by);
+    mesh.positions.iter_mut().for_each(|point| point.x += by);
     mesh
 }
 
@@ -115,6 +112,20 @@ fn outlines_of_two_meshes_lie_over_each_other() {
     assert!(orange > 200 && blue > 200, "{orange} {blue}");
 }
 
+fn drag_plane(harness: &mut Harness<Shown>, from: egui::Pos2, to: egui::Pos2) {
+    let alt = egui::Modifiers::ALT;
+    harness.event(egui::Event::ModifiersChanged(alt));
+    harness.drag_at(from);
+    harness.step();
+    for share in [0.5, 1.0] {
+        harness.hover_at(from + (to - from) * share);
+        harness.step();
+    }
+    harness.drop_at(to);
+    harness.event(egui::Event::ModifiersChanged(egui::Modifiers::NONE));
+    settle(harness);
+}
+
 #[test]
 fn a_plane_is_dragged_and_moved_in_steps() {
     let mut harness = front(vec![pinned("box.mesh", Value::new(cube(DVec3::ZERO)))]);
@@ -130,17 +141,7 @@ fn a_plane_is_dragged_and_moved_in_steps() {
     assert!((offset(&harness).unwrap() - 0.51).abs() < 1e-9);
     let before = harness.state().viewer.meshes.camera;
     let to = place_of(&harness, "box.mesh", DVec3::new(0.75, 0.5, 0.5));
-    let alt = egui::Modifiers::ALT;
-    harness.event(egui::Event::ModifiersChanged(alt));
-    harness.drag_at(middle);
-    harness.step();
-    for share in [0.5, 1.0] {
-        harness.hover_at(middle + (to - middle) * share);
-        harness.step();
-    }
-    harness.drop_at(to);
-    harness.event(egui::Event::ModifiersChanged(egui::Modifiers::NONE));
-    settle(&mut harness);
+    drag_plane(&mut harness, middle, to);
     let moved = offset(&harness).unwrap();
     assert!((moved - 0.76).abs() < 0.02, "{moved}");
     assert_eq!(harness.state().viewer.meshes.camera, before, "the camera stays");
@@ -187,6 +188,12 @@ fn a_click_picks_an_element_that_is_read_copied_and_named_by_its_number() {
     // Another number is gone to.
     harness.get_by_label("face").click();
     settle(&mut harness);
+    assert_eq!(picked(&harness), of(Domain::Face, 2), "the first face around the vertex");
+    harness.get_by_label("vertex").click();
+    settle(&mut harness);
+    assert_eq!(picked(&harness), of(Domain::Vertex, 4), "its first vertex");
+    harness.get_by_label("face").click();
+    settle(&mut harness);
     let number = harness.get_by_label("number of the element");
     number.click();
     settle(&mut harness);
@@ -207,24 +214,107 @@ fn a_click_picks_an_element_that_is_read_copied_and_named_by_its_number() {
 }
 
 #[test]
+fn a_vertex_that_is_cut_away_is_not_picked() {
+    let mut harness = front(red_and_green());
+    let near_corner =
+        |harness: &Harness<Shown>| place_of(harness, "a.mesh", DVec3::new(0.97, 0.97, 0.0));
+    let picked = |harness: &Harness<Shown>| {
+        harness.state().viewer.picked.clone().map(|picked| (picked.domain, picked.index))
+    };
+    let at = near_corner(&harness);
+    click(&mut harness, at);
+    assert_eq!(picked(&harness), Some((Domain::Vertex, 6)));
+    harness.state_mut().viewer.picked = None;
+    let section = &mut harness.state_mut().viewer.meshes.settings.section;
+    (section.is_on, section.normal, section.offset) = (true, DVec3::X, Some(0.98));
+    settle(&mut harness);
+    // The controls of the plane take some of the picture's height.
+    let at = near_corner(&harness);
+    click(&mut harness, at);
+    assert!(matches!(picked(&harness), Some((Domain::Face, 2 | 3))), "{:?}", picked(&harness));
+}
+
+#[test]
+fn what_is_known_of_an_element_covers_nothing_beside_its_picture() {
+    let mut harness = front(red_and_green());
+    let at = place_of(&harness, "a.mesh", DVec3::new(-0.2, 0.2, 1.0));
+    click(&mut harness, at);
+    for size in [[400.0, 300.0], [400.0, 170.0], [220.0, 200.0]] {
+        harness.set_size(size.into());
+        settle(&mut harness);
+        let picture = harness.get_by_label_contains("3D view of a.mesh").rect();
+        for name in ["number of the element", "face", "vertex", "Go to it"] {
+            let shown = harness.get_by_label(name).rect();
+            assert!(picture.contains_rect(shown), "{size:?} {name}: {shown} in {picture}");
+        }
+    }
+    harness.set_size(egui::vec2(140.0, 200.0));
+    settle(&mut harness);
+    assert!(harness.query_by_label("of a.mesh").is_none());
+}
+
+#[test]
+fn meshes_of_unlike_size_fill_a_picture_each() {
+    let mut large = cube(DVec3::ZERO);
+    large.positions.iter_mut().for_each(|point| *point *= 1000.0);
+    let list =
+        vec![pinned("a.mesh", Value::new(cube(DVec3::ZERO))), pinned("b.mesh", Value::new(large))];
+    let render = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let mut harness = harness_with(list, render, egui::vec2(900.0, 400.0));
+    settle(&mut harness);
+    // Half of the diagonal of each picture is seen in one place of it.
+    harness.get_by_label_contains("diagonal 1.73205");
+    harness.get_by_label_contains("diagonal 1732.05");
+    let gray = |image: &RgbaImage| {
+        let left = image::imageops::crop_imm(image, 0, 60, 440, 300).to_image();
+        count(&left, |r, g, b| r > 100 && (r - g).abs() < 12 && (g - b).abs() < 12)
+    };
+    let each = gray(&picture(&mut harness));
+    // A click meets the small one in its own picture.
+    let rect = harness.get_by_label_contains("3D view of a.mesh").rect();
+    click(&mut harness, rect.center());
+    let picked = harness.state().viewer.picked.clone().unwrap();
+    assert_eq!(picked.title, "a.mesh");
+    harness.state_mut().viewer.picked = None;
+    // A hand moves the plane by as much as is seen: here the picture is some two units wide.
+    let settings = &mut harness.state_mut().viewer.meshes.settings;
+    (settings.section.is_on, settings.section.normal) = (true, DVec3::X);
+    settings.section.offset = Some(0.5);
+    settle(&mut harness);
+    let middle = harness.get_by_label_contains("3D view of a.mesh").rect().center();
+    drag_plane(&mut harness, middle, middle + egui::vec2(20.0, 0.0));
+    let offset = harness.state().viewer.meshes.settings.section.offset.unwrap();
+    assert!(offset > 0.51 && offset < 1.0, "{offset}");
+    harness.state_mut().viewer.meshes.settings.section.is_on = false;
+    settle(&mut harness);
+    harness.get_by_label("One scale").click();
+    settle(&mut harness);
+    assert!(harness.query_by_label_contains("diagonal").is_none());
+    let one = gray(&picture(&mut harness));
+    assert!(each > 10_000 && one < each / 20, "{each} {one}");
+}
+
+#[test]
 fn distances_are_measured_by_two_clicks_and_stay() {
     let mut harness = front(red_and_green());
     let corners = [DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
     let places = corners.map(|corner| place_of(&harness, "a.mesh", corner));
-    harness.hover_at(places[0]);
-    harness.step();
+    click(&mut harness, places[0]);
+    harness.get_by_label("of a.mesh");
     harness.key_press(egui::Key::M);
     settle(&mut harness);
     harness.get_by_label_contains("Click the first point");
+    assert!(harness.query_by_label("of a.mesh").is_none(), "it would hide what to click");
+    harness.state_mut().viewer.picked = None;
     click(&mut harness, places[0]);
     harness.get_by_label_contains("Click the second point");
     click(&mut harness, places[1]);
     harness.get_by_label_contains("Click the first point");
-    let Some(ViewerAction::Keep(edit)) = harness.state_mut().action.take() else {
+    let Some(ViewerAction::Keep(edits)) = harness.state_mut().action.take() else {
         panic!("{:?}", harness.state().action)
     };
-    let KeptEdit::Put { shelf: Shelf::Distances, name, content } = &edit else {
-        panic!("{edit:?}")
+    let [edit @ KeptEdit::Put { shelf: Shelf::Distances, name, content }] = edits.as_slice() else {
+        panic!("{edits:?}")
     };
     assert_eq!(name, "distance 1");
     let expected = r#"{"ends":[[-1.0,-1.0,0.0],[1.0,1.0,0.0]],"of":"a.mesh"}"#;
@@ -232,7 +322,7 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     assert_eq!(content, &expected);
     assert_eq!(harness.state().viewer.picked, None, "the tool takes the clicks");
     let mut kept = Kept::default();
-    kept.edit(&edit).unwrap();
+    kept.edit(edit).unwrap();
     harness.state_mut().viewer.meshes.set_kept(&kept);
     harness.key_press(egui::Key::Escape);
     settle(&mut harness);
@@ -253,7 +343,7 @@ fn distances_are_measured_by_two_clicks_and_stay() {
     harness.get_by_label("Remove distance 1").click();
     settle(&mut harness);
     let remove = KeptEdit::Remove { shelf: Shelf::Distances, name: "distance 1".to_owned() };
-    assert_eq!(harness.state().action, Some(ViewerAction::Keep(remove)));
+    assert_eq!(harness.state().action, Some(ViewerAction::Keep(vec![remove])));
 }
 
 #[test]

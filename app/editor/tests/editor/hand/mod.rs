@@ -54,7 +54,22 @@ impl Hand {
         Self::with(folder, vec![map.to_owned()])
     }
 
-    /// A window of some size on the example, drawn by a certain rasteriser.
+    /// A window on a map in a file of its own.
+    pub fn with_text(folder: &Path, map: &str) -> Self {
+        let path = folder.join("map.json");
+        std::fs::write(&path, map).expect("the folder takes files");
+        Self::with_map(folder, &path)
+    }
+
+    /// The same, once the map has run.
+    pub fn with_run(folder: &Path, map: &str) -> Self {
+        let mut hand = Self::with_text(folder, map);
+        hand.press(Key::F5);
+        hand.wait_until_up_to_date();
+        hand
+    }
+
+    /// A window of some size on the example, drawn by a certain rasterizer.
     pub fn with_example(folder: &Path, render: RenderState, size: Vec2) -> Self {
         Self::drawn_by(render, folder, Maps::Example, size)
     }
@@ -124,7 +139,7 @@ impl Hand {
 
     /// A picture of the window.
     pub fn picture(&mut self) -> image::RgbaImage {
-        self.harness.render().expect("there is a rasteriser")
+        self.harness.render().expect("there is a rasterizer")
     }
 
     /// Compares the window with the picture of this name.
@@ -340,11 +355,16 @@ impl Hand {
         self.type_text(text);
     }
 
+    /// Clicks a field of a number, to type.
+    pub fn click_number(&mut self, name: &str) {
+        self.harness.get_by_role_and_label(Role::SpinButton, name).click();
+        self.step();
+    }
+
     /// Types into a field of a number, in place of what it shows, and leaves it.
     pub fn type_number(&mut self, name: &str, text: &str) {
         self.problems();
-        self.harness.get_by_role_and_label(Role::SpinButton, name).click();
-        self.step();
+        self.click_number(name);
         self.press_with(Modifiers::COMMAND, Key::A);
         self.type_text(text);
         self.press(Key::Enter);

@@ -49,7 +49,7 @@ fn curvature(
     control: &Control,
 ) -> Result<[f64; MAX_LEVELS], Cancelled> {
     let mut found = [0.0; MAX_LEVELS];
-    if surface.half_edges_of(vertex).is_empty() {
+    if surface.neighbors_of(vertex).is_empty() {
         return Ok(found);
     }
     let share = surface.disc_shares.get(vertex as usize).copied().unwrap_or(1.0);

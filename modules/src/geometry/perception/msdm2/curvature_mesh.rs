@@ -1,4 +1,4 @@
-//! A mesh made ready for walks: clean faces, half-edges around each vertex, the bend of each edge.
+//! A mesh made ready for walks: clean faces, the neighbors of each vertex, the bend of each edge.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
@@ -16,12 +16,12 @@ const MOST_EXPONENT: i32 = 1000;
 /// to work with: squares of its edges would vanish.
 const LEAST_SIZE: f64 = 1e-100;
 
-/// An edge seen from one of its ends.
+/// A vertex at the other end of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::geometry) struct HalfEdge {
-    /// The vertex at the other end.
-    pub other: u32,
-    /// The edge, an index of [`CurvatureMesh::bends`].
+pub(in crate::geometry) struct Neighbor {
+    /// The vertex.
+    pub vertex: u32,
+    /// The edge to it, an index of [`CurvatureMesh::bends`].
     pub edge: u32,
 }
 
@@ -31,9 +31,9 @@ pub(in crate::geometry) struct CurvatureMesh {
     /// Positions as in the input, in scaled units, and the usable faces in their order.
     pub mesh: TriMesh,
     pub bvh: Bvh,
-    /// Half-edges of vertex v: from `starts[v]` to `starts[v + 1]`, by edge.
+    /// Neighbors of vertex v: from `starts[v]` to `starts[v + 1]`, by edge.
     starts: Vec<u32>,
-    half_edges: Vec<HalfEdge>,
+    neighbors: Vec<Neighbor>,
     /// How the surface bends at each edge.
     pub bends: Vec<Bend>,
     /// The share of a full disc that the surface has at each vertex; empty where all are 1.
@@ -77,10 +77,10 @@ impl CurvatureMesh {
             || Adjacency::new(&mesh, control.part(0.0, 0.3)),
         );
         let (bvh, adjacency) = (bvh?, adjacency?);
-        let (starts, half_edges) =
-            half_edges(&adjacency, mesh.positions.len(), control.part(0.6, 0.6))?;
+        let (starts, neighbors) =
+            neighbors(&adjacency, mesh.positions.len(), control.part(0.6, 0.6))?;
         let (bends, disc_shares) = bends(&mesh, &adjacency, variant, control.part(0.6, 1.0))?;
-        Ok(Self { mesh, bvh, starts, half_edges, bends, disc_shares, longest_side, n_left_out })
+        Ok(Self { mesh, bvh, starts, neighbors, bends, disc_shares, longest_side, n_left_out })
     }
 
     /// How many vertices there are, used or not.
@@ -94,20 +94,20 @@ impl CurvatureMesh {
         self.mesh.positions[vertex as usize]
     }
 
-    /// The edges at a vertex: none where no face uses it.
+    /// The neighbors of a vertex, one an edge: none where no face uses it.
     #[inline]
-    pub fn half_edges_of(&self, vertex: u32) -> &[HalfEdge] {
+    pub fn neighbors_of(&self, vertex: u32) -> &[Neighbor] {
         let starts = &self.starts[vertex as usize..vertex as usize + 2];
-        &self.half_edges[starts[0] as usize..starts[1] as usize]
+        &self.neighbors[starts[0] as usize..starts[1] as usize]
     }
 }
 
-/// The half-edges of each vertex, by edge.
-fn half_edges(
+/// The neighbors of each vertex, by edge.
+fn neighbors(
     adjacency: &Adjacency,
     n_vertices: usize,
     control: Control,
-) -> Result<(Vec<u32>, Vec<HalfEdge>), Cancelled> {
+) -> Result<(Vec<u32>, Vec<Neighbor>), Cancelled> {
     let mut starts = vec![0u32; n_vertices + 1];
     for (end, v) in adjacency.edges().iter().flatten().enumerate() {
         control.item(end, usize::MAX)?;
@@ -117,15 +117,15 @@ fn half_edges(
         starts[v + 1] += starts[v];
     }
     let mut next = starts.clone();
-    let mut half_edges = vec![HalfEdge { other: 0, edge: 0 }; 2 * adjacency.edges().len()];
+    let mut neighbors = vec![Neighbor { vertex: 0, edge: 0 }; 2 * adjacency.edges().len()];
     for (edge, &[a, b]) in (0u32..).zip(adjacency.edges()) {
         control.item(edge as usize, usize::MAX)?;
         for (from, to) in [(a, b), (b, a)] {
-            half_edges[next[from.idx()] as usize] = HalfEdge { other: to.0, edge };
+            neighbors[next[from.idx()] as usize] = Neighbor { vertex: to.0, edge };
             next[from.idx()] += 1;
         }
     }
-    Ok((starts, half_edges))
+    Ok((starts, neighbors))
 }
 
 /// The power of two that brings the largest finite coordinate of the meshes to between 1/2 and 1,

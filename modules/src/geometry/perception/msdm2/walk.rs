@@ -135,20 +135,20 @@ impl Walk {
             let position = surface.position(from);
             let away = position - origin;
             let from_sq = away.length_squared();
-            let half_edges = surface.half_edges_of(from);
-            self.n_seen += half_edges.len() as u32;
+            let neighbors = surface.neighbors_of(from);
+            self.n_seen += neighbors.len() as u32;
             if self.n_seen >= STRIDE {
                 self.n_seen = 0;
                 control.at(0.0)?;
             }
-            for half_edge in half_edges {
-                let along = surface.position(half_edge.other) - position;
+            for neighbor in neighbors {
+                let along = surface.position(neighbor.vertex) - position;
                 let outward = along.dot(away);
                 if from != center && outward <= 0.0 {
                     continue;
                 }
                 let length_sq = along.length_squared();
-                let (to, edge) = (half_edge.other, half_edge.edge);
+                let (to, edge) = (neighbor.vertex, neighbor.edge);
                 let mut cut = Cut { from, to, edge, part: 1.0, outward, length_sq, from_sq };
                 if length_sq <= no_length_sq {
                     self.pass(&cut);

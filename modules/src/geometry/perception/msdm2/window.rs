@@ -176,7 +176,7 @@ pub(in crate::geometry) fn local_values(
         |walk, (chunk, out)| {
             for (at, out) in out.iter_mut().enumerate() {
                 let vertex = (chunk * CHUNK + at) as u32;
-                if !surface.half_edges_of(vertex).is_empty() {
+                if !surface.neighbors_of(vertex).is_empty() {
                     *out = local_value(vertex, walk)?;
                 }
             }

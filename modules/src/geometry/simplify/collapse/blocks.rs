@@ -19,9 +19,10 @@ use rayon::prelude::*;
 
 use super::cost::Cost;
 use super::cut::{Block, Cut};
-use super::engine::{Engine, Halt, Origin};
+use super::engine::{Engine, Halt};
 use super::join::{Remains, join};
 use super::options::SimplifyOptions;
+use super::origin::Origin;
 use super::outcome::{Simplified, Statistics};
 use super::placement::Placement;
 use super::stop::Stop;
@@ -31,6 +32,8 @@ use crate::data::TriMesh;
 pub(super) const BLOCK: usize = 1 << 15;
 /// Meshes of fewer blocks are not cut.
 const LEAST_BLOCKS: usize = 4;
+/// Faces of the smallest mesh that is simplified in blocks.
+pub const SMALLEST_IN_BLOCKS: usize = LEAST_BLOCKS * BLOCK;
 /// Faces that the blocks leave for each face of the target. With more, the result is closer to that
 /// of one queue, and less of the work is shared.
 const LEFT: f64 = 1.3;

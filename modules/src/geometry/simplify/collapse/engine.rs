@@ -14,6 +14,7 @@ use super::observer::{
     Collapse, MovedCorner, Observer, WedgeChange, complete_changes, list_moved, list_wedges,
 };
 use super::options::{Boundary, SimplifyOptions};
+use super::origin::Origin;
 use super::outcome::{Seconds, Simplified, Statistics};
 use super::placement::Placement;
 use super::pricer::{Pricer, Verdict};
@@ -26,7 +27,6 @@ use super::stop::Outcome;
 use super::ticker::Ticker;
 use crate::data::{TriMesh, VertexId};
 use crate::mesh::adjacency::EdgeId;
-use crate::mesh::quadric::Quadric;
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {
@@ -59,18 +59,6 @@ pub(super) enum Halt {
     Price(f64),
     /// No collapse is left.
     Exhausted,
-}
-
-/// How the mesh of a run lies in a larger one.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Origin<'a> {
-    /// It is a mesh of its own.
-    Whole,
-    /// It is a block of one; these vertices of its input have faces in other blocks, too, and stay.
-    Block(&'a [bool]),
-    /// It is what blocks left: whether each vertex of its input is of several blocks, and its
-    /// quadric, if there are quadrics.
-    Joined(&'a [bool], &'a [Quadric]),
 }
 
 /// What is noted of one collapse, in memory that the next one uses again.
@@ -150,13 +138,12 @@ impl<'a> Engine<'a> {
 
     pub fn run(mut self) -> Result<Simplified, Cancelled> {
         let target = self.statistics.target_faces;
-        let is_reached = target.is_some_and(|target| self.mesh.n_faces() <= target);
-        if !is_reached {
+        if target.is_none_or(|target| self.mesh.n_faces() > target) {
             self.fill_queue()?;
         }
         let first_prices = self.start.elapsed().as_secs_f64();
         let largest = self.options.stop.cost.map(|cost| cost.max(self.largest_free));
-        while !is_reached {
+        loop {
             match self.advance(target, largest)? {
                 Halt::Faces => self.statistics.outcome = Outcome::TargetReached,
                 Halt::Price(_) => self.statistics.outcome = Outcome::CostReached,
@@ -164,9 +151,6 @@ impl<'a> Engine<'a> {
                 Halt::Exhausted => {}
             }
             break;
-        }
-        if is_reached {
-            self.statistics.outcome = Outcome::TargetReached;
         }
         self.finish(first_prices)
     }

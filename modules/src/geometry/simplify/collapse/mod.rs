@@ -45,6 +45,7 @@ mod observer;
 mod observer_tests;
 mod options;
 mod order;
+mod origin;
 mod outcome;
 mod placement;
 mod pricer;
@@ -64,6 +65,7 @@ pub(crate) mod trial;
 mod wedge;
 
 pub use blocked::Blocked;
+pub use blocks::SMALLEST_IN_BLOCKS;
 pub use cost::Cost;
 pub use merge::DyingFace;
 pub use merging::Merging;
@@ -78,8 +80,9 @@ pub use stop::{Outcome, Stop};
 pub use wedge::{AttributeValue, LayerId, Role, WedgeId};
 
 use crate::data::TriMesh;
-use engine::{Engine, Origin};
+use engine::Engine;
 use mve_core::{Cancelled, Control};
+use origin::Origin;
 
 /// Simplifies a mesh; see the file's header.
 ///
@@ -93,6 +96,22 @@ pub fn simplify(
     control: Control,
 ) -> Result<Simplified, Cancelled> {
     simplify_observed(mesh, cost, placement, &mut [], options, control)
+}
+
+/// Simplifies a mesh by one queue, but for the edges at some vertices, which stay where they are.
+///
+/// # Errors
+/// As [`simplify`].
+pub fn simplify_around(
+    mesh: &TriMesh,
+    stays: &[bool],
+    cost: &mut dyn Cost,
+    placement: &mut dyn Placement,
+    options: SimplifyOptions,
+    control: Control,
+) -> Result<Simplified, Cancelled> {
+    let origin = Origin::Block(stays);
+    Engine::new(mesh, cost, placement, &mut [], options, origin, control)?.run()
 }
 
 /// Simplifies a mesh as [`simplify`] does, while observers follow the run.

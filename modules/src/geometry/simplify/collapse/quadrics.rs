@@ -4,9 +4,9 @@ use glam::DVec3;
 use mve_core::Cancelled;
 
 use super::complex::{Complex, Face};
-use super::engine::Origin;
 use super::options::QuadricOptions;
 use super::order::{NONE, Order};
+use super::origin::Origin;
 use super::rings::MAX_VALENCE;
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use mve_core::Control;
 
-use super::engine::Origin;
 use super::marks::VertexMarks;
 use super::options::Seams;
+use super::origin::Origin;
 use super::quadrics::{Planes, Quadrics};
 use super::ticker::Ticker;
 use super::{

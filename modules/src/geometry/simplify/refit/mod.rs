@@ -99,9 +99,9 @@ pub struct Refitted {
 
 /// Bytes that a fit takes at most, beside its meshes.
 pub fn needs(mesh: &TriMesh, original: &TriMesh) -> usize {
-    /// The tree.
-    const OF_ORIGINAL: usize = 300;
-    /// A tree, the joints with their elements, and the points that hold the maximum.
+    /// The tree, and the points that hold the maximum.
+    const OF_ORIGINAL: usize = 550;
+    /// A tree, and the joints with their elements.
     const OF_MESH: usize = 1500;
     OF_ORIGINAL * original.faces.len() + OF_MESH * mesh.faces.len()
 }

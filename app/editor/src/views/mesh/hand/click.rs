@@ -13,6 +13,7 @@ use crate::views::background::{Progress, Task};
 use crate::views::camera::Camera;
 use crate::views::mesh::scene::{MeshScene, Screen};
 use crate::views::mesh::section::Plane;
+use crate::views::mesh::viewpoint::Viewpoint;
 
 /// How near to a vertex a click has to be to mean it, in points.
 const NEAR: f32 = 9.0;
@@ -23,6 +24,7 @@ struct Question {
     mesh: Arc<TriMesh>,
     camera: Camera,
     screen: Screen,
+    plane: Option<Plane>,
     place: Pos2,
     task: Task<Option<Hit>>,
 }
@@ -41,6 +43,11 @@ pub struct Clicked {
 }
 
 impl ClickSearch {
+    /// Whether a click waits for its answer.
+    pub fn is_busy(&self) -> bool {
+        self.0.is_some()
+    }
+
     /// Takes in clicks, and gives what one has met once that is known.
     pub fn take_in(&mut self, ui: &egui::Ui, scene: &MeshScene) -> Option<Clicked> {
         if let Some(question) = Self::asked(ui, scene) {
@@ -63,16 +70,16 @@ impl ClickSearch {
         let (tile, place) = (clicked.0, clicked.1.interact_pointer_pos()?);
         let at = scene.visible_mesh(tile, place);
         let screen = Screen { rect: clicked.1.rect };
-        let ray =
-            scene.camera.ray(screen.normalized(place), screen.aspect(), scene.bounds.as_ref()?);
+        let Viewpoint { camera, bounds } = *scene.viewpoints.get(tile)?;
+        let ray = camera.ray(screen.normalized(place), screen.aspect(), &bounds);
         let mesh = Arc::clone(&scene.items[at].mesh);
-        let (job, plane, camera) = (Arc::clone(&mesh), scene.plane, *scene.camera);
+        let (job, plane) = (Arc::clone(&mesh), scene.plane);
         let task = Task::spawn(ui.ctx(), move || {
             let hit = pick(&job, &ray, plane.as_ref());
             hit.or_else(|| corner_near(&job, (&camera, &screen), place, plane.as_ref()))
         });
         let title = scene.meshes[at].title.clone();
-        Some(Question { title, mesh, camera, screen, place, task })
+        Some(Question { title, mesh, camera, screen, plane, place, task })
     }
 }
 
@@ -106,11 +113,14 @@ fn corner_near(
 
 impl Question {
     fn answer(self, hit: Option<Hit>) -> Clicked {
-        let Self { title, mesh, camera, screen, place, .. } = self;
+        let Self { title, mesh, camera, screen, plane, place, .. } = self;
         let Some(hit) = hit else { return Clicked { element: None, point: DVec3::ZERO } };
         let vertex = mesh.faces[hit.face][hit.corner].idx();
         let corner = mesh.positions[vertex];
-        let seen = camera.project(corner, screen.aspect()).map(|at| screen.place(at));
+        // A corner that is cut away is not seen, however near it is.
+        let is_cut = plane.is_some_and(|plane| plane.height(corner) > 0.0);
+        let seen = camera.project(corner, screen.aspect()).filter(|_| !is_cut);
+        let seen = seen.map(|at| screen.place(at));
         let (domain, index, point) = match seen.is_some_and(|at| at.distance(place) <= NEAR) {
             true => (Domain::Vertex, vertex, corner),
             false => (Domain::Face, hit.face, hit.point),

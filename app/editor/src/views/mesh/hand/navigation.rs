@@ -45,13 +45,14 @@ pub const VIEW_KEYS: &[(&str, &str)] = &[
 /// Part of a picture that one press of an arrow key turns by.
 const KEY_STEP: f64 = 1.0 / 24.0;
 
-/// Moves the camera as the pointer in one picture asks for.
+/// Moves the camera as the pointer in one picture asks for. A picture with a scale of its own shows
+/// so many units of its mesh as one of all.
 pub fn by_pointer(
     ui: &egui::Ui,
     response: &egui::Response,
     screen: &Screen,
     camera: &mut Camera,
-    (bounds, section): (&Bounds, &mut Section),
+    (bounds, section, unit): (&Bounds, &mut Section, f64),
 ) -> Moved {
     let mut moved = Moved { is_fit: response.double_clicked(), ..Moved::default() };
     if response.clicked() || response.drag_started() {
@@ -64,7 +65,7 @@ pub fn by_pointer(
         || (response.dragged_by(PointerButton::Primary) && has_shift);
     let is_by_plane = section.is_on && has_alt && response.dragged_by(PointerButton::Primary);
     if is_by_plane {
-        section.drag(drag * camera.half_size(screen.aspect()), camera, bounds);
+        section.drag(unit * drag * camera.half_size(screen.aspect()), camera, bounds);
     } else if is_panned {
         camera.pan(drag, screen.aspect());
     } else if response.dragged_by(PointerButton::Primary) {

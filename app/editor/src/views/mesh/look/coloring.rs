@@ -15,6 +15,7 @@ use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::views::field::vertices_in_faces;
 use crate::views::mesh::arrays::textures::FaceTextures;
 use crate::views::mesh::arrays::{Arrays, CornerSharing};
 use crate::views::mesh::look::palette::{colors_of_labels, diffuse_of, label_layers};
@@ -339,13 +340,7 @@ fn values_of(
 
 /// Takes the values from vertices that no face has: nobody sees them.
 fn leave_out_isolated(mesh: &TriMesh, values: &mut [f64]) {
-    let mut is_seen = vec![false; values.len()];
-    for vertex in mesh.faces.as_flattened() {
-        if let Some(is_seen) = is_seen.get_mut(vertex.idx()) {
-            *is_seen = true;
-        }
-    }
-    for (value, is_seen) in values.iter_mut().zip(is_seen) {
+    for (value, is_seen) in values.iter_mut().zip(vertices_in_faces(mesh)) {
         if !is_seen {
             *value = f64::NAN;
         }

@@ -33,6 +33,7 @@ pub struct NamedView {
     range: [Option<f64>; 2],
     up: Option<UpAxis>,
     has_box: bool,
+    is_one_scale: Option<bool>,
     balance: f32,
     pair: [usize; 2],
     section: Section,
@@ -56,6 +57,7 @@ impl NamedView {
             range: [settings.scale.low, settings.scale.high],
             up: settings.up,
             has_box: settings.has_box,
+            is_one_scale: settings.is_one_scale,
             balance: settings.balance,
             pair: settings.pair,
             section: settings.section,
@@ -73,6 +75,7 @@ impl NamedView {
         [settings.scale.low, settings.scale.high] = self.range;
         settings.up = self.up;
         settings.has_box = self.has_box;
+        settings.is_one_scale = self.is_one_scale;
         settings.balance =
             if self.balance.is_finite() { self.balance.clamp(0.0, 1.0) } else { 0.5 };
         settings.pair = self.pair;

@@ -42,6 +42,9 @@ impl RangeEnd {
     fn give(self, scale: &mut ScaleSettings, value: f64, present: f64) -> Result<(), String> {
         let (name, text) = (self.name(), number_text(value));
         let stays = number_text(present);
+        if !value.is_finite() {
+            return Err(format!("{name}: {text} is no end of a range; it stays {stays}"));
+        }
         if scale.spacing == Spacing::Logarithmic && value <= 0.0 {
             return Err(format!("{name}: {text} has no logarithm; it stays {stays}"));
         }
@@ -94,6 +97,11 @@ mod tests {
         // An end from the data is no limit: it goes where there is room.
         scale.low = None;
         RangeEnd::High.give(&mut scale, -7.0, 2.0).unwrap();
+        assert_eq!(scale.high, Some(-7.0));
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let refused = RangeEnd::High.give(&mut scale, value, 2.0).unwrap_err();
+            assert!(refused.contains("is no end of a range"), "{refused}");
+        }
         assert_eq!(scale.high, Some(-7.0));
         scale.spacing = Spacing::Logarithmic;
         assert!(RangeEnd::High.give(&mut scale, 0.0, 1.0).unwrap_err().contains("no logarithm"));

@@ -92,6 +92,8 @@ pub struct MeshSettings {
     pub up: Option<UpAxis>,
     /// How several share the panel.
     pub arrangement: Arrangement,
+    /// Whether meshes side by side have one scale and place; `None`: unless they are too unlike.
+    pub is_one_scale: Option<bool>,
     /// Where the line of the wipe is, or how much of the second is seen: 0 to 1.
     pub balance: f32,
     /// The first and the second of a comparison, by place.
@@ -117,6 +119,7 @@ impl Default for MeshSettings {
             switched: BTreeMap::new(),
             up: None,
             arrangement: Arrangement::default(),
+            is_one_scale: None,
             balance: 0.5,
             pair: [0, 1],
             section: Section::default(),

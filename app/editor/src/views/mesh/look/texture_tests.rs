@@ -29,7 +29,8 @@ fn textured(textures: &[(&str, Option<Arc<TextureImage>>)]) -> TriMesh {
         }],
     };
     mesh.materials = textures.iter().enumerate().map(material).collect();
-    let mut names: Vec<String> = mesh.materials.iter().map(|m| m.name.clone()).collect();
+    let mut names: Vec<String> =
+        mesh.materials.iter().map(|material| material.name.clone()).collect();
     names.push("plain".to_owned());
     let last = names.len() as u32 - 1;
     mesh.set_layer(Layer {
@@ -83,6 +84,7 @@ fn what_is_wrong_with_a_texture_is_said_in_a_line() {
 
 #[test]
 fn smaller_versions_end_in_a_pixel() {
-    let sizes: Vec<_> = smaller(&RgbaImage::new(10, 3)).iter().map(|s| s.dimensions()).collect();
+    let sizes: Vec<_> =
+        smaller(&RgbaImage::new(10, 3)).iter().map(|picture| picture.dimensions()).collect();
     assert_eq!(sizes, [(5, 1), (2, 1), (1, 1)]);
 }

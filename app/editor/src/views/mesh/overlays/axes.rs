@@ -24,8 +24,8 @@ impl Overlay for Axes {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
-        if let (Some(_), Some(tile)) = (scene.bounds, scene.tiles.first()) {
-            paint_axes(&ui.painter_at(tile.rect), tile.rect, scene.camera);
+        if let (Some(viewpoint), Some(tile)) = (scene.viewpoints.first(), scene.tiles.first()) {
+            paint_axes(&ui.painter_at(tile.rect), tile.rect, &viewpoint.camera);
         }
     }
 }

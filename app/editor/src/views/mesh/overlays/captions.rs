@@ -8,7 +8,8 @@ use crate::views::heading;
 use crate::views::mesh::item::{MeshItem, Undrawable};
 use crate::views::mesh::outline::outline_color;
 use crate::views::mesh::scene::MeshScene;
-use crate::views::number::counted;
+use crate::views::mesh::viewpoint::is_each_fitted;
+use crate::views::number::{counted, number_text};
 
 /// The overlay of names and counts, each with a button to unpin the mesh.
 #[derive(Default)]
@@ -16,6 +17,7 @@ pub struct Captions;
 
 impl Overlay for Captions {
     fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
+        let is_each_fitted = is_each_fitted(scene.settings, scene.items);
         for (at, tile) in scene.tiles.iter().enumerate() {
             let mesh = &scene.meshes[tile.item];
             let mut rect = tile.rect;
@@ -29,7 +31,7 @@ impl Overlay for Captions {
                 let mark = Rect::from_min_size(rect.min + vec2(0.0, 5.0), vec2(4.0, 20.0));
                 ui.painter_at(rect).rect_filled(mark, 0.0, Color32::from_rgb(r, g, b));
             }
-            let text = caption(&mesh.title, &scene.items[tile.item]);
+            let text = caption(&mesh.title, &scene.items[tile.item], is_each_fitted);
             if heading::caption(ui, rect, &text, (!scene.is_still).then_some(&*mesh.title)) {
                 scene.actions.push(ViewerAction::Unpin(mesh.place));
             }
@@ -38,7 +40,7 @@ impl Overlay for Captions {
 }
 
 /// Name, counts, and what is going on; what is wrong with textures, in a second line.
-fn caption(title: &str, item: &MeshItem) -> String {
+fn caption(title: &str, item: &MeshItem, has_own_scale: bool) -> String {
     let mesh = &item.mesh;
     let counts = format!(
         "{title}: {}, {}",
@@ -65,6 +67,8 @@ fn caption(title: &str, item: &MeshItem) -> String {
             n => format!(", {}{bad}", counted(n, "border edge", "border edges")),
         }
     });
+    let size = item.bounds().filter(|_| has_own_scale);
+    let size = size.map(|bounds| format!(", diagonal {}", number_text(2.0 * bounds.radius())));
     let texture = item.texture_problem().map_or(String::new(), |problem| format!("\n{problem}"));
-    counts + &edges + &state + &texture
+    counts + &edges + &size.unwrap_or_default() + &state + &texture
 }

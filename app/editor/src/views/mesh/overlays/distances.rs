@@ -4,6 +4,7 @@ use eframe::egui::{self, Color32, FontId, Pos2, Rect, Stroke, vec2};
 
 use super::Overlay;
 use crate::views::mesh::scene::{MeshScene, Screen};
+use crate::views::mesh::viewpoint::Viewpoint;
 use crate::views::number::number_text;
 
 /// The overlay of the lines.
@@ -22,7 +23,8 @@ impl Overlay for Distances {
             let titles = || tiles.iter().map(|tile| scene.meshes[tile.item].title.as_str());
             let screen = Screen { rect: response.rect };
             let painter = ui.painter_at(screen.rect);
-            let place = |point| Some(screen.place(scene.camera.project(point, screen.aspect())?));
+            let Some(Viewpoint { camera, .. }) = scene.viewpoints.get(at) else { continue };
+            let place = |point| Some(screen.place(camera.project(point, screen.aspect())?));
             for distance in &scene.settings.distances {
                 let [Some(a), Some(b)] = distance.ends.map(place) else { continue };
                 if titles().any(|title| distance.is_of(title)) {

@@ -12,6 +12,7 @@ use crate::views::camera::Ray;
 use crate::views::mesh::hand::pick::{Hit, describe, pick};
 use crate::views::mesh::scene::{MeshScene, Screen};
 use crate::views::mesh::section::Plane;
+use crate::views::mesh::viewpoint::Viewpoint;
 
 /// Seconds without a move after which a pointer rests.
 const REST_SECS: f32 = 0.15;
@@ -34,19 +35,24 @@ impl Overlay for Hover {
             let place = response.hover_pos().filter(|_| response.hovered() && !is_covered)?;
             Some((at, place))
         });
-        let (Some((at, place)), Some(bounds)) = (place, &scene.bounds) else {
+        let seen = place.and_then(|(at, place)| Some((at, place, scene.viewpoints.get(at)?)));
+        let Some((at, place, Viewpoint { camera, bounds })) = seen else {
             self.forget();
             return;
         };
         let item = &scene.items[scene.visible_mesh(at, place)];
         let screen = Screen { rect: scene.responses[at].rect };
-        let ray = scene.camera.ray(screen.normalized(place), screen.aspect(), bounds);
+        let ray = camera.ray(screen.normalized(place), screen.aspect(), bounds);
         let Some(hit) = self.at(ui, &item.mesh, (ray, scene.plane)) else { return };
         let text = describe(&item.mesh, &hit, item.values().as_deref());
         let (id, anchor) = (scene.responses[at].id.with("read-out"), egui::PopupAnchor::Pointer);
         egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
             .gap(14.0)
             .show(|ui| ui.label(text));
+    }
+
+    fn is_busy(&self) -> bool {
+        self.task.is_some()
     }
 }
 

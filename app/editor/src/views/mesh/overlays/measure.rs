@@ -12,6 +12,7 @@ use crate::views::mesh::distance::Distance;
 use crate::views::mesh::hand::click::ClickSearch;
 use crate::views::mesh::look::settings::{Switch, SwitchHome};
 use crate::views::mesh::scene::{MeshScene, Screen};
+use crate::views::mesh::viewpoint::Viewpoint;
 
 /// The overlay of the tool.
 #[derive(Default)]
@@ -19,8 +20,8 @@ pub struct Measure {
     search: ClickSearch,
     /// The first point, and the mesh that it is on.
     first: Option<(DVec3, String)>,
-    /// The frame in which it was shown last.
-    frame: u64,
+    /// Whether keys went elsewhere when it was shown last: to a field, a menu or a dialog.
+    is_elsewhere: bool,
 }
 
 impl Overlay for Measure {
@@ -38,13 +39,8 @@ impl Overlay for Measure {
         if scene.is_still {
             return;
         }
-        let frame = ui.ctx().cumulative_frame_nr();
-        if frame > self.frame + 1 {
-            // It was switched off in between.
-            (self.first, self.search) = (None, ClickSearch::default());
-        }
-        self.frame = frame;
-        if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+        if self.takes_keys(ui, scene)
+            && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
             && self.first.take().is_none()
         {
             scene.settings.is_measuring = false;
@@ -59,21 +55,46 @@ impl Overlay for Measure {
                     let of = (of == title).then_some(of);
                     let content = Distance::content([first, point], of.as_deref());
                     let edit = KeptEdit::Put { shelf, name, content };
-                    scene.actions.push(ViewerAction::Keep(edit));
+                    scene.actions.push(ViewerAction::Keep(vec![edit]));
                     None
                 }
             };
         }
         self.paint(ui, scene);
     }
+
+    fn rest(&mut self) {
+        *self = Self::default();
+    }
+
+    fn is_busy(&self) -> bool {
+        self.search.is_busy()
+    }
 }
 
 impl Measure {
+    /// Whether keys are meant for it: a picture has the focus, or the pointer while nothing else
+    /// has it. What a key closes or leaves has lost the focus when this is asked.
+    fn takes_keys(&mut self, ui: &egui::Ui, scene: &MeshScene) -> bool {
+        let had_focus = |memory: &egui::Memory, one: &egui::Response| {
+            memory.has_focus(one.id) || memory.had_focus_last_frame(one.id)
+        };
+        let (has_picture, has_other) = ui.memory(|memory| {
+            let has_picture = scene.responses.iter().any(|one| had_focus(memory, one));
+            let is_covered = memory.top_modal_layer().is_some();
+            (has_picture, memory.focused().is_some() && !has_picture || is_covered)
+        });
+        let is_elsewhere = has_other || egui::Popup::is_any_open(ui.ctx());
+        let was_elsewhere = std::mem::replace(&mut self.is_elsewhere, is_elsewhere);
+        let is_pointed_at = scene.responses.iter().any(egui::Response::hovered);
+        !(is_elsewhere || was_elsewhere) && (has_picture || is_pointed_at)
+    }
+
     fn paint(&self, ui: &mut egui::Ui, scene: &MeshScene) {
-        for response in scene.responses {
+        for (response, Viewpoint { camera, .. }) in scene.responses.iter().zip(scene.viewpoints) {
             let screen = Screen { rect: response.rect };
             let painter = ui.painter_at(screen.rect);
-            let seen = |point| scene.camera.project(point, screen.aspect());
+            let seen = |point| camera.project(point, screen.aspect());
             let from = self.first.as_ref();
             let from = from.and_then(|(point, _)| Some(screen.place(seen(*point)?)));
             if let Some(from) = from {

@@ -10,8 +10,8 @@ use super::lines::{LineChoice, LineSet};
 use super::look::settings::{MeshSettings, Switch};
 use super::scene::{MeshPicture, MeshScene};
 
-/// Something that lies on the pictures of meshes. All but `switch` and `lines` is called only
-/// while it is switched on.
+/// Something that lies on the pictures of meshes. What paints and shows is called only while it is
+/// switched on.
 pub trait Overlay {
     /// How it is switched; `None` for what is always there.
     fn switch(&self) -> Option<Switch> {
@@ -28,6 +28,14 @@ pub trait Overlay {
 
     /// Shows what belongs to the whole panel, once all pictures are there.
     fn show(&mut self, _ui: &mut egui::Ui, _scene: &mut MeshScene) {}
+
+    /// Gives up what is under way: called in each frame in which it is switched off.
+    fn rest(&mut self) {}
+
+    /// Whether something is in the making that will change what it shows.
+    fn is_busy(&self) -> bool {
+        false
+    }
 }
 
 /// On which side of a picture something is painted.
@@ -103,10 +111,16 @@ impl Overlays {
     /// Shows what belongs to the whole panel.
     pub fn show(&mut self, ui: &mut egui::Ui, scene: &mut MeshScene) {
         for overlay in self.all_mut() {
-            if is_on(overlay, scene.settings) {
-                overlay.show(ui, scene);
+            match is_on(overlay, scene.settings) {
+                true => overlay.show(ui, scene),
+                false => overlay.rest(),
             }
         }
+    }
+
+    /// Whether something is in the making that will change what is shown.
+    pub fn is_busy(&self) -> bool {
+        self.all().into_iter().any(Overlay::is_busy)
     }
 }
 

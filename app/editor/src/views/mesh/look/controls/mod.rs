@@ -40,6 +40,8 @@ pub struct Offers {
     pub views: Vec<(String, NamedView)>,
     /// The box around all, once it is known.
     pub bounds: Option<Bounds>,
+    /// Whether meshes side by side have one scale and place.
+    pub is_one_scale: bool,
 }
 
 impl Offers {
@@ -81,7 +83,7 @@ pub fn controls(
     offers: &Offers,
 ) -> Wishes {
     let mut wishes = Wishes::default();
-    ui.horizontal_wrapped(|ui| {
+    let row = |ui: &mut egui::Ui| {
         if ui.button("Fit").on_hover_text("Show all of it (R, or double click)").clicked() {
             wishes.is_fit = true;
         }
@@ -105,9 +107,20 @@ pub fn controls(
         if offers.titles.len() > 1 {
             comparison(ui, settings, offers);
         }
-    });
+    };
+    // In a low panel several rows would leave nothing for the pictures: one is scrolled then.
+    match ui.available_height() < LOW {
+        true => {
+            let area = egui::ScrollArea::horizontal().id_salt("row of controls");
+            area.show(ui, |ui| ui.horizontal(row));
+        }
+        false => drop(ui.horizontal_wrapped(row)),
+    }
     wishes
 }
+
+/// Height of a panel in points below which its controls have one row.
+const LOW: f32 = 240.0;
 
 /// A menu that stays open until something else is clicked: what it holds are settings.
 pub fn menu(ui: &mut egui::Ui, label: &str, content: impl FnOnce(&mut egui::Ui)) -> egui::Response {
@@ -233,6 +246,13 @@ fn comparison(ui: &mut egui::Ui, settings: &mut MeshSettings, offers: &Offers) {
         ui.selectable_value(&mut settings.arrangement, value, label).on_hover_text(tip);
     }
     if settings.arrangement == Arrangement::SideBySide {
+        let mut is_one_scale = offers.is_one_scale;
+        let switch = ui.toggle_value(&mut is_one_scale, "One scale");
+        let tip = "Meshes in one scale and place; else each fills its picture, and its caption \
+                   says how large it is";
+        if switch.on_hover_text(tip).changed() {
+            settings.is_one_scale = Some(is_one_scale);
+        }
         return;
     }
     make_room(ui, 190.0);

@@ -20,7 +20,8 @@ pub fn section_controls(
     let section = &mut settings.section;
     let shown = menu(ui, "Section", |ui| section_menu(ui, section, camera, offers));
     shown.on_hover_text("Cut the meshes by a plane (X)");
-    let Some((bounds, plane)) = offers.bounds.and_then(|b| Some((b, section.plane(&b)?))) else {
+    let Some((bounds, plane)) = offers.bounds.and_then(|all| Some((all, section.plane(&all)?)))
+    else {
         return;
     };
     make_room(ui, 290.0);
@@ -37,7 +38,8 @@ pub fn section_controls(
     for (response, name) in [(&slider, "slider of the plane"), (&field, "offset of the plane")] {
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
     }
-    if slider.on_hover_text(tip).changed() || field.on_hover_text(tip).changed() {
+    let is_moved = slider.on_hover_text(tip).changed() | field.on_hover_text(tip).changed();
+    if is_moved && offset.is_finite() {
         section.offset = Some(offset);
     }
     if ui.button("Flip").on_hover_text("Cut the other side away (F)").clicked() {
