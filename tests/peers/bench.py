@@ -144,7 +144,8 @@ def machine():
     with open("/proc/cpuinfo", encoding="utf-8") as lines:
         names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
     name = f"{names[0]}, " if names else ""
-    return f"{name}{os.cpu_count()} cores, {platform.system()} {platform.release()}"
+    system = f"{platform.system()} {platform.release()}"
+    return f"{name}{os.cpu_count()} cores at a load of {os.getloadavg()[2]:.0f}, {system}"
 
 
 def arguments():
