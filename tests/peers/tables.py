@@ -2,6 +2,7 @@
 
 import csv
 import math
+import textwrap
 
 import mve
 
@@ -221,11 +222,13 @@ def markdown(rows, machine):
     sizes = {row["mesh"]: (row["input_faces"], row["target"]) for row in rows}
     meshes = "; ".join(f"{mesh} {n:,} to {m:,}" for mesh, (n, m) in sizes.items())
     failed = {f"{row['program']} on {row['mesh']}: {row['error']}" for row in results.errors}
+    named = ", ".join(f"{name} {version}" for name, version in versions.items())
+    about = (
+        f"{' to '.join(dict.fromkeys([dates[0], dates[-1]]))}; {machine}. Faces: {meshes}. "
+        f"Versions: {named}. RMS and largest distances are 1e-4 of the diagonal."
+    )
     lines = [
-        f"{dates[0]} to {dates[-1]}; {machine}. Faces: {meshes}.",
-        "Versions: " + ", ".join(f"{name} {version}" for name, version in versions.items()) + ".",
-        "",
-        "RMS and largest distances are 1e-4 of the diagonal.",
+        *textwrap.wrap(about, 100),
         "",
         *times_and_distances(results),
         "",
@@ -234,7 +237,7 @@ def markdown(rows, machine):
         *targets(results),
     ]
     if failed:
-        lines += ["", "Not run: " + "; ".join(sorted(failed)) + "."]
+        lines += ["", *textwrap.wrap("Not run: " + "; ".join(sorted(failed)) + ".", 100)]
     return "\n".join(lines)
 
 
