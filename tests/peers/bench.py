@@ -144,7 +144,8 @@ def machine():
     with open("/proc/cpuinfo", encoding="utf-8") as lines:
         names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
     name = f"{names[0]}, " if names else ""
-    return f"{name}{os.cpu_count()} cores, {platform.system()} {platform.release()}"
+    system = f"{platform.system()} {platform.release()}"
+    return f"{name}{os.cpu_count()} cores at a load of {os.getloadavg()[2]:.0f}, {system}"
 
 
 def arguments():
@@ -172,6 +173,7 @@ def arguments():
 
 def main():
     args = arguments()
+    measure.check()
     args.out.mkdir(parents=True, exist_ok=True)
     table = args.out / "results.csv"
     rows = tables.read(table) if args.keep and table.exists() else []
@@ -206,8 +208,8 @@ def main():
     text = tables.markdown(rows, machine())
     (args.out / "results.md").write_text(text + "\n", encoding="utf-8")
     print(text)
-    store.write(rows, args.out / "store")
-    draw(args.out / "store", meshes.ROOT / "docs" / "pictures" if args.write else args.out)
+    if store.write(rows, args.out / "store"):
+        draw(args.out / "store", meshes.ROOT / "docs" / "pictures" if args.write else args.out)
     if args.write:
         tables.put(text, meshes.ROOT / "docs" / "BENCHMARKS.md")
 
@@ -217,8 +219,7 @@ def draw(folder, destination):
     words = [str(mve.COMMAND), "report", str(folder)]
     subprocess.run([*words, "--out", str(folder.with_name("report.html"))], check=True)
     subprocess.run([*words, "--format", "svg", "--out", str(folder / "plots")], check=True)
-    plot = folder / "plots" / "result.rms-by-result.seconds_a_million.svg"
-    shutil.copyfile(plot, destination / "peers.svg")
+    shutil.copyfile(folder / "plots" / store.PLOT, destination / "peers.svg")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 // Simplifies a mesh by one of the policies of CGAL's Surface_mesh_simplification.
 //
 // cgal POLICY TARGET_FACES CALLS IN OUT: reads and writes the files of `meshes.py`, and prints, as
-// JSON, the mean of the seconds of the processor that so many calls of `edge_collapse` took, and the
-// memory before the mesh was there and at most during the first call.
+// JSON, the mean of the seconds of the processor that so many calls of `edge_collapse` took, and
+// the memory before the mesh was there and at most during the first call.
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Simple_cartesian.h>

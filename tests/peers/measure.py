@@ -88,3 +88,18 @@ def counts(positions, faces):
         "folds": int((np.degrees(turn) > FOLD_DEG).sum()),
         "slivers": int((corner_angles(positions, faces).min(axis=1) < SLIVER_DEG).sum()),
     }
+
+
+def check():
+    """Measures what is known by hand, so that no run stands on a broken sampler."""
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    # Planes 0.1 apart, over the diagonal of a square of side 1.
+    found = distances((square, faces), (square + [0, 0, 0.1], faces), 1000)
+    for name in ("rms", "max"):
+        assert abs(found[name] - 0.1 / np.sqrt(2)) < 1e-6, found
+    sin, cos = np.sin(np.radians(160)), np.cos(np.radians(160))
+    hinge = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -cos, sin], [-0.01, 1, 0]])
+    found = counts(hinge, np.array([[0, 1, 2], [1, 0, 3], [0, 2, 4]]))
+    expected = {"faces": 3, "euler": 1, "non_manifold": 0, "folds": 1, "slivers": 1}
+    assert found == expected, found

@@ -12,6 +12,7 @@ import tables
 
 # What the report shows of a step: name, title, unit, and part in the report.
 MEASURES = {
+    "ratio": ("RMS to Lindstrom-Turk", "", "chief"),
     "rms": ("RMS distance", "of the diagonal", "chief"),
     "max": ("largest distance", "of the diagonal", "chief"),
     "seconds_a_million": ("time", "s a million faces", "detail"),
@@ -20,10 +21,20 @@ MEASURES = {
 }
 
 
+# Programs of a larger RMS, in the mean over the meshes, are in the tables alone.
+LARGEST_RATIO = 2.6
+
+# The file of the plot among those of the report.
+PLOT = "result.ratio-by-result.seconds_a_million.svg"
+
+
 def write(rows, folder):
-    """Writes the store, of programs that gave a result on all meshes."""
+    """Writes the store, of programs that gave a result on all meshes, and of a distance that leaves
+    the others apart. False where the program that all are held against has no result."""
     results = tables.Results(rows)
-    programs = [program for program in results.programs if results.all_of(program)]
+    programs = [p for p in results.programs if results.ratio(p) <= LARGEST_RATIO]
+    if not programs:
+        return False
     shutil.rmtree(folder, ignore_errors=True)
     steps = []
     for mesh in results.meshes:
@@ -31,7 +42,8 @@ def write(rows, folder):
             params = {"input.mesh": mesh, "peer.program": program}
             step = hashlib.sha256(json.dumps(params).encode()).hexdigest()[:16]
             steps.append({"id": step, "repeat": 0, "params": params})
-            row = results.row(program, mesh)
+            row = dict(results.row(program, mesh))
+            row["ratio"] = row["rms"] / results.row(tables.REFERENCE, mesh)["rms"]
             node = {"module": "Peer", "status": "done", "key": "0" * 64,
                     "scalars": {name: row[name] for name in MEASURES}}
             record = {"id": step, "repeat": 0, "params": params, "status": "done",
@@ -45,10 +57,11 @@ def write(rows, folder):
     }
     report = {"against": ["result.seconds_a_million"], "group": "input.mesh",
               "series": ["peer.program"],
-              "measures": [{"column": f"result.{name}"} for name in ("rms", "max")]}
+              "measures": [{"column": f"result.{name}"} for name in ("ratio", "rms", "max")]}
     axes = [{"input.mesh": results.meshes}, {"peer.program": programs}]
     plan = {"program": "peers", "mve": "0", "inputs": {}, "modules": {}, "steps": steps,
             "varied": ["input.mesh", "peer.program"], "nodes": ["input", "peer", "result"],
             "spec": {"axes": axes, "report": report}, "columns": columns,
             "map": {"mve": 1, "title": "Programs that simplify meshes", "nodes": {}}}
     (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    return True

@@ -142,7 +142,7 @@ mod tests {
     fn a_folder_of_textures_belongs_to_one_saver() {
         let folder = textured();
         let problems = plan(folder.path(), "a.obj").unwrap_err();
-        assert!(problems[0].contains("save.path writes \"a-textures\" alone"), "{problems:?}");
+        assert!(problems[0].contains("\"a-textures\" as a folder, which"), "{problems:?}");
         let problems = plan(folder.path(), "A.obj").unwrap_err();
         assert!(problems[0].contains("as a folder, which"), "{problems:?}");
     }

@@ -10,16 +10,13 @@ use mve_core::{Cancelled, Control};
 
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node, TURNED};
 use super::bvh::{Bvh, is_usable};
+use super::bvh_split::{Part, bounds_of, centers_of, split};
 use super::pieces::{Bounds, Item, Piece, one_a_face};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
 use crate::mesh::morton::{coarse_codes, sort_by_code};
 
-/// Bins along the longest axis.
-const N_BINS: usize = 16;
-/// Below this depth parts are halved by count, which bounds the depth of the tree.
-const SAH_DEPTH: u32 = 40;
 /// Nodes over at most so many faces turn their boxes: larger ones are few.
 const MOST_TURNED: usize = 4096;
 /// Trees in which a point of the box around all is in more boxes than this, on average, are built
@@ -32,20 +29,6 @@ const N_PIECES: u32 = 16;
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
 const STRIDE: usize = 1 << 15;
-
-/// A run of items that becomes one child.
-#[derive(Clone, Copy)]
-struct Part {
-    start: usize,
-    end: usize,
-    bounds: Bounds,
-}
-
-impl Part {
-    fn len(&self) -> usize {
-        self.end - self.start
-    }
-}
 
 /// How much care a tree is built with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,17 +168,6 @@ fn frame_of(
         return Ok(BoxFrame { center, scale: 1.0 });
     }
     Ok(BoxFrame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() })
-}
-
-fn bounds_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
-    let mut bounds = Bounds::EMPTY;
-    for chunk in items.chunks(STRIDE) {
-        report_long(chunk, control)?;
-        for item in chunk {
-            bounds.add(item.low, item.high);
-        }
-    }
-    Ok(bounds)
 }
 
 struct Builder<'a> {
@@ -446,120 +418,6 @@ fn sort_along_curve(items: &mut Vec<Item>, control: Control) -> Result<Vec<u64>,
     sort_by_code(&mut keys, control)?;
     *items = keys.iter().map(|&(_, at)| items[at as usize]).collect();
     Ok(keys.into_iter().map(|(code, _)| code).collect())
-}
-
-/// The box around twice the centers of the items.
-fn centers_of(items: &[Item], control: Control) -> Result<Bounds, Cancelled> {
-    let mut centers = Bounds::EMPTY;
-    for chunk in items.chunks(STRIDE) {
-        report_long(chunk, control)?;
-        for item in chunk {
-            centers.add(item.center(), item.center());
-        }
-    }
-    Ok(centers)
-}
-
-/// Splits a part of at least two items in two that are not empty.
-fn split(
-    items: &mut [Item],
-    part: Part,
-    centers: Bounds,
-    depth: u32,
-    control: Control,
-) -> Result<[Part; 2], Cancelled> {
-    let slice = &mut items[part.start..part.end];
-    let extent = centers.high - centers.low;
-    let axis = extent.max_position();
-    let by_bins = if extent[axis] > 0.0 && depth < SAH_DEPTH {
-        split_by_area(slice, axis, centers.low[axis], extent[axis], control)?
-    } else {
-        None
-    };
-    let (count, bounds) = match by_bins {
-        Some(found) => found,
-        None => split_by_count(slice, axis, control)?,
-    };
-    let cut = part.start + count;
-    let [below, above] = bounds;
-    Ok([
-        Part { start: part.start, end: cut, bounds: below },
-        Part { start: cut, end: part.end, bounds: above },
-    ])
-}
-
-/// Looks whether the work was cancelled, if the chunk of a loop is a whole one.
-fn report_long(chunk: &[Item], control: Control) -> Result<(), Cancelled> {
-    if chunk.len() == STRIDE { control.at(0.0) } else { Ok(()) }
-}
-
-/// Reorders the items by the median of their centers; returns as [`split_by_area`] does.
-fn split_by_count(
-    slice: &mut [Item],
-    axis: usize,
-    control: Control,
-) -> Result<(usize, [Bounds; 2]), Cancelled> {
-    let half = slice.len() / 2;
-    slice.select_nth_unstable_by(half, |a, b| {
-        a.center()[axis].total_cmp(&b.center()[axis]).then(a.face.cmp(&b.face))
-    });
-    let (below, above) = slice.split_at(half);
-    Ok((half, [bounds_of(below, control)?, bounds_of(above, control)?]))
-}
-
-/// Reorders the items by the cheapest plane between bins; returns how many lie before it, and the
-/// boxes of both sides.
-fn split_by_area(
-    slice: &mut [Item],
-    axis: usize,
-    low: f32,
-    extent: f32,
-    control: Control,
-) -> Result<Option<(usize, [Bounds; 2])>, Cancelled> {
-    let n_bins = if slice.len() < 2 * N_BINS { N_BINS / 2 } else { N_BINS };
-    let per_extent = n_bins as f32 * (1.0 - 1e-6) / extent;
-    let bin_of =
-        |item: &Item| (((item.center()[axis] - low) * per_extent) as i32 as usize).min(n_bins - 1);
-    let mut bins = [(Bounds::EMPTY, 0usize); N_BINS];
-    for chunk in slice.chunks(STRIDE) {
-        report_long(chunk, control)?;
-        for item in chunk {
-            let (bounds, count) = &mut bins[bin_of(item)];
-            bounds.add(item.low, item.high);
-            *count += 1;
-        }
-    }
-    let mut above = [(Bounds::EMPTY, 0); N_BINS];
-    for cut in (1..n_bins).rev() {
-        let mut sum = if cut + 1 < n_bins { above[cut + 1] } else { (Bounds::EMPTY, 0) };
-        sum.0.add(bins[cut].0.low, bins[cut].0.high);
-        sum.1 += bins[cut].1;
-        above[cut] = sum;
-    }
-    let cost = |(bounds, count): (Bounds, usize)| bounds.half_area() * count as f32;
-    let mut below = (Bounds::EMPTY, 0);
-    let mut best: Option<(f32, usize, [Bounds; 2])> = None;
-    for cut in 1..n_bins {
-        below.0.add(bins[cut - 1].0.low, bins[cut - 1].0.high);
-        below.1 += bins[cut - 1].1;
-        let total = cost(below) + cost(above[cut]);
-        let is_cut = below.1 > 0 && below.1 < slice.len();
-        if is_cut && best.is_none_or(|(least, ..)| total < least) {
-            best = Some((total, cut, [below.0, above[cut].0]));
-        }
-    }
-    let Some((_, cut, bounds)) = best else { return Ok(None) };
-    let mut n_before = 0;
-    for k in 0..slice.len() {
-        if k % STRIDE == STRIDE - 1 {
-            control.at(0.0)?;
-        }
-        if bin_of(&slice[k]) < cut {
-            slice.swap(n_before, k);
-            n_before += 1;
-        }
-    }
-    Ok(Some((n_before, bounds)))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod boxes;
 mod bulk;
 pub mod bvh;
 mod bvh_build;
+mod bvh_split;
 pub mod drift;
 pub mod hausdorff;
 mod hausdorff_max;

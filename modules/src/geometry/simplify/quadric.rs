@@ -3,7 +3,7 @@
 //! M. Garland and P. S. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH
 //! 1997; faces weigh by their area as in H. Hoppe, "New quadric metric for simplifying meshes
 //! with appearance attributes", IEEE Visualization 1999. Deviation: a term of
-//! [`TIE`] × weight × edge length² is added, the error of a vertex that lies 10⁻⁵ of its edge off
+//! 10⁻¹⁰ × weight × edge length² is added, the error of a vertex that lies 10⁻⁵ of its edge off
 //! its planes. Where the surface is flat and every error is zero up to rounding, it makes short
 //! edges go first, which keeps the faces there well shaped; elsewhere it does not count. An error
 //! that is no larger than this term is none: coordinates of seven digits are off by less. Where
@@ -11,7 +11,8 @@
 //!
 //! With less than all `memory` the planes of the faces around the edge as they are count too, or
 //! alone, as in the measures of P. Lindstrom and G. Turk, "Evaluation of memoryless
-//! simplification", IEEE TVCG 5(2), 1999: old planes keep a vertex from going where the surface is now.
+//! simplification", IEEE TVCG 5(2), 1999: old planes keep a vertex from
+//! going where the surface is now.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
