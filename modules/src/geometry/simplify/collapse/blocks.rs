@@ -36,7 +36,7 @@ const LEAST_BLOCKS: usize = 4;
 pub const SMALLEST_IN_BLOCKS: usize = LEAST_BLOCKS * BLOCK;
 /// Faces that the blocks leave for each face of the target. With more, the result is closer to that
 /// of one queue, and less of the work is shared.
-const LEFT: f64 = 1.3;
+const LEFT: f64 = 1.02;
 /// Where they would have to leave more than this part of their faces, cutting gains nothing.
 const MOST_LEFT: f64 = 0.7;
 /// The part of its faces that a block keeps in one step, at least.
