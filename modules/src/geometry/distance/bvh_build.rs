@@ -289,7 +289,8 @@ impl Builder<'_> {
             }
             let Some(chosen) = chosen else { break };
             let part = parts[chosen];
-            if !self.codes.is_empty() {
+            // What lies in one cell of the curve is split as it is without a curve.
+            if self.codes.get(part.start) != self.codes.get(part.end - 1) {
                 [parts[chosen], parts[n_parts]] = self.split_along_curve(items, part, control)?;
                 n_parts += 1;
                 continue;
@@ -311,7 +312,7 @@ impl Builder<'_> {
         Ok((parts, n_parts))
     }
 
-    /// Splits a part where the largest cell of the curve ends, or in the middle of one cell.
+    /// Splits a part of several cells of the curve where the largest of them ends.
     fn split_along_curve(
         &self,
         items: &[Item],
@@ -319,12 +320,8 @@ impl Builder<'_> {
         control: Control,
     ) -> Result<[Part; 2], Cancelled> {
         let codes = &self.codes[part.start..part.end];
-        let differing = codes[0] ^ codes[codes.len() - 1];
-        let half = part.len() / 2;
-        let n_below = match differing.checked_ilog2() {
-            Some(bit) => codes.partition_point(|code| code >> bit & 1 == 0),
-            None => half,
-        };
+        let bit = (codes[0] ^ codes[codes.len() - 1]).checked_ilog2().unwrap_or(0);
+        let n_below = codes.partition_point(|code| code >> bit & 1 == 0);
         let cut = part.start + n_below;
         let below = bounds_of(&items[part.start..cut], control)?;
         let above = bounds_of(&items[cut..part.end], control)?;

@@ -80,6 +80,29 @@ fn needles_across_each_other_are_found_by_their_pieces() {
     assert_eq!(same, [0, n + 2]);
 }
 
+#[test]
+fn faces_in_one_cell_of_the_curve_are_told_apart() {
+    // A grid whose faces are listed at random, and one so far away that all others share a cell.
+    let n = 60_u32;
+    let point = |at: u32| [f64::from(at % (n + 1)), f64::from(at / (n + 1)), 0.0];
+    let mut points: Vec<_> = (0..(n + 1) * (n + 1)).map(point).collect();
+    let corner = |at: u32| at / n * (n + 1) + at % n;
+    let mut faces: Vec<_> =
+        (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + n + 1]).collect();
+    faces.sort_by_key(|face| IndexedRandom::new(0).bits(u64::from(face[0])));
+    let stray = points.len() as u32;
+    points.extend([[1e5, 0.0, 0.0], [1e5, 1.0, 0.0], [1e5, 0.0, 1.0]]);
+    faces.push([stray, stray + 1, stray + 2]);
+    let bvh = Bvh::build_quickly(&mesh_of(&points, &faces), Control::none()).unwrap();
+    let mut walker = bvh.walker();
+    for at in (0..n * n).step_by(97) {
+        let [x, y, _] = point(corner(at));
+        assert!(walker.closest(DVec3::new(x + 0.2, y + 0.2, 0.1)).is_some());
+    }
+    let n_queries = (n * n).div_ceil(97) as usize;
+    assert!(walker.n_visits() < 40 * n_queries, "{} {n_queries}", walker.n_visits());
+}
+
 fn any_point() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from)
 }
@@ -108,6 +131,16 @@ proptest! {
         let many = ManyQueries::new(&bvh, queries[0]);
         let batch = many.closest(&queries, Control::none()).unwrap();
         let rounding = 1e-14 * scale * (1.0 + spread);
+        let quick = Bvh::build_quickly(&mesh, Control::none()).unwrap();
+        let reach = 0.5 * scale;
+        let near = ManyQueries::new(&quick, queries[0]);
+        let near = near.nearby(&queries, reach, Control::none()).unwrap();
+        for ((&query, &expected), near) in queries.iter().zip(&expected).zip(near) {
+            let found = quick.closest(query).unwrap().distance_sq;
+            prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
+            let near = near.unwrap().distance_sq.sqrt();
+            prop_assert!(near <= reach || (near - expected.sqrt()).abs() <= rounding);
+        }
         for ((&query, &expected), batch) in queries.iter().zip(&expected).zip(batch) {
             let single = bvh.closest(query).unwrap().distance_sq;
             let seeded = walker.closest(query).unwrap().distance_sq;
