@@ -15,7 +15,7 @@ use crate::geometry::simplify::quadric::Quadric;
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::components::{small_components, without_faces};
 use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
-use crate::geometry::surface::weld::{coincident_border_edges, weld};
+use crate::geometry::surface::weld::{coincident_border_edges, finite_diagonal, weld};
 use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
@@ -45,8 +45,9 @@ impl Enumeration for Schedule {
         (
             "Blocks",
             "Blocks of a large mesh are simplified side by side on all cores, all up to the same \
-             price; then the cheapest is made first. Needs a number of faces and a cost that looks \
-             no farther than the faces around.",
+             price; then the cheapest is made first. As Greedy below 131,072 faces, without a \
+             target of faces, with a largest_cost, where most faces stay, and for costs that look \
+             farther than the faces around.",
         ),
     ];
     const VALUES: &'static [Self] = &[Self::Greedy, Self::Blocks];
@@ -63,7 +64,7 @@ enum SmallComponents {
 impl Enumeration for SmallComponents {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Simplified", "As the rest; closed ones stop at four faces."),
-        ("Kept", "They stay as they are."),
+        ("Kept", "They stay as they are, count towards the target, and `order` is Greedy."),
         ("Removed", "They go before anything else."),
     ];
     const VALUES: &'static [Self] = &[Self::Simplified, Self::Kept, Self::Removed];
@@ -133,7 +134,7 @@ const SMALL_COMPONENTS: Param<SmallComponents> = Param::one_of(
 const COMPONENT_SIZE: Param<f64> = Param::number(
     "component_size",
     "How large small components are at most: the diagonal of their box, as a part of that of the \
-     mesh. The largest component is never small.",
+     mesh. The largest component is never small. It counts unless small_components is Simplified.",
     0.02,
 )
 .within((0.0, 1.0));
@@ -141,8 +142,8 @@ const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
     "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
      target; cost and placement do the rest, and see what it left as their input. 3 makes a dear \
-     cost several times as fast for a little error. Counts where faces are the only target. Off: 3 \
-     for Quadric with less memory; other costs do all.",
+     cost several times as fast for a little error, at 1 nothing is left for it. Counts where faces \
+     are the only target. Off: 3 for Quadric with less memory; other costs do all.",
     None,
 )
 .within((1.0, 1e9))
@@ -236,7 +237,8 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, kept_size) = prepared(io)?;
     let order = io.param(ORDER)?;
-    let in_blocks = order == Schedule::Blocks && mesh.faces.len() >= SMALLEST_IN_BLOCKS;
+    let is_large = mesh.faces.len() >= SMALLEST_IN_BLOCKS;
+    let in_blocks = order == Schedule::Blocks && is_large && kept_size < 0.0;
     io.reserve(mesh.faces.len() * BYTES_A_FACE[usize::from(in_blocks)])?;
     let (cost, placement) = (io.choice(COST)?, io.choice(PLACEMENT)?);
     let faces = io.param(TARGET_FACES)?.map(|faces| faces as usize);
@@ -251,9 +253,13 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     let n_refits = io.param(REFIT)? as usize;
     let collapses = io.control().part(0.0, if n_refits > 0 { 0.5 } else { 1.0 });
-    let asked = (cost.entry.build)(&mesh, &cost.params)?.head_start();
-    let factor = io.param(HEAD_START)?.or(asked);
-    let start = head_start(factor, &mesh, kept_size, options, collapses.part(0.0, 0.3))?;
+    let factor = match io.param(HEAD_START)? {
+        None => (cost.entry.build)(&mesh, &cost.params)?.head_start(),
+        factor => factor,
+    };
+    // Components that stay are told by their size, so nothing else may become as small.
+    let factor = factor.filter(|_| kept_size < 0.0);
+    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
     // What was the target of the input is that of what the start left.
     options.stop.faces = options.stop.target_faces(mesh.faces.len());
     options.stop.ratio = None;
@@ -261,8 +267,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut cost = (cost.entry.build)(left, &cost.params)?;
     let mut placement = (placement.entry.build)(left, &placement.params)?;
     let rest = collapses.part(if start.is_some() { 0.3 } else { 0.0 }, 1.0);
-    let (cost, placement) = (cost.as_mut(), placement.as_mut());
-    let mut simplified = collapsed(left, kept_size, cost, placement, options, rest)?;
+    let parts = (cost.as_mut(), placement.as_mut());
+    let mut simplified = collapsed(left, kept_size, parts.0, parts.1, options, rest)?;
+    drop((cost, placement));
     if let Some(start) = start {
         simplified.add_start(&start);
     }
@@ -290,11 +297,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
     let mut mesh = io.get(MESH_IN)?;
     match io.param(WELD)? {
-        Some(tolerance) => mesh = Arc::new(weld(&mesh, tolerance, io.control())?.mesh),
+        Some(tolerance) => {
+            mesh = Arc::new(weld(&mesh, tolerance, io.control().part(0.0, 0.0))?.mesh)
+        }
         None => warn_of_seams(io, &mesh)?,
     }
-    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
-    let size = io.param(COMPONENT_SIZE)? * diagonal;
+    let size = io.param(COMPONENT_SIZE)? * finite_diagonal(&mesh);
     match io.param(SMALL_COMPONENTS)? {
         SmallComponents::Simplified => Ok((mesh, -1.0)),
         SmallComponents::Kept => Ok((mesh, size)),
@@ -311,7 +319,6 @@ fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
 fn head_start(
     factor: Option<f64>,
     mesh: &TriMesh,
-    kept_size: f64,
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Option<Simplified>, Cancelled> {
@@ -325,7 +332,7 @@ fn head_start(
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
     let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
-    collapsed(mesh, kept_size, cost, placement, options, control).map(Some)
+    simplify(mesh, cost, placement, options, control).map(Some)
 }
 
 /// The mesh simplified, but for components of at most this size.

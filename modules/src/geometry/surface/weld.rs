@@ -68,7 +68,7 @@ pub fn weld(mesh: &TriMesh, tolerance: f64, control: Control) -> Result<Welded, 
 }
 
 /// The diagonal of the box around the finite vertices that faces use.
-fn finite_diagonal(mesh: &TriMesh) -> f64 {
+pub fn finite_diagonal(mesh: &TriMesh) -> f64 {
     let used = mesh.faces.iter().flatten().map(|vertex| mesh.positions[vertex.idx()]);
     let (none, start) = (DVec3::INFINITY, (DVec3::INFINITY, DVec3::NEG_INFINITY));
     let around = |(low, high): (DVec3, DVec3), p: DVec3| (low.min(p), high.max(p));

@@ -7,8 +7,9 @@
 //! made by one queue over the joined mesh, whose vertices have the quadrics that the blocks gave
 //! them. A block fits a core's cache, and blocks do not wait for each other.
 //!
-//! No step takes more than half of a block's faces, nor more of it than of the whole mesh until the
-//! goal, so that the joined mesh is never coarser than what was asked for.
+//! No step takes more than half of a block's faces, and no larger share than the whole mesh has
+//! still to lose, so that the joined mesh is not coarser than what was asked for; a collapse that
+//! takes very many faces at once, copies of each other, may miss that by a few.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -87,7 +88,12 @@ pub(super) fn simplify_in_blocks(
         Err(Cancelled) => ControlFlow::Break(()),
     };
     let together = Control::new(&report);
-    let blocks: Vec<Block> = (0..n_blocks).into_par_iter().map(|at| cut.block(mesh, at)).collect();
+    let block = |at| {
+        together.at(0.0)?;
+        Ok(cut.block(mesh, at))
+    };
+    let blocks: Vec<Block> =
+        (0..n_blocks).into_par_iter().map(block).collect::<Result<_, Cancelled>>()?;
     let mut engines = engines(&blocks, &mut parts, options, together)?;
     let first_prices = start.elapsed().as_secs_f64();
     let n_to_go = (n_faces - target.min(n_faces)).max(1) as f64;
@@ -152,6 +158,10 @@ fn collapse_together(
         let kept = (goal / n_left).max(LEAST_KEPT);
         let advance = |engine: &mut Engine| {
             let least = (kept * engine.n_faces() as f64).ceil() as usize;
+            // A block that has nothing to give holds up no other.
+            if least >= engine.n_faces() {
+                return Ok(Halt::Exhausted);
+            }
             engine.advance(Some(least), Some(price))
         };
         let halts = engines.par_iter_mut().map(advance).collect::<Result<Vec<_>, Cancelled>>()?;

@@ -85,9 +85,8 @@ pub trait Cost: Send {
         false
     }
 
-    /// How many times the target may be left by quadrics with all their memory, which are several
-    /// times as fast, before this cost does the rest, where nobody says otherwise; `None` where it
-    /// is to do all.
+    /// Where nobody says otherwise: the multiple of the target down to which quadrics with all their
+    /// memory, which are several times as fast, simplify first. `None`: this cost does all.
     fn head_start(&self) -> Option<f64> {
         None
     }

@@ -107,10 +107,11 @@ pub(super) fn join(
         }
     }
     let layers = (0..input.layers.len()).map(|at| {
+        control.at(0.0)?;
         let of_blocks = blocks.iter().filter_map(|block| block.mesh.layers.get(at));
-        joined_layer(&input.layers[at], of_blocks, &vertex_at, &face_at)
+        Ok(joined_layer(&input.layers[at], of_blocks, &vertex_at, &face_at))
     });
-    let layers = layers.collect();
+    let layers = layers.collect::<Result<_, Cancelled>>()?;
     let mesh = TriMesh { positions, faces, layers, materials: input.materials.clone() };
     Ok(Joined { mesh, is_cut, quadrics })
 }

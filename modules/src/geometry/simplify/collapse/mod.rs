@@ -11,7 +11,8 @@
 //! Guarantees, for any input: no panic; the surface keeps its topology (components, Euler number,
 //! borders, non-manifold edges), because every collapse meets the link condition; the result is
 //! bit-equal from run to run and for any number of threads. The order of the input's vertices and
-//! faces matters only where price and length of two edges are equal to the last bit.
+//! faces matters only where price and length of two edges are equal to the last bit, and for where
+//! blocks are cut.
 //!
 //! Ordinary input that needs saying: a face that names a vertex twice and a vertex without a face
 //! are left out of the result; copies of a face stay copies; vertices with a coordinate that is

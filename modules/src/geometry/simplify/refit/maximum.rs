@@ -16,6 +16,8 @@ const DEAR: f64 = 0.7;
 /// Points that began within this part of the limit, of a face, are looked at again only where that
 /// face has moved by as much as is missing to [`DEAR`].
 const NEAR: f64 = 0.5;
+/// Faces that are looked at closely at a time: each takes some kilobytes.
+const FACES_AT_ONCE: usize = 1 << 14;
 /// How often vertices go back before they go all the way; after twice as many rounds all do.
 const N_ROUNDS: usize = 6;
 /// They go a little farther than the limit asks for, since distances change about evenly only.
@@ -162,27 +164,52 @@ impl<'a> Maximum<'a> {
         let is_due = |near: Option<FaceId>| near.is_none_or(|face| has_moved[face.idx()]);
         let points: Vec<DVec3> =
             self.points.iter().filter(|w| is_due(w.near)).map(|w| w.what).collect();
+        // What a face takes nowhere is as far as it was.
+        let stays = |face: &[VertexId; 3]| {
+            face.iter().all(|v| mesh.positions[v.idx()] == start.positions[v.idx()])
+        };
+        let riders = self.riders.iter().filter(|w| is_due(w.near)).map(|w| w.what);
         let riders: Vec<Rider> =
-            self.riders.iter().filter(|w| is_due(w.near)).map(|w| w.what).collect();
+            riders.filter(|rider| !stays(&mesh.faces[rider.face.idx()])).collect();
         let far = self.points_beyond(&points, mesh, control.part(0.0, 0.4))?;
         let dear = self.riders_beyond(&riders, mesh, DEAR * self.limit, control.part(0.4, 0.8))?;
-        let mut dense: Vec<Rider> = dear.into_iter().map(|(at, _)| riders[at]).collect();
-        let mut faces: Vec<FaceId> = dense.iter().map(|rider| rider.face).collect();
+        let dear: Vec<Rider> = dear.into_iter().map(|(at, _)| riders[at]).collect();
+        let mut faces: Vec<FaceId> = dear.iter().map(|rider| rider.face).collect();
         faces.sort_unstable();
         faces.dedup();
-        dense.extend(faces.into_iter().flat_map(grid));
-        let found = self.riders_beyond(&dense, mesh, self.limit, control.part(0.8, 0.9))?;
 
-        let control = control.part(0.9, 1.0);
+        let control = control.part(0.8, 1.0);
         let was: Vec<DVec3> = far.iter().map(|(at, _)| points[*at]).collect();
-        let before = self.point_distances_sq(&was, start, control)?;
-        let of_points = far.into_iter().map(|(_, hit)| (hit.distance_sq, hit.face)).zip(before);
-        let was: Vec<DVec3> = found.iter().map(|(at, _)| dense[*at].place(start)).collect();
-        let before = distances_sq(self.queries, &was, control)?;
-        let face_of = |(at, hit): (usize, Hit)| (hit.distance_sq, dense[at].face);
-        let of_riders = found.into_iter().map(face_of).zip(before);
-        let all = of_points.chain(of_riders);
-        Ok(all.filter(|((sq, _), before)| sq > before).map(|(now, _)| now).collect())
+        let before = self.point_distances_sq(&was, start, control.part(0.0, 0.1))?;
+        let now = far.into_iter().map(|(_, hit)| (hit.distance_sq, hit.face));
+        let all = now.zip(before).filter(|((sq, _), before)| sq > before);
+        let mut beyond: Vec<Far> = all.map(|(now, _)| now).collect();
+        self.add_farther(&dear, (start, mesh), &mut beyond, control.part(0.1, 0.2))?;
+        let n = faces.len().max(1) as f64;
+        for (chunk, faces) in faces.chunks(FACES_AT_ONCE).enumerate() {
+            let done = |chunk: usize| 0.2 + 0.8 * (chunk * FACES_AT_ONCE) as f64 / n;
+            let here = control.part(done(chunk), done(chunk + 1).min(1.0));
+            let dense: Vec<Rider> = faces.iter().flat_map(|face| grid(*face)).collect();
+            self.add_farther(&dense, (start, mesh), &mut beyond, here)?;
+        }
+        Ok(beyond)
+    }
+
+    /// Adds the riders that are beyond the limit, and farther than they were.
+    fn add_farther(
+        &self,
+        riders: &[Rider],
+        (start, mesh): (&TriMesh, &TriMesh),
+        beyond: &mut Vec<Far>,
+        control: Control,
+    ) -> Result<(), Cancelled> {
+        let found = self.riders_beyond(riders, mesh, self.limit, control.part(0.0, 0.8))?;
+        let was: Vec<DVec3> = found.iter().map(|(at, _)| riders[*at].place(start)).collect();
+        let before = distances_sq(self.queries, &was, control.part(0.8, 1.0))?;
+        let farther = found.into_iter().zip(before);
+        let farther = farther.filter(|((_, hit), before)| hit.distance_sq > *before);
+        beyond.extend(farther.map(|((at, hit), _)| (hit.distance_sq, riders[at].face)));
+        Ok(())
     }
 
     /// The points farther than the limit from a mesh.

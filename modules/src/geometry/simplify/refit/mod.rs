@@ -31,7 +31,6 @@ mod system;
 #[cfg(test)]
 mod tests;
 
-use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use thiserror::Error;
 
@@ -127,8 +126,7 @@ pub fn refit(
     }
     let adjacency = Adjacency::new(mesh, control.part(0.1, 0.12))?;
     let guard = Guard::new(mesh, &adjacency, control.part(0.12, 0.13))?;
-    let center = mesh.bounds().map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high));
-    let queries = ManyQueries::new(&original_tree, center);
+    let queries = ManyQueries::new(&original_tree, original_tree.center());
     let finder =
         JointFinder::new(original, &queries, options.samples_per_face, control.part(0.13, 0.15))?;
     let find = |mesh: &TriMesh,
@@ -144,6 +142,7 @@ pub fn refit(
         let control = control.part(0.2, 0.25);
         Maximum::new(mesh, original, &tree, &queries, before.max(), control)?
     };
+    drop(tree);
     let mut elements = vec![Element::default(); mesh.faces.len()];
     let n_steps = options.n_steps;
     for step in 0..n_steps {
