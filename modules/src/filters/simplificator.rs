@@ -142,8 +142,8 @@ const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
     "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
      target; cost and placement do the rest, and see what it left as their input. 3 makes a dear \
-     cost several times as fast for a little error, at 1 nothing is left for it. Counts where faces \
-     are the only target. Off: 3 for Quadric with less memory; other costs do all.",
+     cost several times as fast for a little error, at 1 nothing is left for it. Counts where \
+     faces are the only target. Off: 3 for Quadric with less memory; other costs do all.",
     None,
 )
 .within((1.0, 1e9))

@@ -85,8 +85,8 @@ pub trait Cost: Send {
         false
     }
 
-    /// Where nobody says otherwise: the multiple of the target down to which quadrics with all their
-    /// memory, which are several times as fast, simplify first. `None`: this cost does all.
+    /// Where nobody says otherwise: the multiple of the target down to which quadrics with all
+    /// their memory, which are several times as fast, simplify first. `None`: this cost does all.
     fn head_start(&self) -> Option<f64> {
         None
     }

@@ -7,8 +7,8 @@ use crate::mesh::quadric::Quadric;
 pub(super) enum Origin<'a> {
     /// It is a mesh of its own.
     Whole,
-    /// These vertices of its input stay, and all edges at them: of a block, those with faces in other
-    /// blocks, too.
+    /// These vertices of its input stay, and all edges at them: of a block, those with faces in
+    /// other blocks, too.
     Block(&'a [bool]),
     /// It is what blocks left: whether each vertex of its input is of several blocks, and its
     /// quadric, if there are quadrics.
