@@ -141,7 +141,8 @@ const COMPONENT_SIZE: Param<f64> = Param::number(
 const HEAD_START: Param<Option<f64>> = Param::maybe_number(
     "head_start",
     "Quadric with all its memory, which is fast, first takes the mesh down to this many times the \
-     target; cost and placement do the rest, and see what it left as their input. 3 makes a dear \
+     target, and places vertices by Optimal in place of LindstromTurk; cost and placement do the \
+     rest, and see what it left as their input. 3 makes a dear \
      cost several times as fast for a little error, at 1 nothing is left for it. Counts where \
      faces are the only target. Off: 3 for Quadric with less memory; other costs do all.",
     None,
@@ -259,7 +260,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     // Components that stay are told by their size, so nothing else may become as small.
     let factor = factor.filter(|_| kept_size < 0.0);
-    let start = head_start(factor, &mesh, options, collapses.part(0.0, 0.3))?;
+    let mut first = (placement.entry.build)(&mesh, &placement.params)?;
+    if first.is_free() {
+        first = Box::new(Optimal::default());
+    }
+    let here = collapses.part(0.0, 0.3);
+    let start = head_start(factor, &mesh, first.as_mut(), options, here)?;
     // What was the target of the input is that of what the start left.
     options.stop.faces = options.stop.target_faces(mesh.faces.len());
     options.stop.ratio = None;
@@ -319,6 +325,7 @@ fn prepared(io: &Io) -> Result<(Arc<TriMesh>, f64), ModuleError> {
 fn head_start(
     factor: Option<f64>,
     mesh: &TriMesh,
+    placement: &mut dyn Placement,
     options: SimplifyOptions,
     control: Control,
 ) -> Result<Option<Simplified>, Cancelled> {
@@ -331,8 +338,7 @@ fn head_start(
     }
     let stop = Stop { faces: Some(left as usize), ..Stop::default() };
     let options = SimplifyOptions { stop, ..options };
-    let (cost, placement) = (&mut Quadric::default(), &mut Optimal::default());
-    simplify(mesh, cost, placement, options, control).map(Some)
+    simplify(mesh, &mut Quadric::default(), placement, options, control).map(Some)
 }
 
 /// The mesh simplified, but for components of at most this size.

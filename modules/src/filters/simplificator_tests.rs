@@ -105,6 +105,13 @@ fn statistics_count_folds_and_slivers_of_the_result() {
 }
 
 #[test]
+fn places_of_the_input_stay_so_where_quadrics_begin() {
+    let ends = simplified_from(ball(), &[("placement", json!("Endpoint")), ("ratio", json!(0.1))]);
+    let originals = ball().positions;
+    assert!(ends.positions.iter().all(|p| originals.contains(p)));
+}
+
+#[test]
 fn small_components_are_kept_or_go() {
     // A ball, and two of a hundredth of its size beside it.
     let big = ball();

@@ -31,6 +31,10 @@ impl Placement for LindstromTurk {
         }
     }
 
+    fn is_free(&self) -> bool {
+        true
+    }
+
     fn for_block(&self) -> Option<Box<dyn Placement>> {
         Some(Box::new(*self))
     }

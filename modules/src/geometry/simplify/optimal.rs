@@ -59,6 +59,10 @@ impl Placement for Optimal {
         }
     }
 
+    fn is_free(&self) -> bool {
+        true
+    }
+
     fn for_block(&self) -> Option<Box<dyn Placement>> {
         Some(Box::new(*self))
     }

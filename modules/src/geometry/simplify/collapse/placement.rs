@@ -21,6 +21,12 @@ pub trait Placement: Send {
         None
     }
 
+    /// Whether it promises nothing of its places but that they are good, so that the least quadric
+    /// error may stand for it where quadrics begin; otherwise it places those vertices, too.
+    fn is_free(&self) -> bool {
+        false
+    }
+
     /// Told of a collapse, with the mesh after it.
     fn collapsed(&mut self, _mesh: &WorkingMesh, _collapse: &Collapse) {}
 
