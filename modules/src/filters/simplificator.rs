@@ -261,7 +261,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     // Components that stay are told by their size, so nothing else may become as small.
     let factor = factor.filter(|_| kept_size < 0.0);
     let mut first = (placement.entry.build)(&mesh, &placement.params)?;
-    if first.is_free() {
+    if first.gives_way() {
         first = Box::new(Optimal::default());
     }
     let here = collapses.part(0.0, 0.3);

@@ -31,7 +31,7 @@ impl Placement for LindstromTurk {
         }
     }
 
-    fn is_free(&self) -> bool {
+    fn gives_way(&self) -> bool {
         true
     }
 

@@ -59,7 +59,7 @@ impl Placement for Optimal {
         }
     }
 
-    fn is_free(&self) -> bool {
+    fn gives_way(&self) -> bool {
         true
     }
 

@@ -23,7 +23,7 @@ pub trait Placement: Send {
 
     /// Whether it promises nothing of its places but that they are good, so that the least quadric
     /// error may stand for it where quadrics begin; otherwise it places those vertices, too.
-    fn is_free(&self) -> bool {
+    fn gives_way(&self) -> bool {
         false
     }
 
