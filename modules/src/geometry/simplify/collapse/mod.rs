@@ -30,6 +30,7 @@ mod cut;
 mod engine;
 #[cfg(test)]
 mod engine_tests;
+mod fans;
 #[cfg(test)]
 mod guard_tests;
 mod join;

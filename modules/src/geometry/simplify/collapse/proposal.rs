@@ -49,6 +49,9 @@ pub struct Contraction {
     /// The sum of the quadrics of all of them about the position of `kept`; zero unless a part
     /// asked for quadrics.
     pub quadric: Quadric,
+    /// The plane of the places that keep the volume, where quadrics forget planes: its unit normal,
+    /// and how far along it from `kept`.
+    pub volume_plane: Option<(DVec3, f64)>,
 }
 
 impl Contraction {
