@@ -146,8 +146,7 @@ impl Fans {
         // The faces at both ends go through both, so either end finds them.
         let n_corners = |v: u32| complex.vertices[v as usize].n_corners;
         let is_kept = n_corners(kept) < n_corners(gone);
-        let (v, other, at) =
-            if is_kept { (kept, gone, DVec3::ZERO) } else { (gone, kept, offset) };
+        let (v, other, at) = if is_kept { (kept, gone, DVec3::ZERO) } else { (gone, kept, offset) };
         let mut twice = Fan::default();
         for corner in complex.corners_around(v).take(MAX_VALENCE) {
             let (face, k) = (complex.face_at(corner), corner as usize % 3);
@@ -181,5 +180,95 @@ impl Around {
         let (normal, offset) = (self.normal / length, self.volume / length);
         let is_plane = length > LEAST * self.area && normal.is_finite() && offset.is_finite();
         is_plane.then_some((normal, offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::Quadric as Cost;
+    use crate::geometry::simplify::collapse::observer::{Collapse, Observer};
+    use crate::geometry::simplify::collapse::tests::{grid, to_faces};
+    use crate::geometry::simplify::collapse::{QuadricOptions, WorkingMesh, simplify_observed};
+    use crate::placement::Optimal;
+    use mve_core::Control;
+
+    const BORDER_WEIGHT: f64 = 10.0;
+
+    /// What [`Fans::around`] should say: a look at each face at one of the ends, and at each of its
+    /// border edges there.
+    fn looked_up(complex: &Complex, ends: [u32; 2]) -> Around {
+        let origin = complex.position(ends[0]);
+        let mut around = Around::default();
+        for face in complex.faces.iter().filter(|face| !face.is_dead()) {
+            if !ends.iter().any(|end| face.vertices.contains(end)) {
+                continue;
+            }
+            let corners = face.vertices.map(|v| complex.position(v) - origin);
+            let twice_area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let (length, normal) = (twice_area.length(), twice_area.normalize());
+            around.quadric.add(&Quadric::from_plane(normal, normal.dot(corners[0]), length / 6.0));
+            around.normal += twice_area;
+            around.volume += twice_area.dot(corners[0]);
+            around.area += length;
+            for k in 0..3 {
+                let side = [face.vertices[k], face.vertices[(k + 1) % 3]];
+                let is_at_end = side.iter().any(|v| ends.contains(v));
+                if is_at_end && complex.irregular[face.edges[k].idx()] {
+                    let along = corners[(k + 1) % 3] - corners[k];
+                    let across = along.cross(normal).normalize();
+                    let weight = BORDER_WEIGHT * along.length_squared();
+                    around.quadric.add(&Quadric::from_plane(
+                        across,
+                        across.dot(corners[k]),
+                        weight,
+                    ));
+                }
+            }
+        }
+        around
+    }
+
+    /// Compares all edges that are left after each collapse.
+    #[derive(Default)]
+    struct Watch {
+        n_edges: usize,
+        n_at_border: usize,
+    }
+
+    impl Observer for Watch {
+        fn collapsed(&mut self, mesh: &WorkingMesh, _collapse: &Collapse) {
+            for edge in mesh.edges() {
+                let ends = mesh.complex.ends(edge);
+                let found = mesh.quadrics.fans.around(&mesh.complex, ends);
+                let expected = looked_up(&mesh.complex, ends);
+                let numbers = |around: &Around| {
+                    let Around { quadric, normal, volume, area } = around;
+                    let mut numbers = quadric.a.to_vec();
+                    numbers.extend(quadric.b.to_array());
+                    numbers.extend(normal.to_array());
+                    numbers.extend([quadric.c, *volume, *area]);
+                    numbers
+                };
+                for (found, expected) in numbers(&found).into_iter().zip(numbers(&expected)) {
+                    assert!((found - expected).abs() < 1e-11, "{ends:?}: {found}, not {expected}");
+                }
+                self.n_edges += 1;
+                self.n_at_border += usize::from(mesh.complex.irregular[edge.idx()]);
+            }
+        }
+    }
+
+    #[test]
+    fn fans_say_what_the_faces_around_an_edge_do() {
+        let mesh = grid(9, |x, y| 0.3 * (1.7 * (x + 10.0 * y)).sin());
+        let options = QuadricOptions { memory: 0.5, boundary_weight: BORDER_WEIGHT };
+        let mut watch = Watch::default();
+        let mut cost = Cost { options };
+        let (mut place, to) = (Optimal::default(), to_faces(mesh.faces.len() / 3));
+        let observers: &mut [&mut dyn Observer] = &mut [&mut watch];
+        let run = simplify_observed(&mesh, &mut cost, &mut place, observers, to, Control::none());
+        assert!(run.unwrap().statistics.n_collapses > 20);
+        assert!(watch.n_edges > 1000 && watch.n_at_border > 100);
     }
 }

@@ -32,7 +32,7 @@ pub(super) struct Quadrics {
     /// rest.
     memory: f64,
     /// What the faces at each vertex say as they are; none where quadrics have all memory.
-    fans: Fans,
+    pub fans: Fans,
 }
 
 impl Quadrics {

@@ -186,13 +186,7 @@ pub(super) fn mark_parked(complex: &mut Complex, edge: EdgeId) {
 
 /// Leaves the edges at a vertex in the list, and those that do not wait; the others are put off.
 /// Stale ones that come up soon join the list.
-fn put_off(
-    complex: &Complex,
-    merged: u32,
-    share: f64,
-    queue: &mut Queue,
-    due: &mut Vec<EdgeId>,
-) {
+fn put_off(complex: &Complex, merged: u32, share: f64, queue: &mut Queue, due: &mut Vec<EdgeId>) {
     due.retain(|&edge| {
         let is_at_once = complex.ends(edge).contains(&merged) || !queue.contains(edge);
         if !is_at_once {
