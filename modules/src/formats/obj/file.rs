@@ -13,7 +13,7 @@ use super::parse::parse_with;
 use super::textures::{self, Pictures, TextureFolder, named, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh, name_from_file, name_to_file};
-use crate::formats::plain_file::{read_long, read_plain};
+use crate::formats::plain_file::{read_mesh_file, read_plain};
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
 
@@ -43,7 +43,7 @@ pub fn load_within(
     scope: FileScope,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ObjError> {
-    let bytes = read_long(path, u64::MAX, control).map_err(|source| FileError::read(path, source));
+    let bytes = read_mesh_file(path, control).map_err(|source| FileError::read(path, source));
     let bytes = bytes.map_err(|error| match error.is_cancelled() {
         true => ObjError::Cancelled,
         false => error.into(),
@@ -190,7 +190,7 @@ impl Write for ControlledWriter<'_> {
 /// file has none.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
     const STATEMENT: &[u8] = b"mtllib";
-    let Ok(bytes) = read_plain(path, u64::MAX) else { return Vec::new() };
+    let Ok(bytes) = read_mesh_file(path, Control::none()) else { return Vec::new() };
     let folder = folder_of(path);
     let bounds = [FileScope::Folder, FileScope::Anywhere].map(|scope| Bounds::new(&folder, scope));
     let (mut paths, mut known) = (Vec::new(), HashSet::new());
