@@ -144,9 +144,31 @@ fn save_with(
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
+    save_placed(placed, &folder_beside(path), control)?;
+    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
+    save_atomic(path, |out| write(out, Some(&mtl_name)))
+}
+
+/// Saves the pictures of a mesh that is saved at `path` into the folder beside it, and gives the
+/// materials that name them there.
+///
+/// # Errors
+/// With the path, when `control` ends it or a file cannot be written.
+pub fn save_pictures(
+    materials: &[Material],
+    path: &Path,
+    control: Control,
+) -> Result<Vec<Material>, FileError> {
     let folder = folder_beside(path);
+    let name = name_from_file(folder.file_name().unwrap_or_default());
+    let placed = texture_folder(materials, &name);
+    save_placed(&placed, &folder, control)?;
+    Ok(placed.materials)
+}
+
+fn save_placed(placed: &TextureFolder, folder: &Path, control: Control) -> Result<(), FileError> {
     if !placed.files.is_empty() {
-        fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
+        fs::create_dir_all(folder).map_err(|source| FileError::write(folder, source))?;
     }
     for (name, image) in &placed.files {
         save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
@@ -155,8 +177,7 @@ fn save_with(
             None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
     }
-    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
-    save_atomic(path, |out| write(out, Some(&mtl_name)))
+    Ok(())
 }
 
 /// The folder for the pictures of a mesh that is saved at `path`.

@@ -21,6 +21,23 @@ fn read(bytes: &[u8]) -> TriMesh {
     read_all(bytes).unwrap().0
 }
 
+#[test]
+fn texture_coordinates_pictures_and_numbers_are_written_and_come_back() {
+    let text = format!(
+        "{HEAD}comment TextureFile b.png\ncomment TextureFile c.png\nelement face 3\nproperty list \
+         uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n\
+         property float area\nend_header\n{SQUARE}3 0 1 2 6 0 0 1 0 1 0.125 1 7\n3 2 1 0 0 -1 8\n\
+         3 0 2 3 6 0 0 1 0.125 0 1 0 9\n"
+    );
+    let mesh = read(text.as_bytes());
+    for encoding in [Encoding::Binary, Encoding::Ascii] {
+        let options = PlyOptions { encoding, precision: Precision::Float };
+        let mut bytes = Vec::new();
+        write_ply(&mesh, None, options, &mut bytes, Control::none()).unwrap();
+        assert_eq!(read(&bytes), mesh);
+    }
+}
+
 /// The value of each element of a layer over vertices or corners.
 fn vectors(mesh: &TriMesh, name: &str) -> Vec<DVec3> {
     let layer = mesh.layer(name).unwrap();
