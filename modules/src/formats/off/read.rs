@@ -85,18 +85,26 @@ impl Kind {
             return Ok(Self::default());
         }
         let mut kind = Self::default();
-        let mut rest = word;
-        let mut take = |prefix: &[u8]| {
-            let after = rest.strip_prefix(prefix);
-            rest = after.unwrap_or(rest);
-            after.is_some()
-        };
-        kind.has_texcoord = take(b"ST");
-        kind.has_color = take(b"C");
-        kind.has_normal = take(b"N");
-        kind.has_fourth = take(b"4");
-        let is_of_any_dimension = take(b"n");
-        if !take(b"OFF") || !rest.is_empty() {
+        let (mut is_off, mut is_of_any_dimension) = (false, false);
+        // Some programs write the letters in another order.
+        if let Some(mut letters) = word.strip_suffix(b"OFF") {
+            while let Some((letter, rest)) = letters.split_first() {
+                letters = rest;
+                match letter {
+                    b'S' if rest.starts_with(b"T") => {
+                        kind.has_texcoord = true;
+                        letters = &rest[1..];
+                    }
+                    b'C' => kind.has_color = true,
+                    b'N' => kind.has_normal = true,
+                    b'4' => kind.has_fourth = true,
+                    b'n' => is_of_any_dimension = true,
+                    _ => return Err(words.wrong("`OFF`: is it an OFF file?")),
+                }
+            }
+            is_off = true;
+        }
+        if !is_off {
             return Err(words.wrong("`OFF`, or two numbers: is it an OFF file?"));
         }
         if is_of_any_dimension {

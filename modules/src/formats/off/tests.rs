@@ -51,6 +51,7 @@ fn vertices_have_what_the_keyword_says() {
         panic!()
     };
     assert_eq!(normals[2], DVec3::Z);
+    assert_eq!(read(&text.replace("STCNOFF", "NCSTOFF")), read(text));
     let mesh =
         read("COFF\n3 1 0\n0 0 0 0.5 0 0 1\n1 0 0 0 0 0 1\n0 1 0 0 0 1 1\n3 0 1 2\n").unwrap();
     assert_eq!(colors(&mesh).1[0], DVec3::new(0.5, 0.0, 0.0));

@@ -92,8 +92,8 @@ impl Cost for Quadric {
         if self.options.memory < 1.0 { Renewal::Lazy } else { Renewal::AtOnce }
     }
 
-    // Prices change less than those of pictures do: with 0.7 the RMS is 0.1 % more than with a third,
-    // and a sixth of the time is saved.
+    // Prices change less than those of pictures do: with 0.7 the RMS is 0.1 % more than with a
+    // third, and a sixth of the time is saved.
     fn waiting_share(&self) -> f64 {
         0.7
     }

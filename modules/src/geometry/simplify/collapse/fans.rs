@@ -1,8 +1,8 @@
 //! What the faces around each vertex say as they are, kept up to date from collapse to collapse.
 //!
 //! All planes of the faces at a vertex go through it, so their quadric about it has neither a
-//! linear nor a constant part: six numbers. What the faces around an edge say is the sum of the fans
-//! of its ends, less what the faces at both gave twice; so it costs no more than those to ask.
+//! linear nor a constant part: six numbers. What the faces around an edge say is the sum of the
+//! fans of its ends, less what the faces at both gave twice; so it costs no more than those to ask.
 
 use glam::DVec3;
 use mve_core::Cancelled;
