@@ -210,6 +210,10 @@ impl Cost for Watched {
         self.cost.renewal()
     }
 
+    fn waiting_share(&self) -> f64 {
+        self.cost.waiting_share()
+    }
+
     fn quadrics(&self) -> Option<QuadricOptions> {
         self.cost.quadrics()
     }
@@ -377,6 +381,10 @@ impl Cost for Renewed {
         self.renewal
     }
 
+    fn waiting_share(&self) -> f64 {
+        self.cost.waiting_share()
+    }
+
     fn only_grows(&self) -> bool {
         self.only_grows
     }
@@ -417,7 +425,7 @@ fn lazy_and_at_once_agree() {
             // Edges at the merged vertex are never put off, and there are no others.
             assert_eq!(lazy.mesh, at_once.mesh, "{name}");
         }
-        // A waiting price stands for one that is up to three times less, see `Renewal::Lazy`. A
+        // A waiting price stands for one that is less, see `Cost::waiting_share`. A
         // cost that asks for that has found it to change little.
         let bound = if cost.renewal() == Renewal::Lazy { 1.1 } else { 3.0 };
         let ratio = paid_lazily / paid;

@@ -42,6 +42,11 @@ impl Cost for LindstromTurk {
     fn renewal(&self) -> Renewal {
         Renewal::Lazy
     }
+
+    // As of Quadric.
+    fn waiting_share(&self) -> f64 {
+        0.7
+    }
 }
 
 #[cfg(test)]

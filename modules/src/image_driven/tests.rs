@@ -298,7 +298,8 @@ impl Cost for InTwoSteps {
         self.proposed = [[a, b, c], [b, c, a], [c, a, b]]
             .map(|[kept, gone, third]| {
                 let (also_gone, quadric) = (Some(third), Default::default());
-                let contraction = Contraction { kept, gone, also_gone, quadric };
+                let contraction =
+                    Contraction { kept, gone, also_gone, quadric, volume_plane: None };
                 let proposal = Proposal { contraction, position: self.place, attributes: None };
                 Change::proposed(mesh, &proposal)
             })

@@ -43,6 +43,16 @@ impl Quadric {
         self.c += other.c;
     }
 
+    /// Adds another quadric about the same origin, so many times.
+    #[inline]
+    pub fn add_scaled(&mut self, other: &Self, by: f64) {
+        for (mine, theirs) in self.a.iter_mut().zip(other.a) {
+            *mine += by * theirs;
+        }
+        self.b += by * other.b;
+        self.c += by * other.c;
+    }
+
     /// Multiplies all weights.
     #[inline]
     pub fn scale(&mut self, by: f64) {

@@ -191,23 +191,6 @@ impl Patch {
     }
 }
 
-/// The plane of the places for the vertex of a contraction that keep the volume: its unit normal,
-/// and how far along it from the vertex that stays. `None` where there is no such plane.
-pub fn volume_plane(mesh: &WorkingMesh, contraction: &Contraction) -> Option<(DVec3, f64)> {
-    /// Of area vectors that cancel each other but for less than this, what is left is rounding.
-    const LEAST: f64 = 1e-9;
-    let (mut normals, mut volumes, mut area) = (DVec3::ZERO, 0.0, 0.0);
-    for_each_face(mesh, contraction, |normal, volume| {
-        normals += normal;
-        volumes += volume;
-        area += normal.length();
-    })?;
-    let length = normals.length();
-    let (normal, offset) = (normals / length, volumes / length);
-    let is_plane = length > LEAST * area && normal.is_finite() && offset.is_finite();
-    is_plane.then_some((normal, offset))
-}
-
 /// Tells of each face at a vertex of a contraction its doubled area vector and, times six, the
 /// volume to the vertex that stays, if they are finite. `None` where a vertex has more faces than
 /// the engine collapses an edge of.

@@ -11,7 +11,6 @@
 //! "Fast and memory efficient polygonal simplification", IEEE Visualization 1998, section 4).
 
 use super::collapse::{Candidates, Contraction, Placement, QuadricOptions, WorkingMesh};
-use super::lindstrom_turk::volume_plane;
 use crate::mesh::quadric::Quadric;
 
 /// The plane of the places that keep the volume counts so many times as all others.
@@ -41,15 +40,14 @@ impl Default for Optimal {
 
 impl Placement for Optimal {
     fn propose(&self, mesh: &WorkingMesh, batch: &[Contraction], out: &mut Candidates) {
-        for (at, Contraction { kept, gone, also_gone, quadric }) in batch.iter().enumerate() {
+        for (at, contraction) in batch.iter().enumerate() {
+            let Contraction { kept, gone, also_gone, quadric, volume_plane } = contraction;
             let from = mesh.position(*kept);
             let along = mesh.position(*gone) - from;
             let middle =
                 also_gone.map_or(0.5 * along, |third| (along + mesh.position(third) - from) / 3.0);
             let (mut quadric, mut stiffness) = (*quadric, self.stiffness);
-            if mesh.forgets_planes()
-                && let Some((normal, volume)) = volume_plane(mesh, &batch[at])
-            {
+            if let Some((normal, volume)) = *volume_plane {
                 let weight = VOLUME_WEIGHT * quadric.weight();
                 quadric.add(&Quadric::from_plane(normal, volume, weight));
                 // A direction is as flat as it was.

@@ -88,13 +88,12 @@ pub(super) fn simplify_in_blocks(
         Err(Cancelled) => ControlFlow::Break(()),
     };
     let together = Control::new(&report);
-    let block = |at| {
+    let begun = parts.par_iter_mut().enumerate().map(|(at, (cost, placement))| {
         together.at(0.0)?;
-        Ok(cut.block(mesh, at))
-    };
-    let blocks: Vec<Block> =
-        (0..n_blocks).into_par_iter().map(block).collect::<Result<_, Cancelled>>()?;
-    let mut engines = engines(&blocks, &mut parts, options, together)?;
+        block_engine(cut.block(mesh, at), cost.as_mut(), placement.as_mut(), options, together)
+    });
+    let begun = begun.collect::<Result<Vec<_>, Cancelled>>()?;
+    let (blocks, mut engines): (Vec<Block>, Vec<Engine>) = begun.into_iter().unzip();
     let first_prices = start.elapsed().as_secs_f64();
     let n_to_go = (n_faces - target.min(n_faces)).max(1) as f64;
     collapse_together(&mut engines, goal, |n_left| {
@@ -116,29 +115,28 @@ pub(super) fn simplify_in_blocks(
     let origin = Origin::Joined(&joined.is_cut, &joined.quadrics);
     let control = control.part(reached, 1.0);
     let last = Engine::new(&joined.mesh, cost, placement, &mut [], options, origin, control)?;
-    let mut simplified = last.run()?;
+    let mut simplified = last.run(&joined.mesh)?;
     counts.iter().for_each(|counts| simplified.statistics.add(counts));
     simplified.seconds.first_prices = first_prices;
     simplified.seconds.collapses = start.elapsed().as_secs_f64() - first_prices;
     Ok(Some(simplified))
 }
 
-/// An engine for each block, with its first prices.
-fn engines<'a>(
-    blocks: &'a [Block],
-    parts: &'a mut [Parts],
+/// The engine of a block, with its first prices. Of the block's mesh only what the result needs is
+/// left: the layers.
+fn block_engine<'a>(
+    mut block: Block,
+    cost: &'a mut dyn Cost,
+    placement: &'a mut dyn Placement,
     options: SimplifyOptions,
     control: Control<'a>,
-) -> Result<Vec<Engine<'a>>, Cancelled> {
+) -> Result<(Block, Engine<'a>), Cancelled> {
     let options = SimplifyOptions { stop: Stop::default(), ..options };
-    let engine = |(block, (cost, placement)): (&'a Block, &'a mut Parts)| {
-        let (mesh, origin) = (&block.mesh, Origin::Block(&block.is_cut));
-        let (cost, placement) = (cost.as_mut(), placement.as_mut());
-        let mut engine = Engine::new(mesh, cost, placement, &mut [], options, origin, control)?;
-        engine.fill_queue()?;
-        Ok(engine)
-    };
-    blocks.par_iter().zip(parts).map(engine).collect()
+    let origin = Origin::Block(&block.is_cut);
+    let mut engine = Engine::new(&block.mesh, cost, placement, &mut [], options, origin, control)?;
+    engine.fill_queue()?;
+    block.mesh = TriMesh { layers: block.mesh.layers, ..TriMesh::default() };
+    Ok((block, engine))
 }
 
 /// Lets all blocks collapse what costs up to the same price, and raises it until no more faces than

@@ -46,7 +46,8 @@ impl Complex {
             vertices,
             corners,
             faces,
-            edges: Vec::with_capacity(3 * n_faces / 2 + 3),
+            // As many as of a closed surface, and some for borders.
+            edges: Vec::with_capacity(3 * n_faces / 2 + n_faces / 32 + 3),
             irregular: Vec::new(),
             n_faces,
         };

@@ -54,6 +54,12 @@ pub trait Cost: Send {
         Renewal::AtOnce
     }
 
+    /// At which part of its earlier price a stale edge waits under [`Renewal::Lazy`]: so a price
+    /// that falls is noticed in time unless it falls below that.
+    fn waiting_share(&self) -> f64 {
+        1.0 / 3.0
+    }
+
     /// Whether a batch of prices is shared among threads.
     fn uses_threads(&self) -> bool {
         false

@@ -30,7 +30,6 @@ use crate::mesh::adjacency::EdgeId;
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {
-    input: &'a TriMesh,
     mesh: WorkingMesh,
     queue: Queue,
     pricer: Pricer<'a>,
@@ -73,8 +72,9 @@ struct Memory {
 }
 
 impl<'a> Engine<'a> {
+    /// For a mesh that the result is made with again: see [`Engine::run`].
     pub fn new(
-        input: &'a TriMesh,
+        input: &TriMesh,
         cost: &'a mut dyn Cost,
         placement: &'a mut dyn Placement,
         observers: &'a mut [&'a mut dyn Observer],
@@ -116,9 +116,9 @@ impl<'a> Engine<'a> {
             cost.only_grows() && placement.only_grows(),
             cost.reach().max(placement.reach()),
             cost.renewal(),
+            cost.waiting_share(),
         );
         Ok(Self {
-            input,
             statistics: Statistics::new(mesh.n_faces(), target_faces),
             mesh,
             queue,
@@ -136,7 +136,8 @@ impl<'a> Engine<'a> {
         })
     }
 
-    pub fn run(mut self) -> Result<Simplified, Cancelled> {
+    /// Makes all collapses; `input` is what the engine was made for.
+    pub fn run(mut self, input: &TriMesh) -> Result<Simplified, Cancelled> {
         let target = self.statistics.target_faces;
         if target.is_none_or(|target| self.mesh.n_faces() > target) {
             self.fill_queue()?;
@@ -152,7 +153,7 @@ impl<'a> Engine<'a> {
             }
             break;
         }
-        self.finish(first_prices)
+        self.finish(input, first_prices)
     }
 
     /// Collapses edges while more than so many faces are left and the next one costs no more than
@@ -236,12 +237,12 @@ impl<'a> Engine<'a> {
         Ok((self.mesh, self.statistics))
     }
 
-    fn finish(mut self, first_prices: f64) -> Result<Simplified, Cancelled> {
+    fn finish(mut self, input: &TriMesh, first_prices: f64) -> Result<Simplified, Cancelled> {
         if self.statistics.target_faces.is_some() && self.statistics.outcome == Outcome::Exhausted {
             let Self { mesh, pricer, limits, marks, ticker, statistics, .. } = &mut self;
             statistics.blocked = Some(Blocked::count(mesh, pricer, *limits, marks, ticker)?);
         }
-        let Self { input, mesh, queue, observers, mut ticker, mut statistics, start, .. } = self;
+        let Self { mesh, queue, observers, mut ticker, mut statistics, start, .. } = self;
         observers.iter_mut().for_each(|observer| observer.finished(&mesh));
         statistics.n_faces = mesh.n_faces();
         ticker.call(statistics.n_faces)?;

@@ -27,9 +27,6 @@ use super::rings::{RingFace, Rings};
 use crate::data::{FaceId, VertexId};
 use crate::mesh::adjacency::EdgeId;
 
-/// The lists of corners may take up to so many times the room of those of the input.
-const WASTE: usize = 8;
-
 /// A face that has died.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DyingFace {
@@ -151,13 +148,18 @@ impl Complex {
         (kept.start, kept.n_corners) = (start as u32, n as u32);
     }
 
-    /// Drops what merges have left behind among the lists of corners when it is most of it.
+    /// Makes room for so many corners: drops what merges have left behind among the lists where
+    /// that is a third of them, or takes a quarter more.
     fn make_room(&mut self, n: usize) {
-        let most = (WASTE * 3 * self.faces.len()).min(u32::MAX as usize);
-        if self.corners.len() + n <= most {
+        if self.corners.len() + n <= self.corners.capacity() {
             return;
         }
-        let mut corners = Vec::with_capacity(3 * self.faces.len() + n);
+        let n_left: usize = self.vertices.iter().map(|vertex| vertex.n_corners as usize).sum();
+        if 3 * (n_left + n) > 2 * self.corners.capacity() {
+            self.corners.reserve_exact((self.corners.capacity() / 4).max(n));
+            return;
+        }
+        let mut corners = Vec::with_capacity(n_left + n_left / 2 + n);
         for vertex in &mut self.vertices {
             let start = corners.len() as u32;
             corners.extend_from_slice(&self.corners[vertex.corners()]);

@@ -124,12 +124,6 @@ impl WorkingMesh {
         self.quadrics.get(vertex.0).copied().unwrap_or_default()
     }
 
-    /// Whether the quadric of a contraction has less than all planes that its ends stand for.
-    #[inline]
-    pub fn forgets_planes(&self) -> bool {
-        self.quadrics.forget()
-    }
-
     /// The layers over vertices and corners.
     pub fn layers(&self) -> impl Iterator<Item = LayerId> + '_ {
         let numbered = (0u32..).zip(&self.attributes.layers);
@@ -256,9 +250,9 @@ impl WorkingMesh {
     #[inline]
     pub fn contraction(&self, edge: EdgeId) -> Contraction {
         let ends = self.complex.ends(edge);
-        let quadric = self.quadrics.of_ends(&self.complex, ends);
+        let (quadric, volume_plane) = self.quadrics.of_ends(&self.complex, ends);
         let [kept, gone] = ends.map(VertexId);
-        Contraction { kept, gone, also_gone: None, quadric }
+        Contraction { kept, gone, also_gone: None, quadric, volume_plane }
     }
 
     /// Merges the ends of an edge: quadrics, attributes and links. The rings must be those of the
@@ -274,5 +268,6 @@ impl WorkingMesh {
         self.attributes.merge(&self.complex, rings.edge, position, given);
         self.quadrics.merge(&self.complex, [rings.kept, rings.gone], position);
         self.complex.merge(rings, position, marks, merged);
+        self.quadrics.renew(&self.complex, merged, marks);
     }
 }

@@ -30,6 +30,7 @@ mod cut;
 mod engine;
 #[cfg(test)]
 mod engine_tests;
+mod fans;
 #[cfg(test)]
 mod guard_tests;
 mod join;
@@ -112,7 +113,7 @@ pub fn simplify_around(
     control: Control,
 ) -> Result<Simplified, Cancelled> {
     let origin = Origin::Block(stays);
-    Engine::new(mesh, cost, placement, &mut [], options, origin, control)?.run()
+    Engine::new(mesh, cost, placement, &mut [], options, origin, control)?.run(mesh)
 }
 
 /// Simplifies a mesh as [`simplify`] does, while observers follow the run.
@@ -145,7 +146,7 @@ pub fn simplify_observed<'a>(
     let run = move || {
         let (cost, placement, observers) = parts;
         let origin = Origin::Whole;
-        Engine::new(mesh, cost, placement, observers, options, origin, control)?.run()
+        Engine::new(mesh, cost, placement, observers, options, origin, control)?.run(mesh)
     };
     match is_shared.then(pool).flatten() {
         Some(pool) => pool.install(run),

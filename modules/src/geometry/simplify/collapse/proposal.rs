@@ -24,9 +24,9 @@ pub enum Renewal {
     /// All of them at once, after each collapse.
     #[default]
     AtOnce,
-    /// Those of edges at the merged vertex at once. An edge farther off waits at a third of its
-    /// earlier price, or at that price if it is negative, and is priced again when it comes up or
-    /// a little before: so a price that falls is noticed in time unless it falls below a third.
+    /// Those of edges at the merged vertex at once. An edge farther off waits at a part of its
+    /// earlier price ([`Cost::waiting_share`](super::Cost::waiting_share)), or at that price if it
+    /// is negative, and is priced again when it comes up or a little before.
     ///
     /// After the lazy queue of J. Cohen, D. Manocha and M. Olano, "Simplifying polygonal models
     /// using successive mappings", IEEE Visualization 1997, where edges wait at the earlier price
@@ -49,6 +49,9 @@ pub struct Contraction {
     /// The sum of the quadrics of all of them about the position of `kept`; zero unless a part
     /// asked for quadrics.
     pub quadric: Quadric,
+    /// The plane of the places that keep the volume, where quadrics forget planes: its unit normal,
+    /// and how far along it from `kept`.
+    pub volume_plane: Option<(DVec3, f64)>,
 }
 
 impl Contraction {

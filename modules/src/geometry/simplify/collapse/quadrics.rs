@@ -4,10 +4,12 @@ use glam::DVec3;
 use mve_core::Cancelled;
 
 use super::complex::{Complex, Face};
+use super::fans::Fans;
+use super::marks::VertexMarks;
+use super::merge::Merged;
 use super::options::QuadricOptions;
 use super::order::{NONE, Order};
 use super::origin::Origin;
-use super::rings::MAX_VALENCE;
 use super::ticker::{CHUNK, Ticker};
 use crate::mesh::quadric::Quadric;
 
@@ -29,8 +31,8 @@ pub(super) struct Quadrics {
     /// How much the quadrics of both ends count; the planes of the faces around them make up the
     /// rest.
     memory: f64,
-    /// The weight of border edges among those planes.
-    border_weight: f64,
+    /// What the faces at each vertex say as they are; none where quadrics have all memory.
+    pub fans: Fans,
 }
 
 impl Quadrics {
@@ -63,7 +65,11 @@ impl Quadrics {
             None => ticker.fill(complex.vertices.len(), Quadric::default())?,
         };
         let border_weight = if is_weighted { options.boundary_weight } else { 0.0 };
-        let mut quadrics = Self { by_vertex, memory: options.memory, border_weight };
+        let fans = match options.memory < 1.0 {
+            true => Fans::sum(complex, border_weight, ticker)?,
+            false => Fans::default(),
+        };
+        let mut quadrics = Self { by_vertex, memory: options.memory, fans };
         for (number, face) in complex.faces.iter().enumerate() {
             if number.is_multiple_of(CHUNK) {
                 ticker.tick(complex.n_faces)?;
@@ -102,42 +108,6 @@ impl Quadrics {
         Ok(quadrics)
     }
 
-    /// Adds the planes of the faces around both ends as they are, and of border edges there, about
-    /// the position of `kept`.
-    fn add_around(&self, sum: &mut Quadric, complex: &Complex, [kept, gone]: [u32; 2]) {
-        let origin = complex.position(kept);
-        let share = 1.0 - self.memory;
-        // Edges at vertices with more faces do not collapse.
-        let corners = |v: u32| complex.corners_around(v).take(MAX_VALENCE);
-        let faces = |v: u32| corners(v).map(|corner| complex.face_at(corner));
-        let at_gone_alone = faces(gone).filter(|face| !face.vertices.contains(&kept));
-        for face in faces(kept).chain(at_gone_alone) {
-            let corners = face.vertices.map(|v| complex.position(v) - origin);
-            let [a, b, c] = corners;
-            let twice_area = (b - a).cross(c - a);
-            let length = twice_area.length();
-            let normal = twice_area / length;
-            if !normal.is_finite() {
-                continue;
-            }
-            sum.add(&Quadric::from_plane(normal, normal.dot(a), share * length / 6.0));
-            for (k, edge) in face.edges.iter().enumerate() {
-                if self.border_weight == 0.0 || !complex.irregular[edge.idx()] {
-                    continue;
-                }
-                let ends = [face.vertices[k], face.vertices[(k + 1) % 3]];
-                let along = corners[(k + 1) % 3] - corners[k];
-                let across = along.cross(normal).try_normalize();
-                if let Some(across) =
-                    across.filter(|_| ends.iter().any(|v| [kept, gone].contains(v)))
-                {
-                    let weight = share * self.border_weight * along.length_squared();
-                    sum.add(&Quadric::from_plane(across, across.dot(corners[k]), weight));
-                }
-            }
-        }
-    }
-
     /// Adds the plane through edge `k` of a face at a right angle to it.
     fn add_border_plane(
         &mut self,
@@ -163,24 +133,25 @@ impl Quadrics {
         self.by_vertex.get(vertex as usize)
     }
 
-    /// Whether contractions have less than all planes.
-    #[inline]
-    pub fn forget(&self) -> bool {
-        self.memory < 1.0 && !self.by_vertex.is_empty()
-    }
-
     /// The quadric of a contraction about the position of `kept`: the sum of those of `kept` and
-    /// `gone`, or a mixture with the planes of the faces around; zero if there are none.
+    /// `gone`, or a mixture with the planes of the faces around; zero if there are none. Where it
+    /// is a mixture, also the plane of the places that keep the volume.
     #[inline]
-    pub fn of_ends(&self, complex: &Complex, [kept, gone]: [u32; 2]) -> Quadric {
-        let Some(other) = self.get(gone) else { return Quadric::default() };
+    pub fn of_ends(
+        &self,
+        complex: &Complex,
+        [kept, gone]: [u32; 2],
+    ) -> (Quadric, Option<(DVec3, f64)>) {
+        let Some(other) = self.get(gone) else { return Default::default() };
         let mut sum = other.shifted(complex.position(kept) - complex.position(gone));
         sum.add(&self.by_vertex[kept as usize]);
-        if self.memory < 1.0 {
-            sum.scale(self.memory);
-            self.add_around(&mut sum, complex, [kept, gone]);
+        if self.memory == 1.0 {
+            return (sum, None);
         }
-        sum
+        let around = self.fans.around(complex, [kept, gone]);
+        sum.scale(self.memory);
+        sum.add_scaled(&around.quadric, 1.0 - self.memory);
+        (sum, around.volume_plane())
     }
 
     /// Gives `kept` the sum of both about the position where they are about to merge.
@@ -192,5 +163,10 @@ impl Quadrics {
         let mut sum = self.by_vertex[kept as usize].shifted(to_position(kept));
         sum.add(&self.by_vertex[gone as usize].shifted(to_position(gone)));
         self.by_vertex[kept as usize] = sum;
+    }
+
+    /// Looks again at the faces around a merged vertex.
+    pub fn renew(&mut self, complex: &Complex, merged: &Merged, marks: &mut VertexMarks) {
+        self.fans.renew(complex, merged, marks);
     }
 }

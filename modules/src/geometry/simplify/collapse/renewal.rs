@@ -21,9 +21,6 @@ const AHEAD: usize = 12;
 /// [`Renewal::Lazy`] holds: enough of them to share among threads.
 const COMPANY: usize = 16;
 
-/// A stale edge waits at this part of its earlier price, where [`Renewal::Lazy`] holds.
-const WAITING_SHARE: f64 = 1.0 / 3.0;
-
 /// Parked edges at a neighbor of the merged vertex are looked at up to this valence.
 const MAX_WAKE_VALENCE: usize = 1024;
 
@@ -34,15 +31,18 @@ pub(super) struct Renewer {
     is_lazy: bool,
     reach: Reach,
     renewal: Renewal,
+    /// A stale edge waits at this part of its earlier price.
+    waiting_share: f64,
     ring: Vec<u32>,
     ring_faces: Vec<RingFace>,
 }
 
 impl Renewer {
     /// `only_grows` says that no price falls by a collapse nearby.
-    pub fn new(only_grows: bool, reach: Reach, renewal: Renewal) -> Self {
+    pub fn new(only_grows: bool, reach: Reach, renewal: Renewal, waiting_share: f64) -> Self {
         let is_lazy = only_grows && reach == Reach::MERGED;
-        Self { is_lazy, reach, renewal, ring: Vec::new(), ring_faces: Vec::new() }
+        let (ring, ring_faces) = (Vec::new(), Vec::new());
+        Self { is_lazy, reach, renewal, waiting_share, ring, ring_faces }
     }
 
     /// Lists the edges that are due now that two vertices have merged.
@@ -61,7 +61,7 @@ impl Renewer {
         } else {
             self.list_within_reach(&mesh.complex, merged.kept, marks, due);
             if self.renewal == Renewal::Lazy {
-                put_off(&mesh.complex, merged.kept, queue, due);
+                put_off(&mesh.complex, merged.kept, self.waiting_share, queue, due);
             }
         }
         self.wake_parked(&mut mesh.complex, merged.kept, queue, due);
@@ -186,11 +186,11 @@ pub(super) fn mark_parked(complex: &mut Complex, edge: EdgeId) {
 
 /// Leaves the edges at a vertex in the list, and those that do not wait; the others are put off.
 /// Stale ones that come up soon join the list.
-fn put_off(complex: &Complex, merged: u32, queue: &mut Queue, due: &mut Vec<EdgeId>) {
+fn put_off(complex: &Complex, merged: u32, share: f64, queue: &mut Queue, due: &mut Vec<EdgeId>) {
     due.retain(|&edge| {
         let is_at_once = complex.ends(edge).contains(&merged) || !queue.contains(edge);
         if !is_at_once {
-            queue.put_off(edge, WAITING_SHARE);
+            queue.put_off(edge, share);
         }
         is_at_once
     });

@@ -91,7 +91,7 @@ fn contraction_of(mesh: &WorkingMesh, face: FaceId) -> Contraction {
     for v in [gone, third] {
         quadric.add(&mesh.quadric(v).shifted(mesh.position(kept) - mesh.position(v)));
     }
-    Contraction { kept, gone, also_gone: Some(third), quadric }
+    Contraction { kept, gone, also_gone: Some(third), quadric, volume_plane: None }
 }
 
 /// The price of merging the corners of a face at a place.

@@ -44,7 +44,7 @@ use guard::Guard;
 pub use joints::Spread;
 use joints::{JointFinder, Joints};
 use maximum::Maximum;
-use system::{Element, System};
+use system::System;
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,24 +143,17 @@ pub fn refit(
         Maximum::new(mesh, original, &tree, &queries, before.max(), control)?
     };
     drop(tree);
-    let mut elements = vec![Element::default(); mesh.faces.len()];
+    let mut system = System::new(mesh, &adjacency, guard.is_free());
     let n_steps = options.n_steps;
     for step in 0..n_steps {
         let part = |done: f64| 0.25 + 0.65 * (step as f64 + done) / n_steps as f64;
-        let system = System::new(
-            (&fitted, &adjacency),
-            guard.is_free(),
-            options.stiffness,
-            elements,
-            &joints,
-            control.part(part(0.0), part(0.1)),
-        )?;
-        let moves = system.solve(control.part(part(0.1), part(0.4)))?;
+        system.add(&joints, control.part(part(0.0), part(0.1)))?;
+        let moves = system.solve(options.stiffness, control.part(part(0.1), part(0.4)))?;
         let shares =
             guard.step(&fitted, &moves, &adjacency, control.part(part(0.4), part(0.45)))?;
         let here = control.part(part(0.45), part(0.5));
         let positions = guard.moved(mesh, &fitted.positions, &moves, shares, &adjacency, here)?;
-        elements = system.remembered(&fitted.positions, &positions, MEMORY);
+        system.remember(&fitted.positions, &positions, MEMORY);
         fitted.positions = positions;
         if step + 1 < n_steps {
             (joints, _) = find(&fitted, step + 1, control.part(part(0.5), part(1.0)))?;

@@ -2,7 +2,8 @@
 //!
 //! With the barycentric coordinates `s_i` of a joint in its face, its direction `d` and its
 //! distance `r`, the sum of `w (d · Σ s_i x_i − r)²` over all joints is least in the moves `x`.
-//! Each face keeps the part of its own joints: `H_ij = Σ w s_i s_j d dᵀ`, `g_i = Σ w s_i r d`.
+//! With `H_ij = Σ w s_i s_j d dᵀ` and `g_i = Σ w s_i r d` that is `H x = g`. `H` has a symmetric
+//! block for each vertex and for each edge, and the graph stays the same from step to step.
 
 use glam::{DMat3, DVec3};
 use mve_core::{Cancelled, Control};
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 
 use super::joints::{Joint, Joints};
 use crate::data::{TriMesh, VertexId};
-use crate::mesh::adjacency::Adjacency;
+use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// Vertices of one chunk.
 const CHUNK: usize = 4096;
@@ -18,94 +19,112 @@ const CHUNK: usize = 4096;
 /// The upper triangle of a symmetric matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
 
-/// What the joints of one face say of its corners.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Element {
-    /// `H` of the corners 00, 01, 02, 11, 12, 22; each block is symmetric.
-    blocks: [Symmetric; 6],
-    /// `g` of each corner.
-    pull: [DVec3; 3],
-}
-
-/// Which block of an [`Element`] is that of two corners.
-const BLOCK: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
-
-impl Element {
-    fn add(&mut self, joint: &Joint, weight: f64) {
-        let DVec3 { x, y, z } = joint.direction;
-        let outer = [x * x, x * y, x * z, y * y, y * z, z * z];
-        for (i, share) in joint.shares.into_iter().enumerate() {
-            self.pull[i] += weight * share * joint.distance * joint.direction;
-            for (j, other) in joint.shares.into_iter().enumerate().skip(i) {
-                let block = &mut self.blocks[BLOCK[i][j]];
-                block.iter_mut().zip(outer).for_each(|(sum, o)| *sum += weight * share * other * o);
-            }
-        }
-    }
-
-    /// Row `i` of `H x` at the three corners.
-    #[inline]
-    fn row(&self, i: usize, x: [DVec3; 3]) -> DVec3 {
-        let times = |j: usize| times(&self.blocks[BLOCK[i][j]], x[j]);
-        times(0) + times(1) + times(2)
-    }
-}
-
-/// One step's problem.
+/// The problem of all steps so far.
 pub(super) struct System<'a> {
     mesh: &'a TriMesh,
     adjacency: &'a Adjacency,
     is_free: &'a [bool],
-    elements: Vec<Element>,
-    /// The spring of each vertex.
-    springs: Vec<f64>,
-    /// The inverse of the diagonal block of each vertex.
-    inverse: Vec<DMat3>,
+    /// `H` of each vertex with itself.
+    own: Vec<Symmetric>,
+    /// `H` of the ends of each edge.
+    across: Vec<Symmetric>,
+    /// `g` of each vertex.
+    pull: Vec<DVec3>,
+    /// The edges at each vertex and their other ends, from `starts[v]` to `starts[v + 1]`.
+    spokes: Vec<(EdgeId, VertexId)>,
+    starts: Vec<u32>,
 }
 
 impl<'a> System<'a> {
-    /// Adds joints to what elements remember.
-    pub fn new(
-        (mesh, adjacency): (&'a TriMesh, &'a Adjacency),
-        is_free: &'a [bool],
-        stiffness: f64,
-        mut elements: Vec<Element>,
-        joints: &Joints,
-        control: Control,
-    ) -> Result<Self, Cancelled> {
+    /// Without joints; vertices that are not free stay where they are.
+    pub fn new(mesh: &'a TriMesh, adjacency: &'a Adjacency, is_free: &'a [bool]) -> Self {
+        let edges = adjacency.edges();
+        let mut starts = vec![0; mesh.positions.len() + 1];
+        for v in edges.iter().flatten() {
+            starts[v.idx() + 1] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut starts {
+            sum += *start;
+            *start = sum;
+        }
+        let mut next = starts.clone();
+        let mut spokes = vec![(EdgeId::NONE, VertexId(0)); 2 * edges.len()];
+        for (number, &[a, b]) in (0..).zip(edges) {
+            for (from, to) in [(a, b), (b, a)] {
+                spokes[next[from.idx()] as usize] = (EdgeId(number), to);
+                next[from.idx()] += 1;
+            }
+        }
+        Self {
+            mesh,
+            adjacency,
+            is_free,
+            own: vec![Symmetric::default(); mesh.positions.len()],
+            across: vec![Symmetric::default(); edges.len()],
+            pull: vec![DVec3::ZERO; mesh.positions.len()],
+            spokes,
+            starts,
+        }
+    }
+
+    /// Adds joints: those of both surfaces weigh the same.
+    pub fn add(&mut self, joints: &Joints, control: Control) -> Result<(), Cancelled> {
         let Joints { of_original, of_simplified } = joints;
         let balance = of_original.len() as f64 / of_simplified.len().max(1) as f64;
         for (joints, weight) in [(of_original, 1.0), (of_simplified, balance)] {
             for (at, joint) in joints.iter().enumerate() {
                 control.item(at, joints.len())?;
-                elements[joint.face.idx()].add(joint, weight);
+                self.add_joint(joint, weight);
             }
         }
-        let diagonal = |v: usize| {
-            let mut sum = Symmetric::default();
-            for &corner in adjacency.corners_of(VertexId(v as u32)) {
-                let k = corner as usize % 3;
-                let block = &elements[corner as usize / 3].blocks[BLOCK[k][k]];
-                sum.iter_mut().zip(block).for_each(|(sum, part)| *sum += part);
-            }
-            let spring = stiffness * (sum[0] + sum[3] + sum[5]);
-            [sum[0], sum[3], sum[5]] = [sum[0], sum[3], sum[5]].map(|entry| entry + spring);
-            let inverse = matrix(&sum).inverse();
-            (spring, if inverse.is_finite() { inverse } else { DMat3::ZERO })
-        };
-        let (springs, inverse) = (0..mesh.positions.len()).into_par_iter().map(diagonal).unzip();
-        Ok(Self { mesh, adjacency, is_free, elements, springs, inverse })
+        Ok(())
     }
 
-    /// The moves of all vertices, to a thousandth.
-    pub fn solve(&self, control: Control) -> Result<Vec<DVec3>, Cancelled> {
+    fn add_joint(&mut self, joint: &Joint, weight: f64) {
+        let DVec3 { x, y, z } = joint.direction;
+        let outer = [x * x, x * y, x * z, y * y, y * z, z * z].map(|entry| weight * entry);
+        let add = |block: &mut Symmetric, share: f64| {
+            block.iter_mut().zip(outer).for_each(|(sum, entry)| *sum += share * entry);
+        };
+        let corners = self.mesh.faces[joint.face.idx()];
+        let edges = self.adjacency.edges_of(joint.face);
+        let pull = weight * joint.distance * joint.direction;
+        for k in 0..3 {
+            let (v, share, next) = (corners[k].idx(), joint.shares[k], joint.shares[(k + 1) % 3]);
+            self.pull[v] += share * pull;
+            add(&mut self.own[v], share * share);
+            match edges[k] {
+                // Both corners are one vertex.
+                EdgeId::NONE => add(&mut self.own[v], 2.0 * share * next),
+                edge => add(&mut self.across[edge.idx()], share * next),
+            }
+        }
+    }
+
+    /// The moves of all vertices, to a thousandth. A spring holds each where it is, `stiffness`
+    /// times as strong as its joints do.
+    pub fn solve(&self, stiffness: f64, control: Control) -> Result<Vec<DVec3>, Cancelled> {
         const MOST_ITERATIONS: usize = 40;
         const LEAST_SQ: f64 = 1e-6;
+        let held = |own: &Symmetric| {
+            let spring = stiffness * (own[0] + own[3] + own[5]);
+            let [xx, xy, xz, yy, yz, zz] = *own;
+            [xx + spring, xy, xz, yy + spring, yz, zz + spring]
+        };
+        let own: Vec<Symmetric> = self.own.iter().map(held).collect();
+        let inverse = |own: &Symmetric| {
+            let inverse = matrix(own).inverse();
+            if inverse.is_finite() { inverse } else { DMat3::ZERO }
+        };
+        let inverse: Vec<DMat3> = own.par_iter().map(inverse).collect();
         let n = self.mesh.positions.len();
         let mut moves = vec![DVec3::ZERO; n];
-        let mut left: Vec<DVec3> = (0..n).into_par_iter().map(|v| self.pull(v)).collect();
+        let pulls = self.pull.iter().zip(self.is_free);
+        let mut left: Vec<DVec3> =
+            pulls.map(|(pull, is_free)| if *is_free { *pull } else { DVec3::ZERO }).collect();
         let eased = |left: &[DVec3]| -> Vec<DVec3> {
-            left.iter().zip(&self.inverse).map(|(left, inverse)| *inverse * *left).collect()
+            left.iter().zip(&inverse).map(|(left, inverse)| *inverse * *left).collect()
         };
         let mut along = eased(&left);
         let mut size = dot(&left, &along);
@@ -116,7 +135,7 @@ impl<'a> System<'a> {
             if size <= LEAST_SQ * first {
                 break;
             }
-            self.times(&along, &mut product);
+            self.times(&own, &along, &mut product);
             let length = size / dot(&along, &product);
             if !length.is_finite() {
                 break;
@@ -133,36 +152,25 @@ impl<'a> System<'a> {
         Ok(moves)
     }
 
-    /// What the elements say at the places where the vertices are now, `part` as loud.
-    pub fn remembered(self, from: &[DVec3], to: &[DVec3], part: f64) -> Vec<Element> {
-        let mut elements = self.elements;
-        elements.par_iter_mut().zip(&self.mesh.faces).for_each(|(element, face)| {
-            let moved = face.map(|v| to[v.idx()] - from[v.idx()]);
-            let done = [0, 1, 2].map(|i| element.row(i, moved));
-            element
-                .pull
-                .iter_mut()
-                .zip(done)
-                .for_each(|(pull, done)| *pull = part * (*pull - done));
-            element.blocks.iter_mut().flatten().for_each(|entry| *entry *= part);
-        });
-        elements
+    /// Takes what the joints say along to where the vertices are now, `part` as loud.
+    pub fn remember(&mut self, from: &[DVec3], to: &[DVec3], part: f64) {
+        // Of infinite coordinates, too, which stay, the difference is none.
+        let way = |(from, to): (&DVec3, &DVec3)| if from == to { DVec3::ZERO } else { *to - *from };
+        let moved: Vec<DVec3> = from.iter().zip(to).map(way).collect();
+        let mut done = vec![DVec3::ZERO; moved.len()];
+        self.times(&self.own, &moved, &mut done);
+        self.pull.iter_mut().zip(&done).for_each(|(pull, done)| *pull = part * (*pull - *done));
+        let blocks = self.own.iter_mut().chain(&mut self.across);
+        blocks.flatten().for_each(|entry| *entry *= part);
     }
 
-    fn pull(&self, v: usize) -> DVec3 {
-        let corners = self.adjacency.corners_of(VertexId(v as u32)).iter();
-        let at = |&corner: &u32| self.elements[corner as usize / 3].pull[corner as usize % 3];
-        if self.is_free[v] { corners.map(at).sum() } else { DVec3::ZERO }
-    }
-
-    /// The matrix times moves; those of vertices that are not free are zero.
-    fn times(&self, x: &[DVec3], out: &mut [DVec3]) {
+    /// The matrix with these blocks of the vertices times moves; zero for those that are not free.
+    fn times(&self, own: &[Symmetric], x: &[DVec3], out: &mut [DVec3]) {
         let row = |v: usize| {
-            let mut sum = self.springs[v] * x[v];
-            for &corner in self.adjacency.corners_of(VertexId(v as u32)) {
-                let face = corner as usize / 3;
-                let x = self.mesh.faces[face].map(|v| x[v.idx()]);
-                sum += self.elements[face].row(corner as usize % 3, x);
+            let mut sum = times(&own[v], x[v]);
+            for &(edge, other) in &self.spokes[self.starts[v] as usize..self.starts[v + 1] as usize]
+            {
+                sum += times(&self.across[edge.idx()], x[other.idx()]);
             }
             sum
         };
