@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn no_path_of_the_machine_that_built_it_is_told() {
-        let of_winit = "os error at /home/a/.cargo/registry/src/winit-0.30.13/src/linux/mod.rs:766: \
+        let of_winit = "os error at /home/a/.cargo/registry/src/winit-0.30/src/linux/mod.rs:766: \
                         neither WAYLAND_DISPLAY nor WAYLAND_SOCKET nor DISPLAY is set.";
         let told = "winit: neither WAYLAND_DISPLAY nor WAYLAND_SOCKET nor DISPLAY is set";
         assert_eq!(without_place(&format!("winit: {of_winit}")), told);

@@ -145,7 +145,8 @@ proptest! {
         {
             let found = quick.closest(query).unwrap().distance_sq;
             prop_assert!((found.sqrt() - expected.sqrt()).abs() <= rounding);
-            prop_assert!((together.unwrap().distance_sq.sqrt() - expected.sqrt()).abs() <= rounding);
+            let together = together.unwrap().distance_sq.sqrt();
+            prop_assert!((together - expected.sqrt()).abs() <= rounding);
             let near = near.unwrap().distance_sq.sqrt();
             prop_assert!(near <= reach || (near - expected.sqrt()).abs() <= rounding);
         }

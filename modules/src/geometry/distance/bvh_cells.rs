@@ -71,7 +71,7 @@ impl Bvh {
 /// Faces, each with another of the same corners.
 type Copies = Vec<(u32, FaceId)>;
 
-/// The usable faces in order, of those with the same corners one, and the others each behind the one.
+/// The usable faces in order, of those with the same corners one, and the others each behind it.
 fn distinct_faces(mesh: &TriMesh, control: &Control) -> Result<(Vec<u32>, Copies), Cancelled> {
     let mut keys = Vec::new();
     for face in 0..mesh.faces.len() {

@@ -270,7 +270,8 @@ impl<'a> Splitter<'a> {
     /// Tries to let a long thin part go by balls along its longest side; says whether it did.
     ///
     /// With `d` the distance of a point of the side, no point within `r` of it is farther than
-    /// `d + r`. That needs no nearest face, but any within the limit less `r`, which is found sooner.
+    /// `d + r`. That needs no nearest face, but any within the limit less `r`, which is
+    /// found sooner.
     fn walk_along(&mut self, part: &Part) -> bool {
         let [a, b, c] = part.corners;
         let sides = [(a, b, c), (b, c, a), (c, a, b)];

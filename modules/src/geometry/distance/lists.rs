@@ -1,5 +1,5 @@
-//! Lists of faces that are near each other, where boxes around faces do not tell them apart: what is
-//! in the cells of [`Cells`](super::cells::Cells), for queries.
+//! Lists of faces that are near each other, where boxes around faces do not tell them apart: what
+//! is in the cells of [`Cells`](super::cells::Cells), for queries.
 
 use glam::{DVec3, Vec4};
 
