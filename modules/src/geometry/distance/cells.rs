@@ -5,8 +5,8 @@
 //! leaves fewer in each (J. Cleary & G. Wyvill, "Analysis of an algorithm for fast ray tracing
 //! using uniform space subdivision", The Visual Computer 1988; nested as in Jevans & Wyvill,
 //! "Adaptive voxel subdivision for ray tracing", Graphics Interface 1989). A face is cut with the
-//! cubes' walls, so it is in the lists of those that it passes through, and the box of a cell is around
-//! what is in it.
+//! cubes' walls, so it is in the lists of those that it passes through, and the box of a cell is
+//! around what is in it.
 
 use glam::{DVec3, UVec3};
 use mve_core::{Cancelled, Control};
