@@ -20,6 +20,7 @@ SETTINGS = {
     "mve, refit 1": {"refit": 1},
     "mve, refit 2": {"refit": 2},
     "mve, refit 6": {"refit": 6},
+    "mve, head start 2.5": {"head_start": 2.5},
     "mve, one queue": {"order": "Greedy"},
     "mve Quadric, all memory": ALL_MEMORY,
     "mve Quadric, all memory, refit 1": {**ALL_MEMORY, "refit": 1},

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
+use flate2::read::MultiGzDecoder;
 use mve_core::{Cancelled, Control, ModuleError};
 use thiserror::Error;
 
@@ -53,6 +54,48 @@ pub fn read_long(path: &Path, max_bytes: u64, control: Control) -> io::Result<Ve
             return Ok(bytes);
         }
     }
+}
+
+/// How a file that gzip has packed begins.
+const GZIP: &[u8] = b"\x1f\x8b";
+/// Bytes of the largest mesh that is unpacked.
+const MOST_UNPACKED: u64 = 16 << 30;
+
+/// Reads the file of a mesh, unpacked if gzip has packed it.
+pub fn read_mesh_file(path: &Path, control: Control) -> io::Result<Vec<u8>> {
+    let bytes = read_long(path, u64::MAX, control)?;
+    if !bytes.starts_with(GZIP) {
+        return Ok(bytes);
+    }
+    let mut packed = MultiGzDecoder::new(bytes.as_slice());
+    let mut unpacked = Vec::new();
+    loop {
+        control.at(0.0).map_err(io::Error::other)?;
+        if (&mut packed).take(PIECE).read_to_end(&mut unpacked)? == 0 {
+            return Ok(unpacked);
+        }
+        if unpacked.len() as u64 > MOST_UNPACKED {
+            let most = MOST_UNPACKED >> 30;
+            return Err(io::Error::other(format!("it is larger than {most} GiB when unpacked")));
+        }
+    }
+}
+
+/// Reads the file of a mesh as what `read` makes of its bytes.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with<T>(
+    path: &Path,
+    control: Control,
+    read: impl FnOnce(&[u8], Control) -> Result<T, ReadError>,
+) -> Result<T, ModuleError> {
+    let bytes = read_mesh_file(path, control.part(0.0, 0.2));
+    let bytes = bytes.map_err(|source| FileError::read(path, source))?;
+    read(&bytes, control.part(0.2, 1.0)).map_err(|error| match error {
+        ReadError::Wrong(message) => ModuleError::io(path, message),
+        ReadError::Cancelled(cancelled) => cancelled.into(),
+    })
 }
 
 /// Reads an ordinary file of at most so many bytes as what `read` makes of them.

@@ -3,11 +3,17 @@
 mve_core::modules! { "io":
     file_loader,
     file_saver,
+    mesh_loader,
     obj_loader,
     obj_saver,
+    off_loader,
+    off_saver,
+    ply_loader,
     ply_saver,
     png_loader,
     png_saver,
+    stl_loader,
+    stl_saver,
 }
 
 /// What `mve new loader` begins with.

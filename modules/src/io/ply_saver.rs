@@ -1,10 +1,12 @@
 //! Saves a mesh as a PLY file, with colors and a field, to look at it in other programs.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::data::LayerValues;
+use crate::data::{LayerValues, TextureRole};
+use crate::formats::obj;
 use crate::formats::ply::{Encoding, PlyOptions, Precision, write_ply};
 use crate::formats::save_atomic;
 use crate::geometry::surface::split::split_corners;
@@ -31,7 +33,8 @@ const FIELD_IN: MaybeIn<Field> = MaybeIn::new(
     "field",
     "One number for each vertex or face of the mesh, written as the property \"quality\".",
 );
-const PATH: Param<PathBuf> = Param::output_file("path", "The file.", &["ply"]);
+const PATH: Param<PathBuf> = Param::output_file("path", "The file; textures go into a folder of its stem and -textures.", &["ply"])
+    .also_writes(&["-textures/"]);
 const ENCODING: Param<Encoding> =
     Param::one_of("encoding", "How numbers stand in the file.", "Binary");
 const PRECISION: Param<Precision> =
@@ -67,14 +70,34 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             rounding / mesh.diagonal()
         ));
     }
+    let mesh = with_pictures(mesh, &path, io)?;
     let write = |out: &mut dyn std::io::Write| {
         write_ply(&mesh, field.as_deref(), options, out, io.control())
     };
     Ok(save_atomic(&path, write)?)
 }
 
-/// Splits vertices that have several normals or colors, and says so. Texture coordinates are left
-/// out.
+/// Saves the pictures of base colors beside the file, and names them there.
+fn with_pictures(
+    mesh: Arc<TriMesh>,
+    path: &Path,
+    io: &Io,
+) -> Result<Arc<TriMesh>, ModuleError> {
+    if mesh.materials.is_empty() {
+        return Ok(mesh);
+    }
+    let mut colors = mesh.materials.clone();
+    for material in &mut colors {
+        material.textures.retain(|texture| texture.role == TextureRole::BaseColor);
+    }
+    if colors != mesh.materials || colors.iter().any(|material| !material.statements.is_empty()) {
+        io.warn("of materials PLY has a place for the picture of the base color alone");
+    }
+    let materials = obj::save_pictures(&colors, path, io.control())?;
+    Ok(Arc::new(TriMesh { materials, ..(*mesh).clone() }))
+}
+
+/// Splits vertices that have several normals or colors, and says so.
 fn with_values_over_vertices(
     io: &Io,
     mesh: Arc<TriMesh>,
@@ -82,9 +105,6 @@ fn with_values_over_vertices(
 ) -> (Arc<TriMesh>, Option<Arc<Field>>) {
     let is_over_corners =
         |name: &&str| mesh.layer(name).is_some_and(|layer| layer.domain == Domain::Corner);
-    if is_over_corners(&Layer::TEXCOORD) {
-        io.warn("texture coordinates are over corners and are left out of the file");
-    }
     let names: Vec<&str> =
         [Layer::NORMAL, Layer::COLOR].into_iter().filter(is_over_corners).collect();
     // What does not fit the mesh is refused later.

@@ -11,7 +11,7 @@ const KILLS: usize = 30;
 
 /// 72 steps over real modules, some of a millisecond and some of many, a few of which fail.
 const MAP: &str = r#"{"mve": 1, "title": "killed", "nodes": {
-    "model": {"module": "Vase", "params": {"segments": 96, "profile_segments": 90}},
+    "model": {"module": "Vase", "params": {"segments": 64, "profile_segments": 60}},
     "simplify": {"module": "Simplificator"},
     "compare": {"module": "MeshComparer", "params": {"metric": {"Hausdorff": {"samples": 20000}}}},
     "save": {"module": "ObjSaver",

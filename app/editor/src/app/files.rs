@@ -242,17 +242,18 @@ impl Editor {
         }
     }
 
-    /// The first module with a parameter for input files that have the ending of this one, and the
-    /// parameter.
+    /// The module with a parameter for input files that have the ending of this one, and the
+    /// parameter: of several modules the one for the fewest endings, and of those the first.
     pub(super) fn reader_of(&self, path: &Path) -> Option<(&'static Module, &'static str)> {
         let extension = path.extension()?.to_string_lossy().to_lowercase();
-        self.shared.registry.modules().iter().find_map(|info| {
-            let param = info.module.params.iter().find(|spec| {
-                let file = spec.input_file();
-                file.is_some_and(|file| file.extensions.contains(&extension.as_str()))
-            })?;
-            Some((info.module, param.name))
-        })
+        let readers = self.shared.registry.modules().iter().filter_map(|info| {
+            info.module.params.iter().find_map(|spec| {
+                let endings = spec.input_file()?.extensions;
+                let reads = endings.contains(&extension.as_str());
+                reads.then_some((endings.len(), info.module, spec.name))
+            })
+        });
+        readers.min_by_key(|(n_endings, ..)| *n_endings).map(|(_, module, name)| (module, name))
     }
 
     /// The endings of the files that modules read.

@@ -13,7 +13,7 @@ pub enum FileScope {
 }
 
 /// Where files may lie that a mesh names.
-pub(super) struct Bounds {
+pub(in crate::formats) struct Bounds {
     /// The folder, without links in its path; `None` where all may be read.
     folder: Option<PathBuf>,
 }

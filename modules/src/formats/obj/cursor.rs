@@ -201,7 +201,7 @@ pub(super) enum Backslash {
 }
 
 /// Bytes in quotation marks for a message: printable, and cut where they are long.
-pub(super) fn quoted(bytes: &[u8]) -> String {
+pub(in crate::formats) fn quoted(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST)]);
     let dots = if bytes.len() > LONGEST { "…" } else { "" };

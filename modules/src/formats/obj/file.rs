@@ -13,7 +13,7 @@ use super::parse::parse_with;
 use super::textures::{self, Pictures, TextureFolder, named, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
 use crate::data::{Material, TriMesh, name_from_file, name_to_file};
-use crate::formats::plain_file::{read_long, read_plain};
+use crate::formats::plain_file::{read_mesh_file, read_plain};
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
 
@@ -43,7 +43,7 @@ pub fn load_within(
     scope: FileScope,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ObjError> {
-    let bytes = read_long(path, u64::MAX, control).map_err(|source| FileError::read(path, source));
+    let bytes = read_mesh_file(path, control).map_err(|source| FileError::read(path, source));
     let bytes = bytes.map_err(|error| match error.is_cancelled() {
         true => ObjError::Cancelled,
         false => error.into(),
@@ -144,9 +144,31 @@ fn save_with(
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
+    save_placed(placed, &folder_beside(path), control)?;
+    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
+    save_atomic(path, |out| write(out, Some(&mtl_name)))
+}
+
+/// Saves the pictures of a mesh that is saved at `path` into the folder beside it, and gives the
+/// materials that name them there.
+///
+/// # Errors
+/// With the path, when `control` ends it or a file cannot be written.
+pub fn save_pictures(
+    materials: &[Material],
+    path: &Path,
+    control: Control,
+) -> Result<Vec<Material>, FileError> {
     let folder = folder_beside(path);
+    let name = name_from_file(folder.file_name().unwrap_or_default());
+    let placed = texture_folder(materials, &name);
+    save_placed(&placed, &folder, control)?;
+    Ok(placed.materials)
+}
+
+fn save_placed(placed: &TextureFolder, folder: &Path, control: Control) -> Result<(), FileError> {
     if !placed.files.is_empty() {
-        fs::create_dir_all(&folder).map_err(|source| FileError::write(&folder, source))?;
+        fs::create_dir_all(folder).map_err(|source| FileError::write(folder, source))?;
     }
     for (name, image) in &placed.files {
         save_atomic(&folder.join(name_to_file(name)), |out| match image.encoded() {
@@ -155,8 +177,7 @@ fn save_with(
             None => image.pixels().map_or(Ok(()), |pixels| write_png(pixels, out, control)),
         })?;
     }
-    save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
-    save_atomic(path, |out| write(out, Some(&mtl_name)))
+    Ok(())
 }
 
 /// The folder for the pictures of a mesh that is saved at `path`.
@@ -190,7 +211,7 @@ impl Write for ControlledWriter<'_> {
 /// file has none.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
     const STATEMENT: &[u8] = b"mtllib";
-    let Ok(bytes) = read_plain(path, u64::MAX) else { return Vec::new() };
+    let Ok(bytes) = read_mesh_file(path, Control::none()) else { return Vec::new() };
     let folder = folder_of(path);
     let bounds = [FileScope::Folder, FileScope::Anywhere].map(|scope| Bounds::new(&folder, scope));
     let (mut paths, mut known) = (Vec::new(), HashSet::new());

@@ -5,7 +5,7 @@
 //! the file's vertex i + 1, used by a face or not. Texture coordinates and normals keep theirs and
 //! are corner layers; objects, groups, materials and smoothing groups are face layers; colors after
 //! the coordinates are a vertex layer. Polygons are cut into triangles on their own vertices, so
-//! that n corners give n - 2 triangles in the place of the polygon (see `triangulate.rs`).
+//! that n corners give n - 2 triangles in the place of the polygon (see `formats/polygon`).
 //!
 //! The reader takes what files in the wild contain: any line end, continued lines, comments
 //! anywhere, faces before their vertices, names that are not UTF-8, numbers as old programs spell
@@ -21,17 +21,15 @@
 //! mesh a group with vertices renumbered, duplicated and dropped, errors without a line, and fans
 //! for concave polygons.
 
-mod bounds;
+pub(super) mod bounds;
 mod builder;
-mod constrained;
-mod cursor;
+pub(super) mod cursor;
 mod file;
 mod kind;
 mod materials;
-mod number;
+pub(super) mod number;
 mod parse;
-mod textures;
-mod triangulate;
+pub(super) mod textures;
 mod trouble;
 mod write;
 
@@ -40,10 +38,11 @@ use std::io;
 use thiserror::Error;
 
 use super::FileError;
+use super::warnings::{Warning, Warnings};
 use crate::data::Material;
 
 pub use bounds::FileScope;
-pub use file::{TEXTURE_FOLDER, companions, load, load_within, save, save_naming};
+pub use file::{TEXTURE_FOLDER, companions, load, load_within, save, save_naming, save_pictures};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};
@@ -59,30 +58,6 @@ trait Companions {
 
     /// Gives the textures of the materials of that file their pictures.
     fn pictures(&mut self, library: &str, materials: &mut [Material], warnings: &mut Warnings);
-}
-
-/// Something in a file that is left out or doubtful; the rest was read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Warning {
-    /// The first line that it is about, from 1; `None` when it is about the whole file.
-    pub line: Option<usize>,
-    /// How many lines it is about.
-    pub n_lines: usize,
-    /// What it is.
-    pub text: String,
-}
-
-impl std::fmt::Display for Warning {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "line {line}: {}", self.text)?,
-            None => f.write_str(&self.text)?,
-        }
-        match self.n_lines {
-            0 | 1 => Ok(()),
-            n => write!(f, " (and {} more like it)", n - 1),
-        }
-    }
 }
 
 /// Why an OBJ file could not be read.
@@ -123,56 +98,6 @@ pub enum ObjError {
     /// The file could not be read.
     #[error(transparent)]
     File(#[from] FileError),
-}
-
-/// Warnings of one file, those of the same text gathered into one.
-#[derive(Default)]
-pub(crate) struct Warnings {
-    list: Vec<Warning>,
-}
-
-impl Warnings {
-    /// Kinds of warning that are told apart; files of noise have no end of them.
-    const MOST: usize = 64;
-
-    /// Adds one about a line.
-    pub fn add(&mut self, line: usize, text: &str) {
-        match self.list.iter_mut().find(|warning| warning.text == text) {
-            Some(warning) => warning.n_lines += 1,
-            None => self.push(Warning { line: Some(line), n_lines: 1, text: text.to_owned() }),
-        }
-    }
-
-    /// Adds one about the whole file.
-    pub fn add_general(&mut self, text: String) {
-        self.push(Warning { line: None, n_lines: 1, text });
-    }
-
-    /// Adds one about the whole file that may come up again and again.
-    pub fn add_once(&mut self, text: String) {
-        if !self.list.iter().any(|warning| warning.text == text) {
-            self.add_general(text);
-        }
-    }
-
-    /// Adds one whose text is not there yet.
-    pub fn push(&mut self, warning: Warning) {
-        const MORE: &str = "more kinds of lines are left out";
-        if self.list.len() < Self::MOST {
-            self.list.push(warning);
-        } else if let Some(last) = self.list.last_mut() {
-            if last.text == MORE {
-                last.n_lines += warning.n_lines;
-            } else {
-                *last = Warning { text: MORE.to_owned(), ..warning };
-            }
-        }
-    }
-
-    /// The warnings in the order in which they came up.
-    pub fn into_list(self) -> Vec<Warning> {
-        self.list
-    }
 }
 
 #[cfg(test)]

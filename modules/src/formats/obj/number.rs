@@ -43,7 +43,7 @@ pub(super) fn numbers<const N: usize>(
 /// C libraries of Windows (`1.#INF`, `-1.#IND`, `1.#QNAN`, cut to `1.#J` by few digits;
 /// `-nan(ind)`), AIX (`NaNQ`), Scheme (`+inf.0`) and Fortran (`****`).
 #[cold]
-fn other_spelling(bytes: &[u8]) -> Option<(f64, usize)> {
+pub(in crate::formats) fn other_spelling(bytes: &[u8]) -> Option<(f64, usize)> {
     /// No number has more bytes in its exponent or behind a `#`.
     const LONGEST: usize = 1100;
     let is_end = |byte: &u8| byte.is_ascii_whitespace() || matches!(byte, 0x0b | b'\\');

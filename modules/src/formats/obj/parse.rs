@@ -13,10 +13,10 @@ use super::builder::{Corner, MeshBuilder};
 use super::cursor::{Cursor, quoted};
 use super::kind::check_kind;
 use super::number::{integer, numbers};
-use super::triangulate::{Cut, Triangulator};
 use super::trouble::Trouble;
 use super::{Companions, MtlSource, ObjError, Warning, Warnings, materials};
 use crate::data::{Material, NO_VALUE, TriMesh, name_from_bytes};
+use crate::formats::polygon::{Cut, Triangulator};
 
 /// Bytes between two calls of the control.
 const PROGRESS_STEP: usize = 1 << 20;

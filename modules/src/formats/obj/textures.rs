@@ -116,7 +116,11 @@ fn spellings(name: &str) -> Vec<String> {
 /// of its material file; of its last part alone in that folder, since names hold paths of the
 /// machines where they were written; and of both in the other folders. Where there is no such
 /// file, or it lies out of bounds, the path that is written.
-pub(super) fn find(name: &str, folders: &[PathBuf], bounds: &Bounds) -> (PathBuf, Place) {
+pub(in crate::formats) fn find(
+    name: &str,
+    folders: &[PathBuf],
+    bounds: &Bounds,
+) -> (PathBuf, Place) {
     let names = spellings(name);
     let alone: Vec<&str> = names.iter().filter_map(|name| name.rsplit('/').next()).collect();
     let whole: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -136,7 +140,7 @@ pub(super) fn find(name: &str, folders: &[PathBuf], bounds: &Bounds) -> (PathBuf
 
 /// Where the file of a texture lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(in crate::formats) enum Place {
     /// Where the material file says.
     AsWritten,
     /// Beside the material file or the mesh, though the material file says otherwise.
@@ -149,7 +153,7 @@ pub(super) enum Place {
 type PictureFile = (Arc<TextureImage>, Option<String>);
 
 /// Reads pictures, each file once.
-pub(super) struct Pictures {
+pub(in crate::formats) struct Pictures {
     known: HashMap<PathBuf, Result<PictureFile, String>>,
     n_bytes_left: u64,
 }

@@ -1,11 +1,21 @@
-//! PLY files: meshes with colors, normals and a field, for viewers.
+//! PLY files: polygons with any properties.
+//!
+//! `header.rs` says what rows there are, `read.rs` reads them.
+
 //!
 //! Source of the format: G. Turk, "The PLY polygon file format", 1994; names of properties as
 //! MeshLab, VTK and Blender read them.
 
+mod file;
+mod header;
+mod read;
 mod write;
 
+pub use file::{companions, load};
+pub use read::read_ply;
 pub use write::{Encoding, PlyOptions, Precision, write_ply};
 
+#[cfg(test)]
+mod read_tests;
 #[cfg(test)]
 mod tests;

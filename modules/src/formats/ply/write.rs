@@ -4,10 +4,10 @@
 
 use std::io::{self, Write};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use mve_core::Control;
 
-use crate::data::{Domain, Field, Layer, LayerValues, TriMesh};
+use crate::data::{Domain, Field, Layer, LayerValues, TextureRole, TriMesh, name_to_bytes};
 use crate::picture::color_map::bytes_of;
 
 /// Bytes that are gathered before they go to the writer.
@@ -44,8 +44,10 @@ pub struct PlyOptions {
 ///
 /// Written are positions, faces, the layer normal over vertices (`nx ny nz`; 0 where there is
 /// none), the layer color over vertices or faces (`red green blue`, bytes; white where there is
-/// none), and a field over vertices or faces as `quality`. Layers over corners and all others have
-/// no place that viewers agree on and are left out.
+/// none), a field over vertices or faces as `quality`, layers of numbers over vertices or faces by
+/// their names, texture coordinates of corners (`texcoord`; an empty list where a corner has none),
+/// and the pictures of base colors that materials name (`TextureFile`, `texnumber`). All else has no
+/// place that viewers agree on and is left out.
 ///
 /// # Errors
 /// `InvalidInput` when the mesh is not well formed, has a coordinate that is not finite or does not
@@ -73,14 +75,21 @@ pub fn write_ply(
         normals: vectors(mesh, Layer::NORMAL, Domain::Vertex),
         colors: vectors(mesh, Layer::COLOR, Domain::Vertex),
         quality: over(Domain::Vertex),
+        numbers: numbers(mesh, Domain::Vertex, over(Domain::Vertex).is_some()),
+        texcoords: None,
+        pictures: None,
     };
+    let textures = Textures::of(mesh);
     let faces = Extras {
         normals: None,
         colors: vectors(mesh, Layer::COLOR, Domain::Face),
         quality: over(Domain::Face),
+        numbers: numbers(mesh, Domain::Face, over(Domain::Face).is_some()),
+        texcoords: texcoords(mesh),
+        pictures: textures.of_faces.as_deref(),
     };
     let mut rows = Rows { out, buffer: Vec::with_capacity(CHUNK + 512), options };
-    rows.buffer.extend_from_slice(header(mesh, &vertices, &faces, options).as_bytes());
+    rows.buffer.extend(header(mesh, (&vertices, &faces), &textures.names, options));
     for (v, position) in mesh.positions.iter().enumerate() {
         for coordinate in position.to_array() {
             check_coordinate(v, coordinate, options.precision)?;
@@ -145,6 +154,85 @@ struct Extras<'m> {
     normals: Option<Vectors<'m>>,
     colors: Option<Vectors<'m>>,
     quality: Option<&'m [f64]>,
+    /// Other numbers: name, values and which of them each element has.
+    numbers: Vec<(&'m str, &'m [f64], &'m [u32])>,
+    /// Of corners: values, and which of them each has.
+    texcoords: Option<(&'m [DVec2], &'m [u32])>,
+    /// The number of each face's picture.
+    pictures: Option<&'m [i32]>,
+}
+
+/// The layers of numbers whose names are a word that no other property has.
+fn numbers(mesh: &TriMesh, domain: Domain, has_quality: bool) -> Vec<(&str, &[f64], &[u32])> {
+    const TAKEN: [&str; 14] = [
+        "x",
+        "y",
+        "z",
+        "nx",
+        "ny",
+        "nz",
+        "red",
+        "green",
+        "blue",
+        "vertex_indices",
+        "vertex_index",
+        "texcoord",
+        "texnumber",
+        "texture_index",
+    ];
+    let is_word = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_graphic());
+    let of = |layer: &'_ Layer| {
+        is_word(&layer.name)
+            && layer.domain == domain
+            && !TAKEN.contains(&layer.name.as_str())
+            && !(has_quality && layer.name == "quality")
+    };
+    let layers = mesh.layers.iter().filter(|layer| of(layer));
+    let numbers = layers.filter_map(|layer| match &layer.values {
+        LayerValues::Number(values) => {
+            Some((layer.name.as_str(), values.as_slice(), layer.index.as_slice()))
+        }
+        _ => None,
+    });
+    numbers.collect()
+}
+
+fn texcoords(mesh: &TriMesh) -> Option<(&[DVec2], &[u32])> {
+    match mesh.layer(Layer::TEXCOORD) {
+        Some(Layer {
+            domain: Domain::Corner, values: LayerValues::Vec2(values), index, ..
+        }) => Some((values, index)),
+        _ => None,
+    }
+}
+
+/// The pictures of base colors.
+struct Textures {
+    names: Vec<String>,
+    /// The number of each face's picture, if there is one; -1 of a face that has none.
+    of_faces: Option<Vec<i32>>,
+}
+
+impl Textures {
+    fn of(mesh: &TriMesh) -> Self {
+        let textured = mesh.materials.iter().filter_map(|material| {
+            Some((&material.name, material.texture(TextureRole::BaseColor)?.name.clone()))
+        });
+        let (materials, names): (Vec<&String>, Vec<String>) = textured.unzip();
+        let of_faces = match mesh.layer(Layer::MATERIAL) {
+            Some(Layer {
+                domain: Domain::Face, values: LayerValues::Label(labels), index, ..
+            }) if !names.is_empty() => {
+                let place = |label| materials.iter().position(|name| *name == label);
+                let places: Vec<i32> =
+                    labels.iter().map(|label| place(label).map_or(-1, |at| at as i32)).collect();
+                let number = |at: &u32| places.get(*at as usize).copied().unwrap_or(-1);
+                Some(index.iter().map(number).collect())
+            }
+            _ => None,
+        };
+        Self { names, of_faces }
+    }
 }
 
 impl Extras<'_> {
@@ -160,6 +248,13 @@ impl Extras<'_> {
         if self.quality.is_some() {
             property(real, "quality");
         }
+        if self.pictures.is_some() {
+            property("int", "texnumber");
+        }
+        self.numbers.iter().for_each(|(name, ..)| property(real, name));
+        if self.texcoords.is_some() {
+            property("list uchar float", "texcoord");
+        }
     }
 
     fn write(&self, element: usize, rows: &mut Rows) {
@@ -174,10 +269,32 @@ impl Extras<'_> {
         if let Some(quality) = self.quality {
             rows.real(quality[element]);
         }
+        if let Some(pictures) = self.pictures {
+            rows.index(pictures[element] as u32);
+        }
+        for (_, values, index) in &self.numbers {
+            rows.real(values.get(index[element] as usize).copied().unwrap_or(f64::NAN));
+        }
+        if let Some((values, index)) = self.texcoords {
+            let corners = index[3 * element..].first_chunk::<3>();
+            let corners = corners.map(|at| at.map(|at| values.get(at as usize).copied()));
+            match corners {
+                Some([Some(a), Some(b), Some(c)]) => {
+                    rows.byte(6);
+                    [a, b, c].iter().flat_map(|uv| uv.to_array()).for_each(|x| rows.float(x));
+                }
+                _ => rows.byte(0),
+            }
+        }
     }
 }
 
-fn header(mesh: &TriMesh, vertices: &Extras, faces: &Extras, options: PlyOptions) -> String {
+fn header(
+    mesh: &TriMesh,
+    (vertices, faces): (&Extras, &Extras),
+    textures: &[String],
+    options: PlyOptions,
+) -> Vec<u8> {
     let format = match options.encoding {
         Encoding::Binary => "binary_little_endian",
         Encoding::Ascii => "ascii",
@@ -186,7 +303,13 @@ fn header(mesh: &TriMesh, vertices: &Extras, faces: &Extras, options: PlyOptions
         Precision::Float => "float",
         Precision::Double => "double",
     };
-    let mut text = format!("ply\nformat {format} 1.0\nelement vertex {}\n", mesh.positions.len());
+    let mut head = format!("ply\nformat {format} 1.0\n").into_bytes();
+    for name in textures {
+        // A name is one line.
+        let name = name.replace(['\n', '\r'], " ");
+        head.extend([b"comment TextureFile ", &name_to_bytes(&name)[..], b"\n"].concat());
+    }
+    let mut text = format!("element vertex {}\n", mesh.positions.len());
     for name in ["x", "y", "z"] {
         text.push_str(&format!("property {real} {name}\n"));
     }
@@ -195,7 +318,8 @@ fn header(mesh: &TriMesh, vertices: &Extras, faces: &Extras, options: PlyOptions
     text.push_str("property list uchar int vertex_indices\n");
     faces.declare(real, &mut text);
     text.push_str("end_header\n");
-    text
+    head.extend(text.as_bytes());
+    head
 }
 
 /// Rows of numbers on their way to the writer.
@@ -218,6 +342,14 @@ impl Rows<'_> {
         }
     }
 
+    /// A number of 32 bits in either precision.
+    fn float(&mut self, value: f64) {
+        match self.options.encoding {
+            Encoding::Binary => self.buffer.extend_from_slice(&(value as f32).to_le_bytes()),
+            Encoding::Ascii => self.text(zmij::Buffer::new().format(value as f32)),
+        }
+    }
+
     fn byte(&mut self, value: u8) {
         match self.options.encoding {
             Encoding::Binary => self.buffer.push(value),
@@ -228,7 +360,8 @@ impl Rows<'_> {
     fn index(&mut self, value: u32) {
         match self.options.encoding {
             Encoding::Binary => self.buffer.extend_from_slice(&value.to_le_bytes()),
-            Encoding::Ascii => self.text(&value.to_string()),
+            // -1 is that of a face without a picture.
+            Encoding::Ascii => self.text(&(value as i32).to_string()),
         }
     }
 

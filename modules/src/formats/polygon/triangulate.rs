@@ -42,7 +42,7 @@ const TESTS: u64 = 1 << 20;
 
 /// How well a polygon was cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cut {
+pub(in crate::formats) enum Cut {
     /// The triangles cover the polygon.
     Exact,
     /// The polygon has no area or crosses itself: a part of it is a fan, which may overlap.
@@ -51,7 +51,7 @@ pub(super) enum Cut {
 
 /// Cuts polygons; keeps its buffers from one to the next.
 #[derive(Default)]
-pub(super) struct Triangulator {
+pub(in crate::formats) struct Triangulator {
     flat: Vec<DVec2>,
     previous: Vec<u32>,
     next: Vec<u32>,

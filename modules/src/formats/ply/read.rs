@@ -1,0 +1,434 @@
+//! From the bytes of a PLY file to a mesh.
+
+use std::iter;
+
+use glam::{DVec2, DVec3};
+use mve_core::Control;
+
+use super::header::{Element, Format, Header, Kind, Shape};
+use crate::data::{Layer, Material, Texture, TextureRole, TriMesh, VertexId};
+use crate::formats::ReadError;
+use crate::formats::raw_mesh::RawMesh;
+use crate::formats::warnings::Warning;
+use crate::formats::words::Words;
+
+/// Rows between two looks whether the work was cancelled.
+const ROWS: u64 = 1 << 16;
+/// Rows whose memory is taken before they are read.
+const MOST_AT_ONCE: u64 = 1 << 24;
+
+/// Reads a PLY file: ASCII or binary of either order, any type for any property.
+///
+/// Polygons are cut into triangles; triangle strips are taken apart. Kept are normals, colors,
+/// texture coordinates of vertices and corners, the pictures that comments name, as materials
+/// without their content, and other properties of vertices and faces that are one number, as layers
+/// of their names. Other elements and lists are passed over.
+///
+/// # Errors
+/// What is wrong with the header or the rows, with the line or the row; when `control` says so.
+pub fn read_ply(bytes: &[u8], control: Control) -> Result<(TriMesh, Vec<Warning>), ReadError> {
+    let header = Header::read(bytes)?;
+    let body = &bytes[header.n_bytes..];
+    match header.format {
+        Format::Ascii => {
+            let words = Words::new(body, header.n_lines, false);
+            read_rows(&header, Text(words), control)
+        }
+        Format::LittleEndian => {
+            read_rows(&header, Binary::<false> { bytes: body, pos: 0 }, control)
+        }
+        Format::BigEndian => read_rows(&header, Binary::<true> { bytes: body, pos: 0 }, control),
+    }
+}
+
+/// Where numbers come from.
+trait Source {
+    fn number(&mut self, kind: Kind) -> Result<f64, ReadError>;
+    /// Bytes that are left.
+    fn n_left(&self) -> u64;
+    fn fraction(&self) -> f64;
+    fn place(&self) -> String;
+}
+
+struct Text<'a>(Words<'a>);
+
+impl Source for Text<'_> {
+    fn number(&mut self, _: Kind) -> Result<f64, ReadError> {
+        self.0.number("a number")
+    }
+
+    fn n_left(&self) -> u64 {
+        self.0.n_left() as u64
+    }
+
+    fn fraction(&self) -> f64 {
+        self.0.fraction()
+    }
+
+    fn place(&self) -> String {
+        format!("line {}", self.0.line())
+    }
+}
+
+struct Binary<'a, const BIG: bool> {
+    bytes: &'a [u8],
+    pos: usize,
+}
+
+impl<const BIG: bool> Binary<'_, BIG> {
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
+        let bytes = self.bytes.get(self.pos..).and_then(|rest| rest.first_chunk::<N>());
+        let mut bytes = *bytes.ok_or_else(ends)?;
+        self.pos += N;
+        // Numbers are read with the lowest byte first.
+        if BIG {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+#[cold]
+fn ends() -> ReadError {
+    ReadError::Wrong("the file ends before all rows that its header promises".to_owned())
+}
+
+impl<const BIG: bool> Source for Binary<'_, BIG> {
+    #[inline]
+    fn number(&mut self, kind: Kind) -> Result<f64, ReadError> {
+        Ok(match kind {
+            Kind::F32 => f64::from(f32::from_le_bytes(self.take()?)),
+            Kind::I32 => f64::from(i32::from_le_bytes(self.take()?)),
+            Kind::U8 => f64::from(u8::from_le_bytes(self.take()?)),
+            Kind::F64 => f64::from_le_bytes(self.take()?),
+            Kind::U32 => f64::from(u32::from_le_bytes(self.take()?)),
+            Kind::I8 => f64::from(i8::from_le_bytes(self.take()?)),
+            Kind::I16 => f64::from(i16::from_le_bytes(self.take()?)),
+            Kind::U16 => f64::from(u16::from_le_bytes(self.take()?)),
+        })
+    }
+
+    fn n_left(&self) -> u64 {
+        self.bytes.len().saturating_sub(self.pos) as u64
+    }
+
+    fn fraction(&self) -> f64 {
+        self.pos as f64 / self.bytes.len().max(1) as f64
+    }
+
+    fn place(&self) -> String {
+        format!("byte {} of the rows", self.pos)
+    }
+}
+
+fn read_rows(
+    header: &Header,
+    mut source: impl Source,
+    control: Control,
+) -> Result<(TriMesh, Vec<Warning>), ReadError> {
+    let mut mesh = RawMesh::default();
+    mesh.materials = materials(&header.textures);
+    let n_vertices = header.n_rows("vertex");
+    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        let least = element.least_bytes(header.format);
+        // The last row of a text may end without a blank.
+        if element.n_rows.saturating_mul(least) > source.n_left() + 1 {
+            return Err(ReadError::Wrong(format!(
+                "the header promises {} rows of \"{}\", for which the {} bytes that follow are too \
+                 few",
+                element.n_rows,
+                element.name,
+                source.n_left()
+            )));
+        }
+        match element.name.as_str() {
+            "vertex" if mesh.positions.is_empty() => {
+                read_vertices(element, &mut source, &mut mesh, control)?;
+            }
+            "face" => read_faces(element, n_vertices, &mut source, &mut mesh, control)?,
+            "tristrips" => read_strips(element, n_vertices, &mut source, &mut mesh, control)?,
+            _ => {
+                each_row(element, &mut source, control, |_, _, _| Ok(()))?;
+            }
+        }
+    }
+    if mesh.positions.len() as u64 != n_vertices {
+        return Err(ReadError::Wrong("the element \"vertex\" has no properties".to_owned()));
+    }
+    if n_vertices == 0 && mesh.polygons.len() > 0 {
+        return Err(ReadError::Wrong("there are faces, but no vertices".to_owned()));
+    }
+    mesh.finish(control)
+}
+
+/// The pictures as materials: one for each.
+fn materials(textures: &[String]) -> Vec<Material> {
+    let material = |name: &String| {
+        let texture = Texture {
+            role: TextureRole::BaseColor,
+            keyword: "map_Kd".to_owned(),
+            options: String::new(),
+            name: name.clone(),
+            place: 0,
+            image: None,
+        };
+        Material { name: name.clone(), statements: Vec::new(), textures: vec![texture] }
+    };
+    textures.iter().map(material).collect()
+}
+
+/// Numbers of a row: one of each property that is one, and the items of each list.
+struct Row {
+    ones: Vec<f64>,
+    lists: Vec<Vec<f64>>,
+}
+
+/// Reads the rows of an element and tells of each.
+fn each_row<S: Source>(
+    element: &Element,
+    source: &mut S,
+    control: Control,
+    mut tell: impl FnMut(u64, &Row, &S) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
+    let n = element.properties.len();
+    let mut row = Row { ones: vec![0.0; n], lists: vec![Vec::new(); n] };
+    let at_row = |number: u64, error: ReadError| match error {
+        ReadError::Wrong(message) => {
+            let name = &element.name;
+            ReadError::Wrong(format!(
+                "\"{name}\", row {} of {}: {message}",
+                number + 1,
+                element.n_rows
+            ))
+        }
+        cancelled => cancelled,
+    };
+    for number in 0..element.n_rows {
+        if number % ROWS == 0 {
+            control.at(source.fraction())?;
+        }
+        for (at, property) in element.properties.iter().enumerate() {
+            match property.shape {
+                Shape::One(kind) => {
+                    row.ones[at] = source.number(kind).map_err(|error| at_row(number, error))?;
+                }
+                Shape::List { n, item } => {
+                    let n = source.number(n).map_err(|error| at_row(number, error))?;
+                    let list = &mut row.lists[at];
+                    list.clear();
+                    // Each item takes a byte at least.
+                    if !(n >= 0.0 && n <= source.n_left() as f64 && n.fract() == 0.0) {
+                        let message = format!(
+                            "the list \"{}\" has {n} items, of which the file has no room",
+                            property.name
+                        );
+                        return Err(at_row(number, ReadError::Wrong(message)));
+                    }
+                    for _ in 0..n as usize {
+                        list.push(source.number(item).map_err(|error| at_row(number, error))?);
+                    }
+                }
+            }
+        }
+        tell(number, &row, source)?;
+    }
+    Ok(())
+}
+
+/// The places of the first of these sets of properties that an element has whole, as numbers.
+fn places<const N: usize>(element: &Element, sets: &[[&str; N]]) -> Option<[usize; N]> {
+    let place = |name: &str| {
+        let is = |p: &super::header::Property| p.name == name && matches!(p.shape, Shape::One(_));
+        element.properties.iter().position(is)
+    };
+    sets.iter().find_map(|names| {
+        let found = names.map(place);
+        found.iter().all(Option::is_some).then(|| found.map(Option::unwrap_or_default))
+    })
+}
+
+const COLORS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+
+/// What a number of a color property stands for 1; floats beyond 1 are bytes.
+fn whole_of(element: &Element, places: Option<[usize; 3]>) -> f64 {
+    match places.map(|places| element.properties[places[0]].shape) {
+        Some(Shape::One(kind)) => kind.whole(),
+        _ => 1.0,
+    }
+}
+
+/// Colors as fractions.
+fn scaled(mut colors: Vec<DVec3>, whole: f64) -> Vec<DVec3> {
+    let most = colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
+    let whole = if whole == 1.0 && most > 1.0 && most <= 255.0 { 255.0 } else { whole };
+    if whole != 1.0 {
+        colors.iter_mut().for_each(|color| *color /= whole);
+    }
+    colors
+}
+
+/// The properties that are one number and stand for nothing else, and their values.
+fn others(element: &Element, known: &[usize]) -> Vec<(usize, (String, Vec<f64>))> {
+    const RESERVED: [&str; 7] = [
+        Layer::NORMAL,
+        Layer::TEXCOORD,
+        Layer::COLOR,
+        Layer::MATERIAL,
+        Layer::GROUP,
+        Layer::OBJECT,
+        Layer::SMOOTHING,
+    ];
+    let numbered = element.properties.iter().enumerate();
+    let others = numbered.filter(|(at, property)| {
+        matches!(property.shape, Shape::One(_))
+            && !known.contains(at)
+            && !RESERVED.contains(&property.name.as_str())
+    });
+    others.map(|(at, property)| (at, (property.name.clone(), Vec::new()))).collect()
+}
+
+fn room<T>(n_rows: u64) -> Vec<T> {
+    Vec::with_capacity(n_rows.min(MOST_AT_ONCE) as usize)
+}
+
+fn read_vertices<S: Source>(
+    element: &Element,
+    source: &mut S,
+    mesh: &mut RawMesh,
+    control: Control,
+) -> Result<(), ReadError> {
+    let Some(position) = places(element, &[["x", "y", "z"]]) else {
+        return Err(ReadError::Wrong(
+            "the element \"vertex\" has no properties x, y and z".to_owned(),
+        ));
+    };
+    let normal = places(element, &[["nx", "ny", "nz"]]);
+    let color = places(element, &COLORS);
+    let texcoord =
+        places(element, &[["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["tx", "ty"]]);
+    let known = [Some(position), normal, color].into_iter().flatten().flatten();
+    let known: Vec<usize> = known.chain(texcoord.into_iter().flatten()).collect();
+    let mut numbers = others(element, &known);
+    let n = element.n_rows;
+    mesh.positions = room(n);
+    mesh.normals = if normal.is_some() { room(n) } else { Vec::new() };
+    mesh.colors = if color.is_some() { room(n) } else { Vec::new() };
+    each_row(element, source, control, |_, row, _| {
+        let vector = |places: [usize; 3]| DVec3::from_array(places.map(|at| row.ones[at]));
+        mesh.positions.push(vector(position));
+        mesh.normals.extend(normal.map(vector));
+        mesh.colors.extend(color.map(vector));
+        mesh.texcoords.extend(texcoord.map(|at| DVec2::from_array(at.map(|at| row.ones[at]))));
+        numbers.iter_mut().for_each(|(at, (_, values))| values.push(row.ones[*at]));
+        Ok(())
+    })?;
+    mesh.colors = scaled(std::mem::take(&mut mesh.colors), whole_of(element, color));
+    mesh.numbers = numbers.into_iter().map(|(_, named)| named).collect();
+    Ok(())
+}
+
+fn read_faces<S: Source>(
+    element: &Element,
+    n_vertices: u64,
+    source: &mut S,
+    mesh: &mut RawMesh,
+    control: Control,
+) -> Result<(), ReadError> {
+    let list = |names: &[&str]| {
+        let is = |p: &super::header::Property| {
+            names.contains(&p.name.as_str()) && matches!(p.shape, Shape::List { .. })
+        };
+        element.properties.iter().position(is)
+    };
+    let Some(corners) = list(&["vertex_indices", "vertex_index"]) else {
+        mesh.warnings.add_general("the faces have no list \"vertex_indices\"".to_owned());
+        return each_row(element, source, control, |_, _, _| Ok(()));
+    };
+    let texcoords = list(&["texcoord"]);
+    let color = places(element, &COLORS);
+    let picture = places(element, &[["texnumber"], ["texture_index"]]);
+    let known = color.into_iter().flatten().chain(picture.into_iter().flatten());
+    let mut numbers = others(element, &known.collect::<Vec<_>>());
+    mesh.polygons.reserve(element.n_rows.min(MOST_AT_ONCE) as usize);
+    let mut polygon = Vec::new();
+    let mut n_odd_texcoords = 0_usize;
+    each_row(element, source, control, |number, row, source| {
+        let place = || format!("face {number}, before {}", source.place());
+        let list = &row.lists[corners];
+        polygon.clear();
+        for &corner in list {
+            let Some(v) = RawMesh::vertex(corner, n_vertices) else {
+                mesh.leave_out(place, || {
+                    format!("found vertex {corner}, expected 0 to {}", n_vertices.saturating_sub(1))
+                });
+                return Ok(());
+            };
+            polygon.push(v);
+        }
+        if polygon.len() < 3 {
+            mesh.leave_out(place, || format!("it has {} corners, fewer than 3", polygon.len()));
+            return Ok(());
+        }
+        mesh.polygons.push(&polygon);
+        if let Some(at) = texcoords {
+            let list = &row.lists[at];
+            let is_whole = list.len() == 2 * polygon.len();
+            n_odd_texcoords += usize::from(!is_whole && !list.is_empty());
+            match is_whole {
+                true => mesh
+                    .corner_texcoords
+                    .extend(list.as_chunks().0.iter().map(|&uv| DVec2::from(uv))),
+                false => mesh.corner_texcoords.extend(iter::repeat_n(DVec2::NAN, polygon.len())),
+            }
+        }
+        mesh.face_colors.extend(color.map(|at| DVec3::from_array(at.map(|at| row.ones[at]))));
+        if !mesh.materials.is_empty() {
+            let number = picture.map_or(0.0, |[at]| row.ones[at]);
+            let is_one = number >= 0.0 && number < mesh.materials.len() as f64;
+            mesh.face_materials.push(if is_one { number as u32 } else { u32::MAX });
+        }
+        numbers.iter_mut().for_each(|(at, (_, values))| values.push(row.ones[*at]));
+        Ok(())
+    })?;
+    if n_odd_texcoords > 0 {
+        mesh.warnings.add_general(format!(
+            "{n_odd_texcoords} face(s) have other than two texture coordinates a corner, which are \
+             left out"
+        ));
+    }
+    mesh.face_colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
+    mesh.face_numbers = numbers.into_iter().map(|(_, named)| named).collect();
+    Ok(())
+}
+
+/// Strips of triangles, each with the last two vertices of the one before; -1 ends a strip.
+fn read_strips<S: Source>(
+    element: &Element,
+    n_vertices: u64,
+    source: &mut S,
+    mesh: &mut RawMesh,
+    control: Control,
+) -> Result<(), ReadError> {
+    each_row(element, source, control, |_, row, source| {
+        for strip in row.lists.iter().flat_map(|list| list.split(|number| *number == -1.0)) {
+            for (at, corners) in strip.windows(3).enumerate() {
+                let vertices = [0, 1, 2].map(|k| RawMesh::vertex(corners[k], n_vertices));
+                let [Some(a), Some(b), Some(c)] = vertices else {
+                    mesh.leave_out(
+                        || format!("a strip before {}", source.place()),
+                        || format!("a vertex is not one of {n_vertices}"),
+                    );
+                    continue;
+                };
+                // Strips repeat a vertex to turn a corner.
+                if a != b && b != c && c != a {
+                    let corners: [VertexId; 3] = if at % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                    mesh.polygons.push_triangle(corners);
+                }
+            }
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,168 @@
+//! A mesh as files have it, polygons and doubtful numbers included, on its way to a mesh.
+
+use glam::{DVec2, DVec3};
+use mve_core::Control;
+
+use super::ReadError;
+use super::polygon::Polygons;
+use super::warnings::{Warning, Warnings};
+use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh, VertexId};
+
+/// What a reader gathers. Lists of what a file does not have are empty; those of what it has are as
+/// long as their elements.
+#[derive(Default)]
+pub(super) struct RawMesh {
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<DVec3>,
+    pub colors: Vec<DVec3>,
+    pub texcoords: Vec<DVec2>,
+    /// Names and values of other numbers of vertices.
+    pub numbers: Vec<(String, Vec<f64>)>,
+    pub polygons: Polygons,
+    pub face_colors: Vec<DVec3>,
+    /// Of the corners of all polygons; NaN where a corner has none.
+    pub corner_texcoords: Vec<DVec2>,
+    /// Names and values of other numbers of faces.
+    pub face_numbers: Vec<(String, Vec<f64>)>,
+    /// The material of each face, by number.
+    pub face_materials: Vec<u32>,
+    pub materials: Vec<Material>,
+    pub warnings: Warnings,
+    left_out: LeftOut,
+}
+
+/// Faces that cannot be read.
+#[derive(Default)]
+struct LeftOut {
+    n: usize,
+    /// Where the first is, and what is wrong with it.
+    first: Option<(String, String)>,
+}
+
+impl RawMesh {
+    /// The vertex of this number, if there are so many.
+    #[inline]
+    pub fn vertex(number: f64, n_vertices: u64) -> Option<VertexId> {
+        let is_one = number >= 0.0 && number < n_vertices as f64 && number.fract() == 0.0;
+        is_one.then_some(VertexId(number as u32))
+    }
+
+    /// Counts a face that is left out.
+    #[cold]
+    pub fn leave_out(&mut self, place: impl FnOnce() -> String, fault: impl FnOnce() -> String) {
+        self.left_out.n += 1;
+        self.left_out.first.get_or_insert_with(|| (place(), fault()));
+    }
+
+    /// The mesh and the warnings.
+    ///
+    /// # Errors
+    /// Where a face has a vertex that is nowhere, where all faces are left out, or when `control`
+    /// says so.
+    pub fn finish(mut self, control: Control) -> Result<(TriMesh, Vec<Warning>), ReadError> {
+        if let LeftOut { n, first: Some((place, fault)) } = &self.left_out {
+            let more =
+                if *n > 1 { format!(" (and {} more like it)", n - 1) } else { String::new() };
+            if self.polygons.len() == 0 {
+                return Err(ReadError::Wrong(format!("{place}: {fault}{more}; no face is left")));
+            }
+            self.warnings.add_general(format!("{place}: {fault}; the face is left out{more}"));
+        }
+        if self.positions.len() >= u32::MAX as usize / 3 {
+            return Err(ReadError::Wrong("more than 1.4 billion vertices; split the file".into()));
+        }
+        let cut = self.polygons.cut(&self.positions, &mut self.warnings, control)?;
+        let n_corners = 3 * cut.faces.len() as u64;
+        if n_corners >= u64::from(u32::MAX) {
+            return Err(ReadError::Wrong("more than 1.4 billion faces; split the file".into()));
+        }
+        settle_points(&mut self.positions, &cut.faces, &mut self.warnings)?;
+        let mut mesh = TriMesh::new(self.positions, cut.faces);
+        let (n_vertices, n_faces) = (mesh.positions.len(), mesh.faces.len());
+        let of_faces = || cut.polygons.clone().unwrap_or_else(|| (0..n_faces as u32).collect());
+        let of_vertices = || (0..n_vertices as u32).collect();
+        let mut put = |name: &str, domain, values: LayerValues, index: Vec<u32>| {
+            mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
+        };
+        if !self.corner_texcoords.is_empty() {
+            let sources = cut.corners.unwrap_or_else(|| (0..n_corners as u32).collect());
+            let has = |at: u32| self.corner_texcoords[at as usize].is_finite();
+            let index = sources.into_iter().map(|at| if has(at) { at } else { NO_VALUE }).collect();
+            let (values, index) = joined(self.corner_texcoords, index);
+            put(Layer::TEXCOORD, Domain::Corner, LayerValues::Vec2(values), index);
+        }
+        if !self.normals.is_empty() {
+            put(Layer::NORMAL, Domain::Vertex, LayerValues::Vec3(self.normals), of_vertices());
+        }
+        let over_vertices = !self.colors.is_empty();
+        for (colors, domain) in [(self.colors, Domain::Vertex), (self.face_colors, Domain::Face)] {
+            if !colors.is_empty() && (domain == Domain::Vertex || !over_vertices) {
+                let index = if domain == Domain::Vertex { of_vertices() } else { of_faces() };
+                put(Layer::COLOR, domain, LayerValues::Vec3(colors), index);
+            } else if !colors.is_empty() {
+                self.warnings.add_general(
+                    "colors of faces are left out, as the vertices have colors".to_owned(),
+                );
+            }
+        }
+        if !self.materials.is_empty() {
+            let names = self.materials.iter().map(|material| material.name.clone()).collect();
+            let of_polygon = |at: u32| self.face_materials.get(at as usize).copied();
+            let index = of_faces().into_iter().map(|at| of_polygon(at).unwrap_or(NO_VALUE));
+            put(Layer::MATERIAL, Domain::Face, LayerValues::Label(names), index.collect());
+        }
+        for (name, values) in self.numbers {
+            put(&name, Domain::Vertex, LayerValues::Number(values), of_vertices());
+        }
+        for (name, values) in self.face_numbers {
+            put(&name, Domain::Face, LayerValues::Number(values), of_faces());
+        }
+        if mesh.layer(Layer::TEXCOORD).is_none() && !self.texcoords.is_empty() {
+            let index = mesh.faces.iter().flatten().map(|v| v.0).collect();
+            let values = LayerValues::Vec2(self.texcoords);
+            let name = Layer::TEXCOORD.to_owned();
+            mesh.set_layer(Layer { name, domain: Domain::Corner, values, index });
+        }
+        mesh.materials = self.materials;
+        Ok((mesh, self.warnings.into_list()))
+    }
+}
+
+/// Gives corners of equal values one number, so that no seam runs between them.
+fn joined(values: Vec<DVec2>, mut index: Vec<u32>) -> (Vec<DVec2>, Vec<u32>) {
+    let mut known = std::collections::HashMap::new();
+    let mut kept = Vec::new();
+    for at in index.iter_mut().filter(|at| **at != NO_VALUE) {
+        let value = values[*at as usize];
+        *at = *known.entry(value.to_array().map(f64::to_bits)).or_insert_with(|| {
+            kept.push(value);
+            kept.len() as u32 - 1
+        });
+    }
+    (kept, index)
+}
+
+/// Refuses faces at points that are nowhere; other such points are set to 0.
+fn settle_points(
+    positions: &mut [DVec3],
+    faces: &[[VertexId; 3]],
+    warnings: &mut Warnings,
+) -> Result<(), ReadError> {
+    if positions.iter().all(|point| point.is_finite()) {
+        return Ok(());
+    }
+    for (number, face) in faces.iter().enumerate() {
+        if let Some(v) = face.iter().find(|v| !positions[v.idx()].is_finite()) {
+            let DVec3 { x, y, z } = positions[v.idx()];
+            return Err(ReadError::Wrong(format!(
+                "vertex {} of face {number} is at {x} {y} {z}; coordinates must be finite numbers",
+                v.0
+            )));
+        }
+    }
+    let nowhere = positions.iter_mut().filter(|point| !point.is_finite());
+    let n = nowhere.map(|point| *point = DVec3::ZERO).count();
+    warnings
+        .add_general(format!("{n} vertices are not finite; as no face uses them, they are at 0"));
+    Ok(())
+}

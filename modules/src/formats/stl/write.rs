@@ -1,0 +1,101 @@
+//! From a mesh to the bytes of an STL file.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+use mve_core::Control;
+
+use super::{HEAD, RECORD};
+use crate::data::TriMesh;
+
+/// Triangles that are gathered before they go to the writer.
+const CHUNK: usize = 1 << 11;
+
+/// How numbers stand in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// In binary, 50 bytes a triangle.
+    Binary,
+    /// As text.
+    Ascii,
+}
+
+/// Writes the triangles of a mesh, in floats of 32 bits, each with its normal. All else that the
+/// mesh has is left out.
+///
+/// # Errors
+/// `InvalidInput` when the mesh is not well formed, has too many faces for the format or a
+/// coordinate that is no finite float; whatever the writer reports; `Other` when `control` ends it.
+pub fn write_stl(
+    mesh: &TriMesh,
+    encoding: Encoding,
+    out: &mut dyn Write,
+    control: Control,
+) -> io::Result<()> {
+    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidInput, message);
+    mesh.check().map_err(|fault| invalid(fault.to_string()))?;
+    let Ok(n) = u32::try_from(mesh.faces.len()) else {
+        return Err(invalid("STL counts to 4,294,967,295; the mesh has more faces".to_owned()));
+    };
+    let used = mesh.faces.iter().flatten();
+    let is_float = |p: DVec3| p.as_vec3().is_finite();
+    if let Some(v) = used.into_iter().find(|v| !is_float(mesh.positions[v.idx()])) {
+        let DVec3 { x, y, z } = mesh.positions[v.idx()];
+        return Err(invalid(format!(
+            "vertex {} is at {x} {y} {z}, which are no finite floats",
+            v.0
+        )));
+    }
+    match encoding {
+        Encoding::Binary => {
+            // Not `solid`, with which text begins.
+            let mut head = [b' '; HEAD];
+            head[..10].copy_from_slice(b"binary STL");
+            head[HEAD - 4..].copy_from_slice(&n.to_le_bytes());
+            out.write_all(&head)?;
+        }
+        Encoding::Ascii => out.write_all(b"solid mesh\n")?,
+    }
+    let mut buffer = Vec::with_capacity(CHUNK * RECORD);
+    for (at, faces) in mesh.faces.chunks(CHUNK).enumerate() {
+        control.at((at * CHUNK) as f64 / mesh.faces.len() as f64).map_err(io::Error::other)?;
+        for face in faces {
+            let corners = face.map(|v| mesh.positions[v.idx()]);
+            match encoding {
+                Encoding::Binary => {
+                    for p in [normal(corners), corners[0], corners[1], corners[2]] {
+                        p.as_vec3().to_array().iter().for_each(|x| buffer.extend(x.to_le_bytes()));
+                    }
+                    buffer.extend([0; 2]);
+                }
+                Encoding::Ascii => {
+                    text(&mut buffer, "facet normal", normal(corners));
+                    buffer.extend(b"  outer loop\n");
+                    corners.iter().for_each(|p| text(&mut buffer, "    vertex", *p));
+                    buffer.extend(b"  endloop\nendfacet\n");
+                }
+            }
+        }
+        out.write_all(&buffer)?;
+        buffer.clear();
+    }
+    match encoding {
+        Encoding::Binary => Ok(()),
+        Encoding::Ascii => out.write_all(b"endsolid mesh\n"),
+    }
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+fn text(buffer: &mut Vec<u8>, words: &str, point: DVec3) {
+    buffer.extend(words.as_bytes());
+    for number in point.as_vec3().to_array() {
+        buffer.push(b' ');
+        let mut digits = zmij::Buffer::new();
+        let number = digits.format(number);
+        buffer.extend(number.strip_suffix(".0").unwrap_or(number).as_bytes());
+    }
+    buffer.push(b'\n');
+}
