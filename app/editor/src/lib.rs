@@ -63,6 +63,28 @@ pub fn open_window(
         Ok(Box::new(Editor::new(&creation.egui_ctx, registry, start)))
     });
     eframe::run_native("mve", options, create).map_err(|error| {
-        format!("no window could be opened: {error}; mve needs a display and a driver for Vulkan, Metal, Direct3D 12 or OpenGL")
+        let why = without_place(&error.to_string());
+        format!("no window could be opened: {why}; mve needs a display and a driver for Vulkan, Metal, Direct3D 12 or OpenGL")
     })
+}
+
+/// An error of the window system without the place in the source of winit that found it.
+fn without_place(error: &str) -> String {
+    let Some((before, place)) = error.split_once("os error at ") else { return error.to_owned() };
+    let why = place.split_once(": ").map_or("the window system refused", |(_, why)| why);
+    format!("{before}{}", why.trim_end_matches('.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_path_of_the_machine_that_built_it_is_told() {
+        let of_winit = "os error at /home/a/.cargo/registry/src/winit-0.30/src/linux/mod.rs:766: \
+                        neither WAYLAND_DISPLAY nor WAYLAND_SOCKET nor DISPLAY is set.";
+        let told = "winit: neither WAYLAND_DISPLAY nor WAYLAND_SOCKET nor DISPLAY is set";
+        assert_eq!(without_place(&format!("winit: {of_winit}")), told);
+        assert_eq!(without_place("no adapter was found"), "no adapter was found");
+    }
 }

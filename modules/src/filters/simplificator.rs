@@ -85,7 +85,9 @@ const RATIO: Param<Option<f64>> = Param::maybe_number(
 .only_where(Condition::IsOff { param: "target_faces" });
 const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
     "largest_cost",
-    "Stop before a collapse that costs more than this, in the unit of the cost. Off: no limit.",
+    "Stop before a collapse that costs more than this, in the unit of the cost. A price of Quadric \
+     with a memory below 1 is a mixture, of squared distances from the planes so far and from those \
+     of the faces as they are: no measure of either alone. Off: no limit.",
     None,
 )
 .within((0.0, f64::MAX));

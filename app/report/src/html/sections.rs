@@ -286,7 +286,11 @@ pub(super) fn correlation(page: &Page) -> String {
     let groups: Vec<usize> =
         page.results.cases.iter().map(|case| page.results.group_of(case)).collect();
     let n_groups = groups.iter().max().map_or(0, |most| most + 1);
-    text.push_str("<div class=\"tables\">\n");
+    let mut matrices = String::new();
+    let has_value = |entry: &dyn Fn(usize, usize) -> (Option<f64>, usize)| {
+        let mut pairs = kept.iter().flat_map(|a| kept.iter().map(move |b| (*a, *b)));
+        pairs.any(|(a, b)| a != b && entry(a, b).0.is_some())
+    };
     type Measure = fn(&[f64], &[f64]) -> Option<f64>;
     let over_all = [("Pearson", pearson as Measure), ("Spearman", spearman as Measure)];
     for (title, of) in over_all.into_iter().filter(|_| across || n_groups < 2) {
@@ -294,7 +298,9 @@ pub(super) fn correlation(page: &Page) -> String {
             let (x, y) = both(&columns[a], &columns[b], |_| true);
             (of(&x, &y), x.len())
         };
-        text.push_str(&matrix(title, "over all steps", &kept, &names, &entry));
+        if has_value(&entry) {
+            matrices.push_str(&matrix(title, "over all steps", &kept, &names, &entry));
+        }
     }
     if n_groups > 1 && page.results.has_series() {
         let entry = |a: usize, b: usize| {
@@ -306,9 +312,16 @@ pub(super) fn correlation(page: &Page) -> String {
             let mean = within.iter().sum::<f64>() / within.len() as f64;
             ((!within.is_empty()).then_some(mean), within.len())
         };
-        let about = "within each row group, averaged";
-        text.push_str(&matrix("Spearman", about, &kept, &names, &entry));
+        if has_value(&entry) {
+            let about = "within each row group, averaged";
+            matrices.push_str(&matrix("Spearman", about, &kept, &names, &entry));
+        }
     }
+    // A few steps, or a few in each group, have none.
+    if matrices.is_empty() {
+        return text;
+    }
+    let _ = writeln!(text, "<div class=\"tables\">\n{matrices}");
     text.push_str(
         "</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many \
          steps, or groups, have both. Ties share their mean rank.</p>\n",

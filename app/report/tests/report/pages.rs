@@ -103,6 +103,25 @@ fn columns_of_one_title_are_told_apart() {
 }
 
 #[test]
+fn what_has_no_correlation_has_no_table() {
+    let measures =
+        json!({ "measures": [{ "column": "compare.err" }, { "column": "compare.faces" }] });
+    let page_of = |n: u32| {
+        let steps: Vec<u32> = (1..=n).collect();
+        let mut maker = Maker::new(json!({ "axes": [{ "cut.seed": steps }], "report": measures }));
+        for step in 1..=n {
+            let outputs = json!({ "err": 1.0 / f64::from(step), "faces": 100 + step % 3 });
+            maker.step(json!({ "cut.seed": step }), 0, Some(outputs));
+        }
+        text(maker.finish().path(), Format::Html)
+    };
+    // Two points are always on a line.
+    let (few, enough) = (page_of(2), page_of(5));
+    assert!(enough.contains("Spearman"));
+    assert!(!few.contains("Spearman") && !few.contains("Pearson"));
+}
+
+#[test]
 fn one_step_is_done() {
     let mut maker = Maker::new(json!({ "axes": [{ "cut.cost": ["A", "B"] }] }));
     maker.step(json!({ "cut.cost": "A" }), 0, Some(json!({ "err": 1.0, "faces": 100 })));

@@ -160,6 +160,12 @@ impl QueryPoint {
         let [low, high] = [center.map(|c| c - margin), center.map(|c| c + margin)];
         Self { center, margin, low, high }
     }
+
+    /// The point, and what rounding moves it by at most.
+    pub fn place(&self) -> (Vec4, f32) {
+        let [x, y, z] = self.center.map(|c| c.x);
+        (Vec4::new(x, y, z, 0.0), self.margin.x)
+    }
 }
 
 /// A box in the tree's frame: middle and half of each side, each in all four lanes.

@@ -89,14 +89,17 @@ impl Panorama {
     pub fn new(bvh: &Bvh, center: DVec3, control: &Control) -> Result<Self, Cancelled> {
         let ball = Ball { center, radius: f64::INFINITY, longest_axis: 0 };
         let mut views = Vec::with_capacity(bvh.triangles.len());
-        // A face may have several boxes.
-        let mut is_there = vec![false; bvh.triangles.len()];
+        if bvh.lists.is_some() {
+            for slot in 0..bvh.triangles.len() - bvh.copies.len() {
+                control.item(slot, usize::MAX)?;
+                views.push(FaceView::of(bvh, slot as u32, &ball));
+            }
+            return Ok(Self { ball, views });
+        }
         for (at, node) in bvh.nodes.iter().enumerate() {
             control.item(at, usize::MAX)?;
             for slot in node.filled().filter(|child| child & LEAF != 0).map(|child| child & !LEAF) {
-                if !std::mem::replace(&mut is_there[slot as usize], true) {
-                    views.push(FaceView::of(bvh, slot, &ball));
-                }
+                views.push(FaceView::of(bvh, slot, &ball));
             }
         }
         Ok(Self { ball, views })

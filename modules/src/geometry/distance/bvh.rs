@@ -14,7 +14,9 @@
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
 
-use super::boxes::{BoxFrame, EMPTY, LEAF, Node, QueryBox};
+use super::boxes::{BoxFrame, EMPTY, LEAF, Node, QueryPoint};
+use super::group::{Candidates, PointBox};
+use super::lists::{ListQuery, SlotLists};
 use super::point_triangle::PreparedTriangle;
 use crate::data::FaceId;
 
@@ -53,8 +55,9 @@ pub struct Bvh {
     pub(super) copies: Vec<(u32, FaceId)>,
     pub(super) frame: BoxFrame,
     pub(super) n_left_out: usize,
-    /// Whether faces have several boxes, as they lie across each other.
-    pub(super) is_of_pieces: bool,
+    /// Where faces lie across each other, what leaves stand for: lists of slots, as several boxes
+    /// have the same face. Otherwise each leaf is a slot.
+    pub(super) lists: Option<SlotLists>,
 }
 
 impl Bvh {
@@ -189,11 +192,20 @@ impl<'a> Walker<'a> {
         found.filter(|hit| hit.distance_sq <= distance_sq)
     }
 
+    /// A face at most this squared distance from a usable point, or the nearest where none is.
+    pub(super) fn reach(&mut self, point: DVec3, distance_sq: f64) -> Option<Hit> {
+        self.near(point, distance_sq, usize::MAX)
+    }
+
     /// The nearest face, or one at most `enough` away, squared.
     fn near(&mut self, point: DVec3, enough: f64, most_visits: usize) -> Option<Hit> {
         let slot = self.last.unwrap_or(0);
         let distance_sq = self.bvh.triangles.get(slot as usize)?.distance_sq(point);
-        let (distance_sq, slot) = self.descend(point, (distance_sq, slot), enough, most_visits)?;
+        let start = (distance_sq, slot);
+        let (distance_sq, slot) = match &self.bvh.lists {
+            None => self.descend(point, start, enough, most_visits)?,
+            Some(lists) => self.descend_to_lists(lists, point, start, enough, most_visits)?,
+        };
         self.last = Some(slot);
         Some(Hit { distance_sq, face: self.bvh.faces[slot as usize], slot })
     }
@@ -217,14 +229,17 @@ impl<'a> Walker<'a> {
                 if child & LEAF == 0 {
                     self.stack.push(Pending { distance_sq: 0.0, child });
                 } else if child != EMPTY {
-                    let slot = child & !LEAF;
-                    let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
-                    // A face may have several boxes.
-                    if distance_sq <= limit_sq && out.iter().all(|hit| hit.slot != slot) {
-                        out.push(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
-                    }
-                    if out.len() == most {
-                        return;
+                    let slot = [child & !LEAF];
+                    let slots = bvh.lists.as_ref().map_or(&slot[..], |lists| lists.of(slot[0]));
+                    for &slot in slots {
+                        let distance_sq = bvh.triangles[slot as usize].distance_sq(point);
+                        // A face may have several boxes.
+                        if distance_sq <= limit_sq && out.iter().all(|hit| hit.slot != slot) {
+                            out.push(Hit { distance_sq, face: bvh.faces[slot as usize], slot });
+                        }
+                        if out.len() == most {
+                            return;
+                        }
                     }
                 }
             }
@@ -283,11 +298,75 @@ impl<'a> Walker<'a> {
         Some((best, best_slot))
     }
 
+    /// The same in a tree of lists: first the list of the cell that the point is in, then those in
+    /// the tree, if any can have something nearer.
+    fn descend_to_lists(
+        &mut self,
+        lists: &SlotLists,
+        point: DVec3,
+        start: (f64, u32),
+        enough: f64,
+        most_visits: usize,
+    ) -> Option<(f64, u32)> {
+        let bvh = self.bvh;
+        let local = bvh.frame.local(point);
+        let query = QueryPoint::new(local);
+        let mut nearest = ListQuery::new(bvh, lists, point, &query, start);
+        let last_visit = self.n_visits.saturating_add(most_visits);
+        let mut seen = EMPTY;
+        if let Some((list, gap)) = lists.grid.as_ref().and_then(|grid| grid.list_at(local)) {
+            self.n_visits += 1 + lists.of(list).len() / 4;
+            nearest.look_through(list, enough);
+            if nearest.best <= enough || f64::from(nearest.bound) < gap * gap {
+                return Some((nearest.best, nearest.slot));
+            }
+            seen = list;
+        }
+        let stack = &mut self.stack;
+        stack.clear();
+        let mut next = Some(Pending { distance_sq: 0.0, child: 0 });
+        while let Some(pending) = next {
+            if nearest.best <= enough {
+                break;
+            }
+            if pending.distance_sq > nearest.bound {
+                next = stack.pop();
+                continue;
+            }
+            if self.n_visits >= last_visit {
+                return None;
+            }
+            self.n_visits += 1;
+            if pending.child & LEAF != 0 {
+                let list = pending.child & !LEAF;
+                self.n_visits += lists.of(list).len() / 4;
+                nearest.look_through(list, enough);
+                next = stack.pop();
+                continue;
+            }
+            let node = &bvh.nodes[pending.child as usize];
+            let distances = node.distances_sq(&query);
+            let mut near = distances.cmple(Vec4::splat(nearest.bound)).bitmask();
+            let distances = distances.to_array();
+            let first = stack.len();
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize & 3;
+                near &= near - 1;
+                let child = node.child[lane];
+                if child != EMPTY && child != LEAF | seen {
+                    push_far_first(stack, first, Pending { distance_sq: distances[lane], child });
+                }
+            }
+            next = stack.pop();
+        }
+        Some((nearest.best, nearest.slot))
+    }
+
     /// The squared distances of the points, few enough to share one walk, behind what is in `out`;
     /// `false` where asking them one by one, before `out` has anything of them, is faster.
     pub(super) fn shared_distances_sq(&mut self, group: &[DVec3], out: &mut Vec<f64>) -> bool {
         self.n_pause = self.n_pause.saturating_sub(1);
-        if self.n_pause > 0 || !group.iter().all(|&p| is_usable(p)) {
+        if self.bvh.lists.is_some() || self.n_pause > 0 || !group.iter().all(|&p| is_usable(p)) {
             return false;
         }
         let is_shared = self.group_distances_sq(group, out);
@@ -350,70 +429,6 @@ impl<'a> Walker<'a> {
             }
         }
         true
-    }
-}
-
-/// The box around some points, and how far they are from one of them.
-struct PointBox {
-    low: DVec3,
-    high: DVec3,
-    radius: f64,
-}
-
-impl PointBox {
-    fn of(points: &[DVec3], middle: DVec3) -> Self {
-        let (mut low, mut high) = (middle, middle);
-        let mut radius_sq = 0.0f64;
-        for &point in points {
-            low = low.min(point);
-            high = high.max(point);
-            radius_sq = radius_sq.max(point.distance_squared(middle));
-        }
-        Self { low, high, radius: radius_sq.sqrt() }
-    }
-
-    fn query(&self, frame: &BoxFrame) -> QueryBox {
-        let [low, high] = [self.low, self.high].map(|p| frame.local(p));
-        QueryBox::new((low + high) * 0.5, (high - low) * 0.5)
-    }
-}
-
-/// Triangles that may be nearest.
-#[derive(Default)]
-struct Candidates {
-    /// Nodes with such triangles, and their lanes as bits.
-    lanes: Vec<(u32, u32)>,
-    n: usize,
-}
-
-impl Candidates {
-    fn clear(&mut self) {
-        self.lanes.clear();
-        self.n = 0;
-    }
-
-    /// The least squared distance of these triangles, or the given one if that is less.
-    #[inline]
-    fn nearest_sq(&self, bvh: &Bvh, point: DVec3, distance_sq: f64) -> f64 {
-        let mut best = distance_sq;
-        let mut bound = bvh.frame.bound(best);
-        let query = bvh.frame.query(point);
-        for &(node, lanes) in &self.lanes {
-            let node = &bvh.nodes[node as usize];
-            let distances = node.distances_sq(&query);
-            let mut near = distances.cmple(Vec4::splat(bound)).bitmask() & lanes;
-            while near != 0 {
-                let lane = near.trailing_zeros() as usize & 3;
-                near &= near - 1;
-                let slot = (node.child[lane] & !LEAF) as usize;
-                let found = bvh.triangles[slot].distance_sq(point);
-                if found < best {
-                    best = found;
-                    bound = bvh.frame.bound(best);
-                }
-            }
-        }
-        best
     }
 }
 

@@ -2,8 +2,7 @@
 //! (Wald, "On fast construction of SAH-based bounding volume hierarchies", RT 2007), four ways a
 //! node by splitting the largest part again. Of faces with the same corners the tree has one.
 //! Where long faces lie across each other in all directions, so that no boxes tell them apart, the
-//! tree has several boxes around [pieces](super::pieces) of each (Ernst & Greiner, "Early split
-//! clipping for bounding volume hierarchies", RT 2007).
+//! tree is over [cells](super::cells) of space and has each face in several.
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
@@ -11,7 +10,7 @@ use mve_core::{Cancelled, Control};
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node, TURNED};
 use super::bvh::{Bvh, is_usable};
 use super::bvh_split::{Part, bounds_of, centers_of, split};
-use super::pieces::{Bounds, Item, Piece, one_a_face};
+use super::items::{Bounds, Item};
 use super::point_triangle::PreparedTriangle;
 use super::sample::IndexedRandom;
 use crate::data::{FaceId, TriMesh};
@@ -20,11 +19,9 @@ use crate::mesh::morton::{coarse_codes, sort_by_code};
 /// Nodes over at most so many faces turn their boxes: larger ones are few.
 const MOST_TURNED: usize = 4096;
 /// Trees in which a point of the box around all is in more boxes than this, on average, are built
-/// anew of pieces of faces: those over a surface have it in 20 or less, long faces in all
+/// anew of cells: those over a surface have it in 20 or less, long faces in all
 /// directions in hundreds.
 const MOST_OVERLAP: f64 = 64.0;
-/// Pieces that each face is cut into along its longest side then.
-const N_PIECES: u32 = 16;
 /// Parts of at least this many triangles look whether the work was cancelled.
 const REPORT_SIZE: usize = 2048;
 /// Faces or items of a long loop between two such looks: a millisecond or so.
@@ -63,12 +60,12 @@ impl Bvh {
 
     fn build_with(mesh: &TriMesh, care: Care, control: Control) -> Result<Self, Cancelled> {
         control.at(0.0)?;
-        let whole = Self::of_pieces(mesh, 1, care, control.part(0.0, 1.0))?;
+        let whole = Self::of_faces(mesh, care, control.part(0.0, 1.0))?;
         if whole.overlap(&control)? <= MOST_OVERLAP {
             return Ok(whole);
         }
         drop(whole);
-        Self::of_pieces(mesh, N_PIECES, Care::Much, control.part(1.0, 1.0))
+        Self::of_cells(mesh, &control.part(1.0, 1.0))
     }
 
     /// In how many boxes a point of the box around all is, on average.
@@ -82,71 +79,51 @@ impl Bvh {
         Ok(if whole > 0.0 { sum / whole } else { 0.0 })
     }
 
-    /// Arranges pieces of the faces, so many of each.
-    fn of_pieces(
-        mesh: &TriMesh,
-        n_pieces: u32,
-        care: Care,
-        control: Control,
-    ) -> Result<Self, Cancelled> {
-        let corners_of = |face: usize| -> Option<[DVec3; 3]> {
-            let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
-            let corners = [a?, b?, c?];
-            corners.iter().all(|&p| is_usable(p)).then_some(corners)
-        };
+    /// Arranges the faces.
+    fn of_faces(mesh: &TriMesh, care: Care, control: Control) -> Result<Self, Cancelled> {
+        let corners_of = |face| usable_corners(mesh, face);
         let frame = frame_of(mesh.faces.len(), corners_of, control.part(0.0, 0.0))?;
-        let mut items = Vec::with_capacity(mesh.faces.len() * n_pieces as usize);
+        let mut items = Vec::with_capacity(mesh.faces.len());
         for face in 0..mesh.faces.len() {
             control.item(face, usize::MAX)?;
             let Some(corners) = corners_of(face) else { continue };
             let corners = corners.map(|p| frame.local(p));
-            items.extend((0..n_pieces).map(|piece| {
-                let points = Piece::new(corners, piece, n_pieces);
-                Item::around(face as u32, piece, points.points())
-            }));
+            items.push(Item::around(face as u32, &corners));
         }
         let bounds = bounds_of(&items, control.part(0.0, 0.0))?;
         let main = control.part(0.0, 0.9);
-        let (nodes, n_items) = (Vec::new(), items.len());
-        let copies = Vec::new();
         let codes = match care {
             Care::Much => Vec::new(),
             Care::Little => sort_along_curve(&mut items, control.part(0.0, 0.0))?,
         };
-        let mut builder = Builder {
-            mesh,
-            n_pieces,
-            frame,
-            nodes,
-            copies,
-            codes,
-            n_items,
-            n_placed: 0,
-            control: main,
-        };
+        let mut builder = Builder::new(mesh, frame, codes, items.len(), main);
         let whole = Part { start: 0, end: items.len(), bounds };
         builder.node(&mut items, whole, 0)?;
-        let Builder { mut nodes, copies, .. } = builder;
-        if n_pieces > 1 {
-            items = one_a_face(&mut nodes, &items, mesh.faces.len(), control.part(0.9, 0.9))?;
-        }
+        let Builder { nodes, copies, .. } = builder;
         let copies = by_slot(copies, &items, control.part(0.9, 0.9))?;
         let mut triangles = Vec::with_capacity(items.len());
         let mut faces = Vec::with_capacity(items.len());
         for chunk in items.chunks(STRIDE) {
             control.at(0.9 + 0.1 * (faces.len() as f64 / items.len() as f64))?;
-            let prepared = |item: &Item| corners_of(item.face as usize).map(PreparedTriangle::new);
+            let prepared =
+                |item: &Item| corners_of(item.number as usize).map(PreparedTriangle::new);
             triangles.extend(chunk.iter().filter_map(prepared));
-            faces.extend(chunk.iter().map(|item| FaceId(item.face)));
+            faces.extend(chunk.iter().map(|item| FaceId(item.number)));
         }
         let n_left_out = mesh.faces.len() - items.len();
-        let is_of_pieces = n_pieces > 1;
-        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out, is_of_pieces })
+        Ok(Self { nodes, triangles, faces, copies, frame, n_left_out, lists: None })
     }
 }
 
+/// The corners of a face, if all are there and none is too far.
+pub(super) fn usable_corners(mesh: &TriMesh, face: usize) -> Option<[DVec3; 3]> {
+    let [a, b, c] = mesh.faces[face].map(|v| mesh.positions.get(v.idx()).copied());
+    let corners = [a?, b?, c?];
+    corners.iter().all(|&p| is_usable(p)).then_some(corners)
+}
+
 /// The middle of the faces' corners, and the power of two that brings them within -1 to 1.
-fn frame_of(
+pub(super) fn frame_of(
     n_faces: usize,
     corners_of: impl Fn(usize) -> Option<[DVec3; 3]>,
     control: Control,
@@ -170,11 +147,12 @@ fn frame_of(
     Ok(BoxFrame { center: low * 0.5 + high * 0.5, scale: (-radius.log2().ceil()).exp2() })
 }
 
-struct Builder<'a> {
+pub(super) struct Builder<'a> {
     mesh: &'a TriMesh,
-    n_pieces: u32,
+    /// Whether items are cells.
+    is_of_cells: bool,
     frame: BoxFrame,
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     /// Faces of the tree, each with another of the same corners.
     copies: Vec<(FaceId, FaceId)>,
     /// Of items that lie along a Morton curve, the codes; otherwise none.
@@ -184,9 +162,42 @@ struct Builder<'a> {
     control: Control<'a>,
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    /// Over faces of the mesh, as items along a curve with these codes if there are any.
+    fn new(
+        mesh: &'a TriMesh,
+        frame: BoxFrame,
+        codes: Vec<u64>,
+        n_items: usize,
+        control: Control<'a>,
+    ) -> Self {
+        let (nodes, copies) = Default::default();
+        Self {
+            mesh,
+            is_of_cells: false,
+            frame,
+            nodes,
+            copies,
+            codes,
+            n_items,
+            n_placed: 0,
+            control,
+        }
+    }
+
+    /// Over cells along a curve.
+    pub fn of_cells(
+        mesh: &'a TriMesh,
+        frame: BoxFrame,
+        codes: Vec<u64>,
+        n_items: usize,
+        control: Control<'a>,
+    ) -> Self {
+        Self { is_of_cells: true, ..Self::new(mesh, frame, codes, n_items, control) }
+    }
+
     /// Puts the items of `part` under a new node and returns its index.
-    fn node(&mut self, items: &mut [Item], part: Part, depth: u32) -> Result<u32, Cancelled> {
+    pub fn node(&mut self, items: &mut [Item], part: Part, depth: u32) -> Result<u32, Cancelled> {
         let done = self.n_placed as f64 / self.n_items.max(1) as f64;
         let here = self.control.part(done, done);
         if part.len() >= REPORT_SIZE {
@@ -214,7 +225,7 @@ impl Builder<'_> {
 
     /// The corners of an item in the tree's frame.
     fn corners(&self, item: &Item) -> [DVec3; 3] {
-        self.mesh.corners(FaceId(item.face)).map(|p| self.frame.local(p))
+        self.mesh.corners(FaceId(item.number)).map(|p| self.frame.local(p))
     }
 
     /// The frame of a node over these parts, and their boxes in it: along the longest side of a
@@ -232,8 +243,7 @@ impl Builder<'_> {
         let mut turned = [Bounds::EMPTY; 4];
         for (bounds, part) in turned.iter_mut().zip(parts) {
             for item in &items[part.start..part.end] {
-                let piece = Piece::new(self.corners(item), item.piece, self.n_pieces);
-                for p in piece.points() {
+                for p in self.corners(item) {
                     let p = (x * p.x + y * p.y + z * p.z + origin).as_vec3a();
                     bounds.add(p, p);
                 }
@@ -296,7 +306,7 @@ impl Builder<'_> {
                 continue;
             }
             let centers = centers_of(&items[part.start..part.end], control)?;
-            if centers.low == centers.high {
+            if centers.low == centers.high && !self.is_of_cells {
                 let distinct = self.without_copies(items, part, control)?;
                 self.n_placed += part.len() - distinct.len();
                 parts[chosen] = distinct;
@@ -343,21 +353,17 @@ impl Builder<'_> {
         let mut keys = Vec::with_capacity(slice.len());
         for (at, item) in (0u32..).zip(slice.iter()) {
             control.item(at as usize, usize::MAX)?;
-            keys.push((self.corner_code(item.face), at));
+            keys.push((corner_code(self.mesh, item.number), at));
         }
         sort_by_code(&mut keys, control)?;
-        let (mut distinct, mut copies) = (Vec::new(), Vec::new());
+        let (mut distinct, mut copies): (Vec<Item>, Vec<Item>) = (Vec::new(), Vec::new());
         let mut last: Option<(u64, [[u64; 3]; 3])> = None;
         for (at, &(code, item)) in keys.iter().enumerate() {
             control.item(at, usize::MAX)?;
             let item = slice[item as usize];
-            let corners = self.corner_bits(item.face);
+            let corners = corner_bits(self.mesh, item.number);
             if let (Some(first), true) = (distinct.last(), last == Some((code, corners))) {
-                let Item { face: first, .. } = first;
-                // A face without any extent has all its pieces at one place.
-                if *first != item.face {
-                    self.copies.push((FaceId(*first), FaceId(item.face)));
-                }
+                self.copies.push((FaceId(first.number), FaceId(item.number)));
                 copies.push(item);
             } else {
                 last = Some((code, corners));
@@ -369,21 +375,21 @@ impl Builder<'_> {
         back.copy_from_slice(&copies);
         Ok(Part { end: part.start + distinct.len(), ..part })
     }
+}
 
-    /// The corners of a face as they are stored, in an order that does not depend on the face.
-    fn corner_bits(&self, face: u32) -> [[u64; 3]; 3] {
-        // Both zeros are one place.
-        let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
-        let mut corners = self.mesh.corners(FaceId(face)).map(bits);
-        corners.sort_unstable();
-        corners
-    }
+/// The corners of a face as they are stored, in an order that does not depend on the face.
+pub(super) fn corner_bits(mesh: &TriMesh, face: u32) -> [[u64; 3]; 3] {
+    // Both zeros are one place.
+    let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
+    let mut corners = mesh.corners(FaceId(face)).map(bits);
+    corners.sort_unstable();
+    corners
+}
 
-    /// A number that faces of the same corners share, and hardly any others.
-    fn corner_code(&self, face: u32) -> u64 {
-        let bits = self.corner_bits(face);
-        bits.as_flattened().iter().fold(0, |code, &bits| IndexedRandom::new(code).bits(bits))
-    }
+/// A number that faces of the same corners share, and hardly any others.
+pub(super) fn corner_code(mesh: &TriMesh, face: u32) -> u64 {
+    let bits = corner_bits(mesh, face);
+    bits.as_flattened().iter().fold(0, |code, &bits| IndexedRandom::new(code).bits(bits))
 }
 
 /// The copies by the slot of the face that the tree has.
@@ -395,10 +401,10 @@ fn by_slot(
     if copies.is_empty() {
         return Ok(Vec::new());
     }
-    let mut slots = vec![0; items.iter().map(|item| item.face as usize + 1).max().unwrap_or(0)];
+    let mut slots = vec![0; items.iter().map(|item| item.number as usize + 1).max().unwrap_or(0)];
     for (slot, item) in (0u32..).zip(items) {
         control.item(slot as usize, items.len())?;
-        slots[item.face as usize] = slot;
+        slots[item.number as usize] = slot;
     }
     let mut by_slot: Vec<_> =
         copies.into_iter().map(|(face, copy)| (slots[face.idx()], copy)).collect();
@@ -408,7 +414,10 @@ fn by_slot(
 }
 
 /// Sorts items along a Morton curve; their codes.
-fn sort_along_curve(items: &mut Vec<Item>, control: Control) -> Result<Vec<u64>, Cancelled> {
+pub(super) fn sort_along_curve(
+    items: &mut Vec<Item>,
+    control: Control,
+) -> Result<Vec<u64>, Cancelled> {
     let centers: Vec<DVec3> = items.iter().map(|item| item.center().as_dvec3()).collect();
     let codes = coarse_codes(&centers, control)?;
     let mut keys: Vec<(u64, u32)> = codes.into_iter().zip(0..).collect();

@@ -3,7 +3,7 @@
 
 use mve_core::{Cancelled, Control};
 
-use super::pieces::{Bounds, Item};
+use super::items::{Bounds, Item};
 
 /// Bins along the longest axis.
 const N_BINS: usize = 16;
@@ -91,7 +91,7 @@ fn split_by_count(
 ) -> Result<(usize, [Bounds; 2]), Cancelled> {
     let half = slice.len() / 2;
     slice.select_nth_unstable_by(half, |a, b| {
-        a.center()[axis].total_cmp(&b.center()[axis]).then(a.face.cmp(&b.face))
+        a.center()[axis].total_cmp(&b.center()[axis]).then(a.number.cmp(&b.number))
     });
     let (below, above) = slice.split_at(half);
     Ok((half, [bounds_of(below, control)?, bounds_of(above, control)?]))

@@ -24,7 +24,7 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, Hit, Walker};
-use super::point_triangle::PreparedTriangle;
+use super::polygon::Polygon;
 use crate::data::{FaceId, TriMesh};
 
 /// Parts of one chunk.
@@ -33,9 +33,13 @@ const CHUNK: usize = 1024;
 /// cost more where they fail. Of 16, 32 and 64 the middle one took the least time on scans, sharp
 /// models and cylinders against their halves and tenths.
 const MOST_CUTS: usize = 32;
-/// A piece that lies beyond a side by less than this part of the height over that side is not cut
-/// by it: pieces as thin as the rounding of their corners are over neither of two triangles.
-const SLACK: f64 = 1e-10;
+
+/// Parts that are longer than so many times their height are walked along.
+const SLIVER: f64 = 16.0;
+/// In steps whose half is this part of the limit,
+const BALL: f64 = 0.75;
+/// and no more of them than this.
+const MOST_STEPS: f64 = 256.0;
 
 /// The farthest point so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,7 +199,7 @@ fn split_all(
 ) -> Result<Round, Cancelled> {
     let mut splitter = Splitter::new(task, most);
     for part in parts {
-        if !splitter.cover(part) {
+        if !splitter.walk_along(part) && !splitter.cover(part) {
             splitter.quarter(part);
         }
         splitter.walker.poll(control)?;
@@ -210,6 +214,8 @@ struct Splitter<'a> {
     round: Round,
     /// What is left of the part in work, each with a triangle that it was cut off from.
     pieces: Vec<(Polygon, Hit)>,
+    /// Steps along a thin part that are left, as parts of its longest side.
+    steps: Vec<(f64, f64)>,
 }
 
 impl<'a> Splitter<'a> {
@@ -219,6 +225,7 @@ impl<'a> Splitter<'a> {
             limit_sq: limit_sq(task, &most),
             round: Round { open: Vec::new(), found: most, closed_sq: 0.0 },
             pieces: Vec::new(),
+            steps: Vec::new(),
         }
     }
 
@@ -258,6 +265,59 @@ impl<'a> Splitter<'a> {
         self.add([ab, b, bc], [hit_ab, hit_b, hit_bc], part.center, part.bound_sq);
         self.add([ca, bc, c], [hit_ca, hit_bc, hit_c], part.center, part.bound_sq);
         self.add([ab, bc, ca], [hit_ab, hit_bc, hit_ca], part.center, part.bound_sq);
+    }
+
+    /// Tries to let a long thin part go by balls along its longest side; says whether it did.
+    ///
+    /// With `d` the distance of a point of the side, no point within `r` of it is farther than
+    /// `d + r`. That needs no nearest face, but any within the limit less `r`, which is
+    /// found sooner.
+    fn walk_along(&mut self, part: &Part) -> bool {
+        let [a, b, c] = part.corners;
+        let sides = [(a, b, c), (b, c, a), (c, a, b)];
+        let length_sq = |(from, to, _): &(DVec3, DVec3, DVec3)| from.distance_squared(*to);
+        let longest = sides.into_iter().max_by(|a, b| length_sq(a).total_cmp(&length_sq(b)));
+        let (from, to, peak) = longest.unwrap_or(sides[0]);
+        let side = to - from;
+        let length = side.length();
+        // Points of the part are no farther from the side than the third corner, if that is beside
+        // it, as it is where no side is longer.
+        let height = (peak - from).cross(side).length() / length;
+        let limit = self.limit_sq.sqrt();
+        if !(length > SLIVER * height && BALL * limit > 2.0 * height) {
+            return false;
+        }
+        let n_steps = (length / (2.0 * BALL * limit)).ceil();
+        if n_steps > MOST_STEPS {
+            return false;
+        }
+        self.walker.start_from(&part.center);
+        let mut bound = 0.0f64;
+        self.steps.clear();
+        let ends = |k: f64| (k / n_steps, (k + 1.0) / n_steps);
+        self.steps.extend((0..n_steps as u32).rev().map(|k| ends(f64::from(k))));
+        let shortest = 1.0 / (8.0 * n_steps);
+        while let Some((start, end)) = self.steps.pop() {
+            let center = from + side * (0.5 * (start + end));
+            // Wider by the rounding of the ends.
+            let radius = (0.5 * (end - start) * length).hypot(height) * (1.0 + 1e-9);
+            let enough = (limit - radius).max(0.0);
+            let Some(hit) = self.walker.reach(center, enough * enough) else { return false };
+            let distance = hit.distance_sq.sqrt();
+            if distance + radius <= limit {
+                bound = bound.max(distance + radius);
+                continue;
+            }
+            // Nothing is near enough, so this is the nearest.
+            self.round.found.offer(hit.distance_sq, center);
+            if end - start < shortest {
+                return false;
+            }
+            let middle = 0.5 * (start + end);
+            self.steps.extend([(middle, end), (start, middle)]);
+        }
+        self.close((bound * bound).min(part.bound_sq));
+        true
     }
 
     /// Tries to let a part go by cutting it along the sides of the triangles that it is over;
@@ -355,74 +415,6 @@ impl<'a> Splitter<'a> {
                 part.bound_sq.min(most_sq(&self.walker, &hit)).min(by_center * by_center);
         }
         part
-    }
-}
-
-/// A convex polygon.
-#[derive(Clone, Copy)]
-struct Polygon {
-    points: [DVec3; Self::MAX],
-    n: usize,
-}
-
-impl Polygon {
-    /// A cut adds a corner at most; a polygon with more is not made.
-    const MAX: usize = 14;
-    const EMPTY: Self = Self { points: [DVec3::NAN; Self::MAX], n: 0 };
-
-    fn of(corners: [DVec3; 3]) -> Self {
-        let mut polygon = Self { n: 3, ..Self::EMPTY };
-        polygon.points[..3].copy_from_slice(&corners);
-        polygon
-    }
-
-    fn points(&self) -> &[DVec3] {
-        &self.points[..self.n]
-    }
-
-    /// Adds a corner, if there is room and it is finite.
-    fn push(&mut self, point: DVec3) -> Option<()> {
-        *self.points.get_mut(self.n).filter(|_| point.is_finite())? = point;
-        self.n += 1;
-        Some(())
-    }
-
-    fn center(&self) -> DVec3 {
-        self.points().iter().sum::<DVec3>() / self.n as f64
-    }
-
-    /// The largest squared distance of a point of the polygon from the triangle.
-    fn most_sq(&self, target: &PreparedTriangle) -> f64 {
-        self.points().iter().map(|&p| target.distance_sq(p)).fold(0.0, f64::max)
-    }
-
-    /// The piece where a barycentric coordinate is at least `-margin`, and the other; nothing
-    /// when one of them would have too many corners.
-    fn cut(&self, target: &PreparedTriangle, side: usize, margin: f64) -> Option<(Self, Self)> {
-        let (mut within, mut beyond) = (Self::EMPTY, Self::EMPTY);
-        let mut at = [0.0; Self::MAX];
-        for (at, &point) in at.iter_mut().zip(self.points()) {
-            *at = target.coordinates(point)[side] + margin;
-        }
-        if at[..self.n].iter().all(|&at| at > -SLACK) {
-            return Some((*self, beyond));
-        }
-        for (k, &point) in self.points().iter().enumerate() {
-            let next = (k + 1) % self.n;
-            let is_within = at[k] >= 0.0;
-            if is_within {
-                within.push(point)?;
-            } else {
-                beyond.push(point)?;
-            }
-            if is_within != (at[next] >= 0.0) {
-                let share = at[k] / (at[k] - at[next]);
-                let between = point + (self.points[next] - point) * share;
-                within.push(between)?;
-                beyond.push(between)?;
-            }
-        }
-        Some((within, beyond))
     }
 }
 

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::cost::Quadric;
+use crate::geometry::distance::sample::IndexedRandom;
 use crate::geometry::generate::subdivided_box::{BoxOptions, subdivided_box};
 use crate::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
 use crate::mesh::fixtures::{self, mesh_of, tetrahedron};
@@ -224,6 +225,30 @@ fn is_bounded(from: &TriMesh, to: &TriMesh, found: &Directed) -> bool {
             bvh.closest(point).is_some_and(|hit| hit.distance_sq.sqrt() <= bound)
         })
     })
+}
+
+/// Thin faces in all directions through a cube.
+fn straw(seed: u64, n: u32) -> TriMesh {
+    let random = IndexedRandom::new(seed);
+    let vector = |k: u64| DVec3::from([0, 1, 2].map(|axis| random.unit(9 * k + axis) - 0.5));
+    let ends =
+        |k: u64| [vector(3 * k), vector(3 * k + 1), vector(3 * k) + vector(3 * k + 2) * 1e-3];
+    let points: Vec<_> = (0..u64::from(n)).flat_map(ends).map(|p| p.to_array()).collect();
+    mesh_of(&points, &(0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect::<Vec<_>>())
+}
+
+#[test]
+fn long_thin_faces_are_bounded_in_few_parts() {
+    let n = 2000;
+    let (a, b) = (straw(1, n), straw(2, n));
+    let options =
+        HausdorffOptions { n_samples: Some(100), max_parts: n as usize, ..Default::default() };
+    let found = hausdorff(&a, &b, &options, Control::none()).unwrap();
+    for (from, to, side) in [(&a, &b, found.from_original), (&b, &a, found.from_simplified)] {
+        // Quartered, they would be bounded by 8 times the largest distance by then.
+        assert!(side.max_upper_bound.unwrap() <= side.max * 1.010001, "{side:?}");
+        assert!(is_bounded(from, to, &side));
+    }
 }
 
 fn soup() -> impl Strategy<Value = TriMesh> {

@@ -20,7 +20,7 @@ const HARD_SHARE: usize = 32;
 const VISITS_PER_POINT: usize = 128;
 /// Nodes that show whether a point is near enough, where that is so.
 const FEW_VISITS: usize = 64;
-/// Trees of pieces are given so many times as many: lists are long where faces lie across each
+/// Trees of cells are given so many times as many: lists are long where faces lie across each
 /// other.
 const PATIENCE: usize = 8;
 /// Points that are taken together: more hard ones share more work, fewer leave some for other
@@ -146,6 +146,18 @@ impl<'a> ManyQueries<'a> {
         points: &[DVec3],
         control: &Control,
     ) -> Result<(Vec<Option<Hit>>, Vec<u32>), Cancelled> {
+        if self.bvh.lists.is_some() {
+            let hard = (0..).zip(points).filter(|(_, point)| is_usable(**point));
+            return Ok((vec![None; points.len()], hard.map(|(at, _)| at).collect()));
+        }
+        self.asked_one_by_one(points, control)
+    }
+
+    fn asked_one_by_one(
+        &self,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<(Vec<Option<Hit>>, Vec<u32>), Cancelled> {
         let mut hits = Vec::with_capacity(points.len());
         let mut walker = self.bvh.walker();
         let mut hard = Hard::of(self.bvh);
@@ -171,6 +183,11 @@ impl<'a> ManyQueries<'a> {
         control: &Control,
     ) -> Result<Vec<u32>, Cancelled> {
         out.clear();
+        if self.bvh.lists.is_some() {
+            out.resize(points.len(), f64::INFINITY);
+            let hard = (0..).zip(points).filter(|(_, point)| is_usable(**point));
+            return Ok(hard.map(|(at, _)| at).collect());
+        }
         let mut walker = self.bvh.walker();
         let mut hard = Hard::of(self.bvh);
         for group in points.chunks(GROUP) {
@@ -200,11 +217,6 @@ impl<'a> ManyQueries<'a> {
         if points.is_empty() || self.bvh.triangles.is_empty() {
             return Ok(vec![None; points.len()]);
         }
-        if self.panorama.get().is_none() {
-            // Another thread may be as far; both found the same.
-            let _ = self.panorama.set(Panorama::new(self.bvh, self.center, control)?);
-        }
-        let Some(all) = self.panorama.get() else { return Ok(vec![None; points.len()]) };
         let order = if follow_each_other(points, control)? {
             (0..points.len() as u32).collect()
         } else {
@@ -214,9 +226,13 @@ impl<'a> ManyQueries<'a> {
             .par_chunks(CHUNK)
             .map(|chunk| {
                 let points: Vec<DVec3> = chunk.iter().map(|&at| points[at as usize]).collect();
-                let mut bulk = Bulk::new(self.bvh, all);
-                let hits = bulk.closest(&points, control)?;
-                self.n_looks.fetch_add(bulk.n_looks, Ordering::Relaxed);
+                if self.bvh.lists.is_none() {
+                    return self.hits_together(&points, control);
+                }
+                let (mut hits, hard) = self.asked_one_by_one(&points, control)?;
+                let points: Vec<DVec3> = hard.iter().map(|&at| points[at as usize]).collect();
+                let found = self.hits_together(&points, control)?;
+                hard.iter().zip(found).for_each(|(&at, hit)| hits[at as usize] = hit);
                 Ok(hits)
             })
             .collect::<Result<_, Cancelled>>()?;
@@ -224,6 +240,26 @@ impl<'a> ManyQueries<'a> {
         for (&at, hit) in order.iter().zip(chunks.into_iter().flatten()) {
             hits[at as usize] = hit;
         }
+        Ok(hits)
+    }
+
+    /// The face nearest to every point, in order.
+    fn hits_together(
+        &self,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<Vec<Option<Hit>>, Cancelled> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        if self.panorama.get().is_none() {
+            // Another thread may be as far; both found the same.
+            let _ = self.panorama.set(Panorama::new(self.bvh, self.center, control)?);
+        }
+        let Some(all) = self.panorama.get() else { return Ok(vec![None; points.len()]) };
+        let mut bulk = Bulk::new(self.bvh, all);
+        let hits = bulk.closest(points, control)?;
+        self.n_looks.fetch_add(bulk.n_looks, Ordering::Relaxed);
         Ok(hits)
     }
 }
@@ -257,7 +293,7 @@ struct Hard {
 
 impl Hard {
     fn of(bvh: &Bvh) -> Self {
-        let patience = if bvh.is_of_pieces { PATIENCE } else { 1 };
+        let patience = if bvh.lists.is_some() { PATIENCE } else { 1 };
         Self { points: Vec::new(), patience, are_all: false }
     }
 

@@ -12,6 +12,7 @@
 //! the sample alone, so any part of the list can be made on any thread.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
@@ -71,10 +72,10 @@ pub struct Sample {
 #[derive(Clone, Debug)]
 pub struct SurfaceSampler<'a> {
     mesh: &'a TriMesh,
-    /// Faces with area, along the curve.
-    faces: Vec<FaceId>,
+    /// Faces with area, along the curve; those of other samples of the mesh, too.
+    faces: Arc<[FaceId]>,
     /// Sum of the areas of the faces before each, and the total at the end.
-    areas_before: Vec<f64>,
+    areas_before: Arc<[f64]>,
     n_samples: usize,
     random: IndexedRandom,
 }
@@ -128,10 +129,11 @@ impl<'a> SurfaceSampler<'a> {
         }
         areas_before.push(total);
         let n_samples = if faces.is_empty() { 0 } else { n_samples };
+        let (faces, areas_before) = (faces.into(), areas_before.into());
         Ok(Self { mesh, faces, areas_before, n_samples, random: IndexedRandom::new(seed) })
     }
 
-    /// Other samples of the same mesh.
+    /// Other samples of the same mesh, O(1).
     pub fn resampled(&self, n_samples: usize, seed: u64) -> Self {
         let n_samples = if self.faces.is_empty() { 0 } else { n_samples };
         Self { n_samples, random: IndexedRandom::new(seed), ..self.clone() }
