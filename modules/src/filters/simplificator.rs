@@ -210,7 +210,7 @@ const STATISTICS_OUT: Out<Measures> =
 /// What the working mesh, the queue and the quadrics take for each face, by one queue and in
 /// blocks: measured from 100,000 to a million faces (docs/BENCHMARKS.md). Costs that look at
 /// pictures take more.
-const BYTES_A_FACE: [usize; 2] = [200, 350];
+const BYTES_A_FACE: [usize; 2] = [200, 300];
 
 pub static MODULE: Module = Module {
     id: "Simplificator",

@@ -54,20 +54,24 @@ impl RawMesh {
         self.left_out.first.get_or_insert_with(|| (place(), fault()));
     }
 
+    /// Warns of faces that are left out.
+    fn tell_left_out(&mut self) -> Result<(), ReadError> {
+        let LeftOut { n, first: Some((place, fault)) } = &self.left_out else { return Ok(()) };
+        let more = if *n > 1 { format!(" (and {} more like it)", n - 1) } else { String::new() };
+        if self.polygons.len() == 0 {
+            return Err(ReadError::Wrong(format!("{place}: {fault}{more}; no face is left")));
+        }
+        self.warnings.add_general(format!("{place}: {fault}; the face is left out{more}"));
+        Ok(())
+    }
+
     /// The mesh and the warnings.
     ///
     /// # Errors
     /// Where a face has a vertex that is nowhere, where all faces are left out, or when `control`
     /// says so.
     pub fn finish(mut self, control: Control) -> Result<(TriMesh, Vec<Warning>), ReadError> {
-        if let LeftOut { n, first: Some((place, fault)) } = &self.left_out {
-            let more =
-                if *n > 1 { format!(" (and {} more like it)", n - 1) } else { String::new() };
-            if self.polygons.len() == 0 {
-                return Err(ReadError::Wrong(format!("{place}: {fault}{more}; no face is left")));
-            }
-            self.warnings.add_general(format!("{place}: {fault}; the face is left out{more}"));
-        }
+        self.tell_left_out()?;
         if self.positions.len() >= u32::MAX as usize / 3 {
             return Err(ReadError::Wrong("more than 1.4 billion vertices; split the file".into()));
         }

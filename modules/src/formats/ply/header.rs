@@ -12,6 +12,17 @@ pub(super) enum Format {
     BigEndian,
 }
 
+impl Format {
+    fn named(word: &[u8]) -> Option<Self> {
+        match word {
+            b"ascii" => Some(Self::Ascii),
+            b"binary_little_endian" => Some(Self::LittleEndian),
+            b"binary_big_endian" => Some(Self::BigEndian),
+            _ => None,
+        }
+    }
+}
+
 /// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -132,17 +143,10 @@ impl Header {
                 None | Some(b"obj_info") => {}
                 Some(b"comment") => textures.extend(texture_of(line)),
                 Some(b"format") => {
-                    format = Some(match words.next() {
-                        Some(b"ascii") => Format::Ascii,
-                        Some(b"binary_little_endian") => Format::LittleEndian,
-                        Some(b"binary_big_endian") => Format::BigEndian,
-                        _ => {
-                            return Err(wrong(
-                                "`format` with `ascii`, `binary_little_endian` or \
-                                 `binary_big_endian`",
-                            ));
-                        }
-                    });
+                    const FORMATS: &str =
+                        "`format` with `ascii`, `binary_little_endian` or `binary_big_endian`";
+                    format =
+                        Some(words.next().and_then(Format::named).ok_or_else(|| wrong(FORMATS))?);
                 }
                 Some(b"element") => {
                     let name = words.next().map(name_from_bytes);
@@ -154,16 +158,7 @@ impl Header {
                     elements.push(Element { name, n_rows, properties: Vec::new() });
                 }
                 Some(b"property") => {
-                    let shape = match words.next() {
-                        Some(b"list") => {
-                            let [n, item] = [0, 1].map(|_| words.next().and_then(Kind::named));
-                            n.zip(item).map(|(n, item)| Shape::List { n, item })
-                        }
-                        Some(word) => Kind::named(word).map(Shape::One),
-                        None => None,
-                    };
-                    let name = words.next().map(name_from_bytes);
-                    let (Some(shape), Some(name)) = (shape, name) else {
+                    let Some(property) = property_of(words) else {
                         return Err(wrong("`property` with a type of number and a name"));
                     };
                     let Some(element) = elements.last_mut() else {
@@ -173,7 +168,7 @@ impl Header {
                     if n_properties > MOST_PROPERTIES {
                         return Err(wrong("no more than 10,000 properties"));
                     }
-                    element.properties.push(Property { name, shape });
+                    element.properties.push(property);
                 }
                 Some(b"end_header") => break,
                 Some(_) => {
@@ -193,6 +188,18 @@ impl Header {
     pub fn n_rows(&self, name: &str) -> u64 {
         self.elements.iter().find(|element| element.name == name).map_or(0, |e| e.n_rows)
     }
+}
+
+/// The property that the words behind the keyword declare.
+fn property_of<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Option<Property> {
+    let shape = match words.next()? {
+        b"list" => {
+            let mut kind = || words.next().and_then(Kind::named);
+            Shape::List { n: kind()?, item: kind()? }
+        }
+        word => Shape::One(Kind::named(word)?),
+    };
+    Some(Property { name: words.next().map(name_from_bytes)?, shape })
 }
 
 /// The picture that a comment names, as MeshLab and VCGlib write it.

@@ -358,14 +358,12 @@ fn read_faces<S: Source>(
         let place = || format!("face {number}, before {}", source.place());
         let list = &row.lists[corners];
         polygon.clear();
-        for &corner in list {
-            let Some(v) = RawMesh::vertex(corner, n_vertices) else {
-                mesh.leave_out(place, || {
-                    format!("found vertex {corner}, expected 0 to {}", n_vertices.saturating_sub(1))
-                });
-                return Ok(());
-            };
-            polygon.push(v);
+        polygon.extend(list.iter().map_while(|&corner| RawMesh::vertex(corner, n_vertices)));
+        if let Some(corner) = list.get(polygon.len()) {
+            mesh.leave_out(place, || {
+                format!("found vertex {corner}, expected 0 to {}", n_vertices.saturating_sub(1))
+            });
+            return Ok(());
         }
         if polygon.len() < 3 {
             mesh.leave_out(place, || format!("it has {} corners, fewer than 3", polygon.len()));
@@ -373,15 +371,7 @@ fn read_faces<S: Source>(
         }
         mesh.polygons.push(&polygon);
         if let Some(at) = texcoords {
-            let list = &row.lists[at];
-            let is_whole = list.len() == 2 * polygon.len();
-            n_odd_texcoords += usize::from(!is_whole && !list.is_empty());
-            match is_whole {
-                true => mesh
-                    .corner_texcoords
-                    .extend(list.as_chunks().0.iter().map(|&uv| DVec2::from(uv))),
-                false => mesh.corner_texcoords.extend(iter::repeat_n(DVec2::NAN, polygon.len())),
-            }
+            n_odd_texcoords += usize::from(!add_texcoords(&row.lists[at], polygon.len(), mesh));
         }
         mesh.face_colors.extend(color.map(|at| DVec3::from_array(at.map(|at| row.ones[at]))));
         if !mesh.materials.is_empty() {
@@ -401,6 +391,19 @@ fn read_faces<S: Source>(
     mesh.face_colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
     mesh.face_numbers = numbers.into_iter().map(|(_, named)| named).collect();
     Ok(())
+}
+
+/// Adds the texture coordinates of a polygon's corners, or that they have none; whether the list is
+/// empty or has two for each.
+fn add_texcoords(list: &[f64], n_corners: usize, mesh: &mut RawMesh) -> bool {
+    let is_whole = list.len() == 2 * n_corners;
+    if is_whole {
+        let texcoords = list.as_chunks().0.iter().map(|&uv| DVec2::from_array(uv));
+        mesh.corner_texcoords.extend(texcoords);
+    } else {
+        mesh.corner_texcoords.extend(iter::repeat_n(DVec2::NAN, n_corners));
+    }
+    is_whole || list.is_empty()
 }
 
 /// Strips of triangles, each with the last two vertices of the one before; -1 ends a strip.

@@ -1,6 +1,6 @@
 //! The working mesh: what the engine changes and costs and placements read.
 //!
-//! With quadrics and the queue, a run takes 170 to 190 bytes a face of the input at its peak.
+//! With quadrics and the queue, a run takes 140 to 180 bytes a face of the input at its peak.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
