@@ -6,6 +6,7 @@ use glam::DVec3;
 use mve_core::Condition;
 
 use crate::geometry::edit::crop::{AtBorder, Keeps, Region, crop};
+use crate::geometry::edit::place::finite_bounds;
 use crate::prelude::*;
 
 impl Enumeration for AtBorder {
@@ -141,7 +142,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.get(MESH_IN)?;
-    let (origin, size) = match (io.param(FRAME)?, mesh.bounds()) {
+    let (origin, size) = match (io.param(FRAME)?, finite_bounds(&mesh)) {
         (Frame::Relative, Some((low, high))) => (low, high - low),
         _ => (DVec3::ZERO, DVec3::ONE),
     };

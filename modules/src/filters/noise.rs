@@ -21,12 +21,12 @@ impl Enumeration for Spread {
 }
 
 #[derive(Clone, Copy)]
-enum Scale {
+enum NoiseScale {
     Edge,
     Diagonal,
 }
 
-impl Enumeration for Scale {
+impl Enumeration for NoiseScale {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Edge", "The mean length of the edges."),
         ("Diagonal", "The diagonal of the bounding box."),
@@ -40,7 +40,7 @@ const AMPLITUDE: Param<f64> =
     Param::number("amplitude", "How far vertices move, as a part of the scale.", 0.1)
         .within((0.0, 1e6))
         .usually((0.0, 1.0));
-const SCALE: Param<Scale> = Param::one_of("scale", "What the amplitude is a part of.", "Edge");
+const SCALE: Param<NoiseScale> = Param::one_of("scale", "What the amplitude is a part of.", "Edge");
 const DIRECTION: Param<NoiseDirection> =
     Param::one_of("direction", "Where vertices move.", "Normal");
 const SPREAD: Param<Spread> = Param::one_of("spread", "How distances are spread.", "Uniform");
@@ -63,8 +63,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.take(MESH_IN)?;
     let control = io.control();
     let scale = match io.param(SCALE)? {
-        Scale::Edge => mean_edge(&mesh, control.part(0.0, 0.4))?,
-        Scale::Diagonal => finite_diagonal(&mesh),
+        NoiseScale::Edge => mean_edge(&mesh, control.part(0.0, 0.4))?,
+        NoiseScale::Diagonal => finite_diagonal(&mesh),
     };
     let options = NoiseOptions {
         seed: io.param(SEED)?.0,

@@ -5,6 +5,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use mve_core::Condition;
 
+use crate::geometry::edit::place::finite_bounds;
 use crate::geometry::edit::transform::{
     AxisOrder, matrix_from_text, transformed, turn_around, turn_by_angles,
 };
@@ -164,7 +165,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     let pivot = match io.param(PIVOT)? {
         Pivot::Origin => DVec3::ZERO,
-        Pivot::Box => mesh.bounds().map_or(DVec3::ZERO, |(low, high)| low.midpoint(high)),
+        Pivot::Box => finite_bounds(&mesh).map_or(DVec3::ZERO, |(low, high)| low.midpoint(high)),
         Pivot::Point => vector([PIVOT_X, PIVOT_Y, PIVOT_Z])?,
     };
     let scale = io.param(SCALE)? * vector([SCALE_X, SCALE_Y, SCALE_Z])?;

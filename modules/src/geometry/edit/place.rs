@@ -44,6 +44,23 @@ pub struct Placing {
     pub size: f64,
 }
 
+/// The box around the finite vertices that faces use, or around all finite ones where there are
+/// none; `None` without any.
+pub fn finite_bounds(mesh: &TriMesh) -> Option<(DVec3, DVec3)> {
+    let points = finite_points(mesh);
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p))))
+}
+
+fn finite_points(mesh: &TriMesh) -> Vec<DVec3> {
+    let used = mesh.faces.iter().flatten().map(|v| mesh.positions[v.idx()]);
+    let mut points: Vec<DVec3> = used.filter(|p| p.is_finite()).collect();
+    if points.is_empty() {
+        points.extend(mesh.positions.iter().filter(|p| p.is_finite()));
+    }
+    points
+}
+
 /// The map that places a mesh, and whether it could be given its size: one without an extent stays
 /// as large as it is. Positions that are not finite count for nothing. O(n).
 ///
@@ -100,11 +117,7 @@ impl Surface {
                 triangles.push(([a, b, c], area));
             }
         }
-        let used = mesh.faces.iter().flatten().map(|v| mesh.positions[v.idx()]);
-        let mut points: Vec<DVec3> = used.filter(|p| p.is_finite()).collect();
-        if points.is_empty() {
-            points.extend(mesh.positions.iter().filter(|p| p.is_finite()));
-        }
+        let points = finite_points(mesh);
         if triangles.is_empty() {
             triangles.extend(points.iter().map(|&p| ([p; 3], 1.0)));
         }
@@ -279,6 +292,17 @@ mod tests {
             let found = placed(&kite(x), Placing { center: Center::Area, ..how });
             assert!((found.bounds().unwrap().1.x - 3.0).abs() < 1e-12, "{x}");
         }
+    }
+
+    #[test]
+    fn a_box_leaves_out_what_is_not_finite() {
+        let mut mesh = cube(DVec3::ZERO);
+        mesh.positions.push(DVec3::splat(9.0));
+        assert_eq!(finite_bounds(&mesh), Some((DVec3::ZERO, DVec3::ONE)));
+        mesh.positions[7] = DVec3::INFINITY;
+        assert_eq!(finite_bounds(&mesh), Some((DVec3::ZERO, DVec3::ONE)));
+        let nowhere = mesh_of(&[[f64::NAN; 3]], &[]);
+        assert_eq!(finite_bounds(&nowhere), None);
     }
 
     #[test]

@@ -142,6 +142,7 @@ pub fn with_faces(
     isolated: Isolated,
     control: Control,
 ) -> Result<TriMesh, Cancelled> {
+    control.at(0.0)?;
     let mut is_used = vec![false; mesh.positions.len()];
     if isolated == Isolated::Kept {
         is_used.fill(true);

@@ -6,6 +6,7 @@ use super::*;
 use crate::geometry::edit::checks::any_mesh;
 use crate::geometry::generate::ico_sphere;
 use crate::mesh::fixtures::{mesh_of, torus};
+use crate::mesh::test_models::model;
 
 const LAPLACE: SmoothOptions = SmoothOptions {
     method: SmoothMethod::Laplace { lambda: 0.5 },
@@ -127,6 +128,18 @@ fn noise_goes_and_the_volume_stays() {
         let kept = free.signed_volume() / rough.signed_volume();
         let is_taubin = matches!(method, SmoothMethod::Taubin { .. });
         assert!(if is_taubin { kept > 0.985 } else { kept < 0.97 }, "{method:?} {kept}");
+    }
+}
+
+/// A long implicit step on a scan comes to its end, and bends less than before.
+#[test]
+fn an_implicit_step_smooths_the_bunny() {
+    let Some(mesh) = model("stanford-bunny.obj") else { return };
+    for weight in [EdgeWeight::Uniform, EdgeWeight::Cotangent] {
+        let method = SmoothMethod::Implicit { lambda: 20.0 };
+        let options = SmoothOptions { method, weight, borders: Borders::Fixed, ..LAPLACE };
+        let found = smooth(mesh.clone(), &options, Control::none()).unwrap();
+        assert!(found.is_solved && found.mesh.area() < 0.99 * mesh.area(), "{weight:?}");
     }
 }
 
