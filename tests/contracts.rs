@@ -117,7 +117,7 @@ fn file_of(mesh: &TriMesh) -> Stored {
 }
 
 /// A call of the module on a mesh, with what it needs, in a folder of its own.
-fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
+pub fn trial(module: &'static Module, mesh: &TriMesh, folder: &Path) -> Trial {
     let mut trial = Trial::of(module);
     for input in module.inputs {
         let value = value_of(input.data_type.id, mesh)

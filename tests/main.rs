@@ -4,6 +4,7 @@
 mod contracts;
 mod cost_promises;
 mod experiment;
+mod filters;
 mod fuzz;
 mod maps;
 mod metric_of_itself;

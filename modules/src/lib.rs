@@ -35,8 +35,10 @@ pub fn registry() -> Registry {
 
 /// Words of other programs for what modules do here, and words that declarations have for it.
 pub static SYNONYMS: &[Synonym] = &[
+    ("clip", "cuts away"),
     ("decimate", "simplif"),
     ("decimation", "simplif"),
+    ("denoise", "smooth"),
     ("distance", "differs"),
     ("error", "differs"),
     ("export", "save"),
@@ -48,9 +50,12 @@ pub static SYNONYMS: &[Synonym] = &[
     ("reduce", "simplif"),
     ("refine", "cuts every face"),
     ("remesh", "simplif"),
+    ("repair", "manifold"),
+    ("rotate", "turns"),
     ("screenshot", "picture"),
     ("show", "picture"),
     ("statistics", "counts"),
+    ("translate", "moves"),
     ("view", "picture"),
     ("write", "save"),
 ];

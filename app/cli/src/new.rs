@@ -13,7 +13,7 @@ const MAP: &str = include_str!("templates/map.json");
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   mve new map first.json
-  mve new module FillHoles --folder filters
+  mve new module Extrude --folder filters
   mve new cost CurvatureWeighted
   mve new image-cost ImageAbsolute
   mve new placement Centroid

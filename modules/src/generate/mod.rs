@@ -1,3 +1,12 @@
 //! Modules that make values from nothing.
 
-mve_core::modules! { "generate": box_mesh, constant, surface, vase }
+mve_core::modules! { "generate":
+   box_mesh,
+   constant,
+   cylinder,
+   plane,
+   sphere,
+   surface,
+   torus,
+   vase,
+}
