@@ -283,6 +283,27 @@ pub(super) fn correlation(page: &Page) -> String {
     if kept.len() < 2 {
         return text;
     }
+    let matrices = matrices(page, &columns, &kept, &names, across);
+    // A few steps, or a few in each group, have none.
+    if matrices.is_empty() {
+        return text;
+    }
+    let _ = writeln!(text, "<div class=\"tables\">\n{matrices}");
+    text.push_str(
+        "</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many \
+         steps, or groups, have both. Ties share their mean rank.</p>\n",
+    );
+    text
+}
+
+/// The matrices that have a value: over all steps, where that is sound, and within row groups.
+fn matrices(
+    page: &Page,
+    columns: &[Vec<Option<f64>>],
+    kept: &[usize],
+    names: &[&str],
+    across: bool,
+) -> String {
     let groups: Vec<usize> =
         page.results.cases.iter().map(|case| page.results.group_of(case)).collect();
     let n_groups = groups.iter().max().map_or(0, |most| most + 1);
@@ -299,7 +320,7 @@ pub(super) fn correlation(page: &Page) -> String {
             (of(&x, &y), x.len())
         };
         if has_value(&entry) {
-            matrices.push_str(&matrix(title, "over all steps", &kept, &names, &entry));
+            matrices.push_str(&matrix(title, "over all steps", kept, names, &entry));
         }
     }
     if n_groups > 1 && page.results.has_series() {
@@ -314,19 +335,10 @@ pub(super) fn correlation(page: &Page) -> String {
         };
         if has_value(&entry) {
             let about = "within each row group, averaged";
-            matrices.push_str(&matrix("Spearman", about, &kept, &names, &entry));
+            matrices.push_str(&matrix("Spearman", about, kept, names, &entry));
         }
     }
-    // A few steps, or a few in each group, have none.
-    if matrices.is_empty() {
-        return text;
-    }
-    let _ = writeln!(text, "<div class=\"tables\">\n{matrices}");
-    text.push_str(
-        "</div>\n<p class=\"note\">Steps that missed their target are left out. Small: how many \
-         steps, or groups, have both. Ties share their mean rank.</p>\n",
-    );
-    text
+    matrices
 }
 
 /// The numbers of a measure in all cases that reached their target.
