@@ -23,7 +23,7 @@ impl Enumeration for Keeps {
         ("Inside", "What lies in the region; its border belongs to it."),
         ("Outside", "What lies outside of it."),
     ];
-    const VALUES: &'static [Self] = &[Self::Inside, Self::Outside];
+    const VALUES: &'static [Self] = &[Self::Within, Self::Beyond];
 }
 
 #[derive(Clone, Copy)]
