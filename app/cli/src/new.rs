@@ -18,7 +18,7 @@ const MAP: &str = include_str!("templates/map.json");
   mve new image-cost ImageAbsolute
   mve new placement Centroid
   mve new metric NormalDeviation
-  mve new loader OffLoader
+  mve new loader GtsLoader
   mve new data Landmarks
   mve new view Landmarks")]
 pub struct Args {
@@ -75,7 +75,7 @@ enum What {
     ///
     /// Works inside a checkout of mve: writes modules/src/io/NAME.rs.
     Loader {
-        /// Id in CamelCase, the format first: OffLoader
+        /// Id in CamelCase, the format first: GtsLoader
         name: String,
     },
     /// Write a type of data, with a test, and enter it in the list of types

@@ -106,7 +106,7 @@ pub fn loader(id: &str) -> Result<Exit, Stop> {
     check_free(id)?;
     let name = file_name(id)?;
     let format = name.strip_suffix("_loader").ok_or_else(|| {
-        Stop::usage(format!("\"{id}\" does not name a format; write it like OffLoader"))
+        Stop::usage(format!("\"{id}\" does not name a format; write it like GtsLoader"))
     })?;
     entry("io", id, "modules! {", &LOADER.replace("template", format))
 }

@@ -176,19 +176,19 @@ fn a_new_entry_is_a_file_and_a_name_in_its_list() {
 
 #[test]
 fn a_new_loader_is_a_file_with_its_reader_and_a_name_in_a_list() {
-    let loader = new_entry("loader", "OffLoader", "off_loader", "io");
-    assert!(loader.contains("&[\"off\"]).example(EXAMPLE)") && loader.contains("fn read(bytes"));
+    let loader = new_entry("loader", "GtsLoader", "gts_loader", "io");
+    assert!(loader.contains("&[\"gts\"]).example(EXAMPLE)") && loader.contains("fn read(bytes"));
     let folder = checkout();
     let new = |id: &str| folder.mve(&["new", "loader", id]);
-    new("OffLoader").succeeds().says("cargo test -p mve-modules off_loader\n");
+    new("GtsLoader").succeeds().says("cargo test -p mve-modules gts_loader\n");
     new("Stl").fails(2, "\"Stl\" does not name a format");
     new("ObjLoader").fails(2, "there is a module \"ObjLoader\" already");
     // Where the file is in the way, the list stays as it is.
-    folder.write("modules/src/io/stl_loader.rs", "mine");
+    folder.write("modules/src/io/dxf_loader.rs", "mine");
     let list = folder.read("modules/src/io/mod.rs");
-    new("StlLoader").fails(4, "a file of this name is in the way");
+    new("DxfLoader").fails(4, "a file of this name is in the way");
     assert_eq!(folder.read("modules/src/io/mod.rs"), list);
-    assert_eq!(folder.read("modules/src/io/stl_loader.rs"), "mine");
+    assert_eq!(folder.read("modules/src/io/dxf_loader.rs"), "mine");
 }
 
 #[test]
