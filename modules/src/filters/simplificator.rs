@@ -86,7 +86,7 @@ const RATIO: Param<Option<f64>> = Param::maybe_number(
 const LARGEST_COST: Param<Option<f64>> = Param::maybe_number(
     "largest_cost",
     "Stop before a collapse that costs more than this, in the unit of the cost. A price of Quadric \
-     with a memory below 1 is a mixture, of squared distances from the planes so far and from those \
+     with a memory below 1 is a mixture, of squared distances from the planes so far and those \
      of the faces as they are: no measure of either alone. Off: no limit.",
     None,
 )

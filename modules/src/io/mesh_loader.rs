@@ -63,8 +63,8 @@ mod tests {
             let options = ply::PlyOptions { encoding, precision: ply::Precision::Double };
             ply::write_ply(&mesh, None, options, &mut files[at], control).unwrap();
         }
-        stl::write_stl(&mesh, stl::Encoding::Binary, &mut files[3], control).unwrap();
-        stl::write_stl(&mesh, stl::Encoding::Ascii, &mut files[4], control).unwrap();
+        stl::write_stl(&mesh, stl::StlEncoding::Binary, &mut files[3], control).unwrap();
+        stl::write_stl(&mesh, stl::StlEncoding::Ascii, &mut files[4], control).unwrap();
         off::write_off(&mesh, &mut files[5], control).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("misnamed.obj");

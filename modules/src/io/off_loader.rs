@@ -1,7 +1,7 @@
 //! Loads an OFF file.
 
-use crate::formats::off::read_off;
 use crate::formats::load_with;
+use crate::formats::off::read_off;
 use crate::prelude::*;
 
 /// A red square; `tests/contracts.rs` loads it, and damaged copies.
@@ -9,7 +9,10 @@ const EXAMPLE: &[u8] = b"OFF\n# a square\n4 1 4\n0 0 0\n2 0 0\n2 3 0\n0 3 0\n4 0
 
 const PATH: Param<PathBuf> =
     Param::input_file("path", "The file, packed by gzip or not.", &["off"]).example(EXAMPLE);
-const MESH_OUT: Out<TriMesh> = Out::new("mesh", "Polygons as triangles, vertices in the file's order, with normals, colors and texture coordinates.");
+const MESH_OUT: Out<TriMesh> = Out::new(
+    "mesh",
+    "Polygons as triangles, vertices in the file's order, with normals, colors and texture coordinates.",
+);
 
 pub static MODULE: Module = Module {
     id: "OffLoader",

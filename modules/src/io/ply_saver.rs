@@ -33,8 +33,12 @@ const FIELD_IN: MaybeIn<Field> = MaybeIn::new(
     "field",
     "One number for each vertex or face of the mesh, written as the property \"quality\".",
 );
-const PATH: Param<PathBuf> = Param::output_file("path", "The file; textures go into a folder of its stem and -textures.", &["ply"])
-    .also_writes(&["-textures/"]);
+const PATH: Param<PathBuf> = Param::output_file(
+    "path",
+    "The file; textures go into a folder of its stem and -textures.",
+    &["ply"],
+)
+.also_writes(&["-textures/"]);
 const ENCODING: Param<Encoding> =
     Param::one_of("encoding", "How numbers stand in the file.", "Binary");
 const PRECISION: Param<Precision> =
@@ -78,11 +82,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 }
 
 /// Saves the pictures of base colors beside the file, and names them there.
-fn with_pictures(
-    mesh: Arc<TriMesh>,
-    path: &Path,
-    io: &Io,
-) -> Result<Arc<TriMesh>, ModuleError> {
+fn with_pictures(mesh: Arc<TriMesh>, path: &Path, io: &Io) -> Result<Arc<TriMesh>, ModuleError> {
     if mesh.materials.is_empty() {
         return Ok(mesh);
     }

@@ -1,20 +1,18 @@
 //! Saves the triangles of a mesh as an STL file.
 
 use crate::formats::save_atomic;
-use crate::formats::stl::{Encoding, write_stl};
+use crate::formats::stl::{StlEncoding, write_stl};
 use crate::prelude::*;
 
-impl Enumeration for Encoding {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Binary", "Small: 50 bytes a triangle."),
-        ("Ascii", "Text that a person can read."),
-    ];
+impl Enumeration for StlEncoding {
+    const NAMES: &'static [(&'static str, &'static str)] =
+        &[("Binary", "Small: 50 bytes a triangle."), ("Ascii", "Text that a person can read.")];
     const VALUES: &'static [Self] = &[Self::Binary, Self::Ascii];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
 const PATH: Param<PathBuf> = Param::output_file("path", "The file.", &["stl"]);
-const ENCODING: Param<Encoding> =
+const ENCODING: Param<StlEncoding> =
     Param::one_of("encoding", "How numbers stand in the file.", "Binary");
 
 pub static MODULE: Module = Module {

@@ -82,10 +82,11 @@ fn what_is_written_comes_back() {
 
 #[test]
 fn the_highest_byte_may_come_first_and_any_type_for_any_property() {
-    let mut bytes = b"ply\r\nformat binary_big_endian 1.0\r\nelement color 1\r\nproperty list ushort \
-        double x\r\nelement vertex 4\r\nproperty double x\r\nproperty short y\r\nproperty uint8 z\r\n\
-        property ushort red\r\nproperty ushort green\r\nproperty ushort blue\r\nproperty list uchar \
-        char junk\r\nelement face 2\r\nproperty list int uint16 vertex_index\r\nend_header\r\n"
+    let mut bytes = b"ply\r\nformat binary_big_endian 1.0\r\nelement color 1\r\n\
+        property list ushort double x\r\nelement vertex 4\r\nproperty double x\r\n\
+        property short y\r\nproperty uint8 z\r\nproperty ushort red\r\n\
+        property ushort green\r\nproperty ushort blue\r\nproperty list uchar char junk\r\n\
+        element face 2\r\nproperty list int uint16 vertex_index\r\nend_header\r\n"
         .to_vec();
     bytes.extend([0, 1]);
     bytes.extend(7f64.to_be_bytes());
@@ -117,8 +118,9 @@ const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 fn corners_have_texture_coordinates_and_faces_pictures_and_numbers() {
     let text = format!(
         "{HEAD}comment TextureFile a b.png\nelement face 3\nproperty list uchar int vertex_indices\n\
-         property list uchar float texcoord\nproperty int texnumber\nproperty float area\nend_header\n\
-         {SQUARE}4 0 1 2 3 8 0 0 1 0 1 1 0 1 0 7\n3 2 1 0 6 1 1 1 0 0 0 5 8\n3 0 1 2 0 0 9\n"
+         property list uchar float texcoord\nproperty int texnumber\nproperty float area\n\
+         end_header\n{SQUARE}4 0 1 2 3 8 0 0 1 0 1 1 0 1 0 7\n3 2 1 0 6 1 1 1 0 0 0 5 8\n\
+         3 0 1 2 0 0 9\n"
     );
     let (mesh, warnings) = read_all(text.as_bytes()).unwrap();
     assert_eq!(warnings, Vec::<String>::new());

@@ -46,8 +46,8 @@ pub struct PlyOptions {
 /// none), the layer color over vertices or faces (`red green blue`, bytes; white where there is
 /// none), a field over vertices or faces as `quality`, layers of numbers over vertices or faces by
 /// their names, texture coordinates of corners (`texcoord`; an empty list where a corner has none),
-/// and the pictures of base colors that materials name (`TextureFile`, `texnumber`). All else has no
-/// place that viewers agree on and is left out.
+/// and the pictures of base colors that materials name (`TextureFile`, `texnumber`). All else has
+/// no place that viewers agree on and is left out.
 ///
 /// # Errors
 /// `InvalidInput` when the mesh is not well formed, has a coordinate that is not finite or does not

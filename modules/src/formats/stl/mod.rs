@@ -9,7 +9,7 @@ mod read;
 mod write;
 
 pub use read::read_stl;
-pub use write::{Encoding, write_stl};
+pub use write::{StlEncoding, write_stl};
 
 /// Bytes of the head of a binary file with the number of its triangles, and of each triangle.
 const HEAD: usize = 84;

@@ -8,7 +8,7 @@ use crate::data::TriMesh;
 use crate::formats::ReadError;
 use crate::mesh::fixtures::{mesh_of, tetrahedron};
 
-fn written(mesh: &TriMesh, encoding: Encoding) -> Vec<u8> {
+fn written(mesh: &TriMesh, encoding: StlEncoding) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_stl(mesh, encoding, &mut bytes, Control::none()).unwrap();
     bytes
@@ -24,7 +24,7 @@ fn read(bytes: &[u8]) -> Result<TriMesh, String> {
 #[test]
 fn both_kinds_come_back_with_their_vertices_joined() {
     let mesh = tetrahedron();
-    for encoding in [Encoding::Binary, Encoding::Ascii] {
+    for encoding in [StlEncoding::Binary, StlEncoding::Ascii] {
         let back = read(&written(&mesh, encoding)).unwrap();
         assert_eq!((back.positions.len(), back.faces.len()), (4, 4));
         assert_eq!((back.area(), back.signed_volume()), (mesh.area(), mesh.signed_volume()));
@@ -36,12 +36,12 @@ fn text_by_hand() {
     let mesh = mesh_of(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 0.5, 0.0]], &[[0, 1, 2]]);
     let expected = "solid mesh\nfacet normal 0 0 1\n  outer loop\n    vertex 0 0 0\n    vertex 2 0 0\n    \
                     vertex 0 0.5 0\n  endloop\nendfacet\nendsolid mesh\n";
-    assert_eq!(String::from_utf8(written(&mesh, Encoding::Ascii)).unwrap(), expected);
+    assert_eq!(String::from_utf8(written(&mesh, StlEncoding::Ascii)).unwrap(), expected);
 }
 
 #[test]
 fn a_binary_file_may_begin_with_solid() {
-    let mut bytes = written(&tetrahedron(), Encoding::Binary);
+    let mut bytes = written(&tetrahedron(), StlEncoding::Binary);
     bytes[..6].copy_from_slice(b"solid ");
     assert_eq!(read(&bytes).unwrap().faces.len(), 4);
 }
@@ -56,7 +56,7 @@ fn names_with_words_of_the_format_capitals_and_several_solids_are_read() {
 
 #[test]
 fn what_is_wrong_is_said() {
-    let whole = written(&tetrahedron(), Encoding::Binary);
+    let whole = written(&tetrahedron(), StlEncoding::Binary);
     let message = read(&whole[..200]).unwrap_err();
     assert!(message.contains("promises 4 triangles, but there is room for 2"), "{message}");
     let message = read(b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n").unwrap_err();

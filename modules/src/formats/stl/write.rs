@@ -13,7 +13,7 @@ const CHUNK: usize = 1 << 11;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub enum StlEncoding {
     /// In binary, 50 bytes a triangle.
     Binary,
     /// As text.
@@ -28,7 +28,7 @@ pub enum Encoding {
 /// coordinate that is no finite float; whatever the writer reports; `Other` when `control` ends it.
 pub fn write_stl(
     mesh: &TriMesh,
-    encoding: Encoding,
+    encoding: StlEncoding,
     out: &mut dyn Write,
     control: Control,
 ) -> io::Result<()> {
@@ -47,14 +47,14 @@ pub fn write_stl(
         )));
     }
     match encoding {
-        Encoding::Binary => {
+        StlEncoding::Binary => {
             // Not `solid`, with which text begins.
             let mut head = [b' '; HEAD];
             head[..10].copy_from_slice(b"binary STL");
             head[HEAD - 4..].copy_from_slice(&n.to_le_bytes());
             out.write_all(&head)?;
         }
-        Encoding::Ascii => out.write_all(b"solid mesh\n")?,
+        StlEncoding::Ascii => out.write_all(b"solid mesh\n")?,
     }
     let mut buffer = Vec::with_capacity(CHUNK * RECORD);
     for (at, faces) in mesh.faces.chunks(CHUNK).enumerate() {
@@ -62,13 +62,13 @@ pub fn write_stl(
         for face in faces {
             let corners = face.map(|v| mesh.positions[v.idx()]);
             match encoding {
-                Encoding::Binary => {
+                StlEncoding::Binary => {
                     for p in [normal(corners), corners[0], corners[1], corners[2]] {
                         p.as_vec3().to_array().iter().for_each(|x| buffer.extend(x.to_le_bytes()));
                     }
                     buffer.extend([0; 2]);
                 }
-                Encoding::Ascii => {
+                StlEncoding::Ascii => {
                     text(&mut buffer, "facet normal", normal(corners));
                     buffer.extend(b"  outer loop\n");
                     corners.iter().for_each(|p| text(&mut buffer, "    vertex", *p));
@@ -80,8 +80,8 @@ pub fn write_stl(
         buffer.clear();
     }
     match encoding {
-        Encoding::Binary => Ok(()),
-        Encoding::Ascii => out.write_all(b"endsolid mesh\n"),
+        StlEncoding::Binary => Ok(()),
+        StlEncoding::Ascii => out.write_all(b"endsolid mesh\n"),
     }
 }
 

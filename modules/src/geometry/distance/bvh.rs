@@ -311,7 +311,7 @@ impl<'a> Walker<'a> {
         let bvh = self.bvh;
         let local = bvh.frame.local(point);
         let query = QueryPoint::new(local);
-        let mut nearest = ListQuery::new(bvh, lists, point, &query, start);
+        let mut nearest = ListQuery::new((&bvh.frame, &bvh.triangles), lists, point, &query, start);
         let last_visit = self.n_visits.saturating_add(most_visits);
         let mut seen = EMPTY;
         if let Some((list, gap)) = lists.grid.as_ref().and_then(|grid| grid.list_at(local)) {
@@ -424,8 +424,9 @@ impl<'a> Walker<'a> {
             }
         }
         if self.candidates.n > 0 {
+            let parts = (&bvh.frame, &bvh.nodes[..], &bvh.triangles[..]);
             for (distance_sq, &point) in out[first..].iter_mut().zip(points) {
-                *distance_sq = self.candidates.nearest_sq(bvh, point, *distance_sq);
+                *distance_sq = self.candidates.nearest_sq(parts, point, *distance_sq);
             }
         }
         true

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec4};
 
-use super::boxes::{BoxFrame, LEAF, QueryBox};
-use super::bvh::Bvh;
+use super::boxes::{BoxFrame, LEAF, Node, QueryBox};
+use super::point_triangle::PreparedTriangle;
 
 /// The box around some points, and how far they are from one of them.
 pub(super) struct PointBox {
@@ -49,22 +49,27 @@ impl Candidates {
 
     /// The least squared distance of these triangles, or the given one if that is less.
     #[inline]
-    pub fn nearest_sq(&self, bvh: &Bvh, point: DVec3, distance_sq: f64) -> f64 {
+    pub fn nearest_sq(
+        &self,
+        (frame, nodes, triangles): (&BoxFrame, &[Node], &[PreparedTriangle]),
+        point: DVec3,
+        distance_sq: f64,
+    ) -> f64 {
         let mut best = distance_sq;
-        let mut bound = bvh.frame.bound(best);
-        let query = bvh.frame.query(point);
+        let mut bound = frame.bound(best);
+        let query = frame.query(point);
         for &(node, lanes) in &self.lanes {
-            let node = &bvh.nodes[node as usize];
+            let node = &nodes[node as usize];
             let distances = node.distances_sq(&query);
             let mut near = distances.cmple(Vec4::splat(bound)).bitmask() & lanes;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize & 3;
                 near &= near - 1;
                 let slot = (node.child[lane] & !LEAF) as usize;
-                let found = bvh.triangles[slot].distance_sq(point);
+                let found = triangles[slot].distance_sq(point);
                 if found < best {
                     best = found;
-                    bound = bvh.frame.bound(best);
+                    bound = frame.bound(best);
                 }
             }
         }

@@ -3,9 +3,9 @@
 
 use glam::{DVec3, Vec4};
 
-use super::boxes::QueryPoint;
-use super::bvh::Bvh;
+use super::boxes::{BoxFrame, QueryPoint};
 use super::cells::CellGrid;
+use super::point_triangle::PreparedTriangle;
 
 /// Lists of slots of triangles, one for each leaf of the tree.
 #[derive(Clone, Debug)]
@@ -67,7 +67,8 @@ impl SlotLists {
 
 /// The nearest of the faces in lists, so far.
 pub(super) struct ListQuery<'a> {
-    bvh: &'a Bvh,
+    frame: &'a BoxFrame,
+    triangles: &'a [PreparedTriangle],
     lists: &'a SlotLists,
     point: DVec3,
     /// The point in the tree's frame, and what rounding moves it by.
@@ -82,14 +83,15 @@ pub(super) struct ListQuery<'a> {
 
 impl<'a> ListQuery<'a> {
     pub fn new(
-        bvh: &'a Bvh,
+        (frame, triangles): (&'a BoxFrame, &'a [PreparedTriangle]),
         lists: &'a SlotLists,
         point: DVec3,
         query: &QueryPoint,
         (best, slot): (f64, u32),
     ) -> Self {
         let (place, margin) = query.place();
-        Self { bvh, lists, point, place, margin, best, slot, bound: bvh.frame.bound(best) }
+        let bound = frame.bound(best);
+        Self { frame, triangles, lists, point, place, margin, best, slot, bound }
     }
 
     /// Looks at the faces of a list until one is near enough.
@@ -100,10 +102,10 @@ impl<'a> ListQuery<'a> {
             if self.lists.rods[slot as usize].is_beyond(reach, self.place) {
                 continue;
             }
-            let found = self.bvh.triangles[slot as usize].distance_sq(self.point);
+            let found = self.triangles[slot as usize].distance_sq(self.point);
             if found < self.best {
                 (self.best, self.slot) = (found, slot);
-                self.bound = self.bvh.frame.bound(found);
+                self.bound = self.frame.bound(found);
                 reach = self.bound.sqrt() + self.margin;
                 if found <= enough {
                     return;
