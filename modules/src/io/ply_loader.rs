@@ -7,8 +7,9 @@ use crate::prelude::*;
 
 /// A square of two colors; `tests/contracts.rs` loads it, and damaged copies.
 const EXAMPLE: &[u8] = b"ply\nformat ascii 1.0\ncomment a square\nelement vertex 4\n\
-    property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
-    property uchar blue\nproperty float quality\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    property float x\nproperty float y\nproperty float z\n\
+    property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n\
+    element face 1\nproperty list uchar int vertex_indices\nend_header\n\
     0 0 0 255 0 0 0.5\n2 0 0 255 0 0 1\n2 3 0 0 0 255 1.5\n0 3 0 0 0 255 2\n4 0 1 2 3\n";
 
 const PATH: Param<PathBuf> =
