@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use mve_core::{Control, ModuleError};
 
-use super::obj::{self, FileScope, ObjError};
-use super::plain_file::{load_with, read_mesh_file};
+use super::obj::{self, FileScope};
+use super::plain_file::{load_with, read_beginning};
 use super::warnings::Warning;
 use super::{off, ply, stl};
 use crate::data::TriMesh;
+
+/// Bytes at the beginning of a file that say what it is.
+const N_BYTES: u64 = 4096;
 
 /// A format of mesh files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +23,16 @@ enum Format {
 }
 
 impl Format {
-    /// By the bytes of a file. Text that is nothing else is OBJ, which may begin with anything.
+    /// By the first bytes of a file. Text that is nothing else is OBJ, which may begin with
+    /// anything.
     fn of(bytes: &[u8]) -> Self {
-        let text = bytes.trim_ascii_start();
+        let mut text = bytes.trim_ascii_start();
+        while text.starts_with(b"#") {
+            let length = text.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            text = text[length.unwrap_or(text.len())..].trim_ascii_start();
+        }
         let word = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-        let is_text = !bytes[..bytes.len().min(4096)].contains(&0);
+        let is_text = !bytes.contains(&0);
         match word {
             b"ply" => Self::Ply,
             _ if word.ends_with(b"OFF") && word.len() <= 8 => Self::Off,
@@ -33,8 +41,8 @@ impl Format {
         }
     }
 
-    fn of_file(path: &Path, control: Control) -> Option<Self> {
-        read_mesh_file(path, control).ok().map(|bytes| Self::of(&bytes))
+    fn of_file(path: &Path) -> Option<Self> {
+        read_beginning(path, N_BYTES).ok().map(|bytes| Self::of(&bytes))
     }
 }
 
@@ -47,25 +55,20 @@ pub fn load(
     scope: FileScope,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ModuleError> {
-    match Format::of_file(path, control.part(0.0, 0.1)) {
+    match Format::of_file(path) {
         Some(Format::Ply) => ply::load(path, scope, control),
         Some(Format::Stl) => load_with(path, control, stl::read_stl),
         Some(Format::Off) => load_with(path, control, off::read_off),
         // What cannot be read says so here.
         Some(Format::Obj) | None => {
-            obj::load_within(path, scope, control).map_err(|error| match error {
-                ObjError::Cancelled => ModuleError::Cancelled,
-                // It names its file, which need not be this one.
-                ObjError::File(error) => error.into(),
-                other => ModuleError::io(path, other.to_string()),
-            })
+            obj::load_within(path, scope, control).map_err(|error| error.about(path))
         }
     }
 }
 
 /// The files that reading one may open, whether they exist or not.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
-    match Format::of_file(path, Control::none()) {
+    match Format::of_file(path) {
         Some(Format::Obj) => obj::companions(path),
         Some(Format::Ply) => ply::companions(path),
         Some(Format::Stl | Format::Off) | None => Vec::new(),

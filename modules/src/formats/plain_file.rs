@@ -81,6 +81,17 @@ pub fn read_mesh_file(path: &Path, control: Control) -> io::Result<Vec<u8>> {
     }
 }
 
+/// Reads at most so many bytes from the beginning of the file of a mesh, unpacked likewise.
+pub fn read_beginning(path: &Path, n_bytes: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_plain(path)?.0.take(n_bytes).read_to_end(&mut bytes)?;
+    if bytes.starts_with(GZIP) {
+        bytes.clear();
+        MultiGzDecoder::new(open_plain(path)?.0).take(n_bytes).read_to_end(&mut bytes)?;
+    }
+    Ok(bytes)
+}
+
 /// Reads the file of a mesh as what `read` makes of its bytes.
 ///
 /// # Errors

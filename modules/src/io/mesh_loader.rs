@@ -68,7 +68,8 @@ mod tests {
         off::write_off(&mesh, &mut files[5], control).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("misnamed.obj");
-        for bytes in files {
+        let commented = [b"# a comment\n\n".as_slice(), &files[5]].concat();
+        for bytes in files.into_iter().chain([commented]) {
             let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
             packed.write_all(&bytes).unwrap();
             for bytes in [bytes, packed.finish().unwrap()] {

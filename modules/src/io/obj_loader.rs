@@ -1,6 +1,6 @@
 //! Loads a Wavefront OBJ file with its materials and textures.
 
-use crate::formats::obj::{self, FileScope, ObjError};
+use crate::formats::obj::{self, FileScope};
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> =
@@ -31,12 +31,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
     let scope = if io.param(ALLOW_OUTSIDE)? { FileScope::Anywhere } else { FileScope::Folder };
     let loaded = obj::load_within(&path, scope, io.control());
-    let (mesh, warnings) = loaded.map_err(|error| match error {
-        ObjError::Cancelled => ModuleError::Cancelled,
-        // It names its file, which need not be this one.
-        ObjError::File(error) => error.into(),
-        other => ModuleError::io(&path, other.to_string()),
-    })?;
+    let (mesh, warnings) = loaded.map_err(|error| error.about(&path))?;
     for warning in warnings {
         io.warn(format!("{}: {warning}", path.display()));
     }

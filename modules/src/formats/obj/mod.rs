@@ -34,7 +34,9 @@ mod trouble;
 mod write;
 
 use std::io;
+use std::path::Path;
 
+use mve_core::ModuleError;
 use thiserror::Error;
 
 use super::FileError;
@@ -98,6 +100,18 @@ pub enum ObjError {
     /// The file could not be read.
     #[error(transparent)]
     File(#[from] FileError),
+}
+
+impl ObjError {
+    /// The error of a module that reads this file.
+    pub fn about(self, path: &Path) -> ModuleError {
+        match self {
+            Self::Cancelled => ModuleError::Cancelled,
+            // It names its file, which need not be this one.
+            Self::File(error) => error.into(),
+            other => ModuleError::io(path, other.to_string()),
+        }
+    }
 }
 
 #[cfg(test)]

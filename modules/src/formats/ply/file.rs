@@ -11,8 +11,11 @@ use crate::formats::load_with;
 use crate::formats::obj::FileScope;
 use crate::formats::obj::bounds::Bounds;
 use crate::formats::obj::textures::{self, Pictures};
-use crate::formats::plain_file::read_mesh_file;
+use crate::formats::plain_file::read_beginning;
 use crate::formats::warnings::{Warning, Warnings};
+
+/// Bytes of the longest header whose pictures count.
+const LONGEST_HEADER: u64 = 1 << 24;
 
 /// Reads a PLY file, and the pictures that it names, as those of a scope.
 ///
@@ -37,7 +40,7 @@ pub fn load(
 
 /// The pictures that reading a PLY file may open, whether they exist or not.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
-    let Ok(bytes) = read_mesh_file(path, Control::none()) else { return Vec::new() };
+    let Ok(bytes) = read_beginning(path, LONGEST_HEADER) else { return Vec::new() };
     let Ok(header) = Header::read(&bytes) else { return Vec::new() };
     let folder = folder_of(path);
     let mut paths = Vec::new();
