@@ -22,11 +22,13 @@ mod json;
 mod listed;
 mod machine;
 mod map;
+mod maps;
 mod memory;
 mod module;
 mod node_outputs;
 mod panics;
 mod param;
+mod pattern;
 mod plan;
 mod port;
 mod problem;
@@ -36,6 +38,7 @@ mod registry;
 mod run;
 mod schema;
 mod search;
+mod spread;
 mod stored;
 mod template;
 pub mod testing;
@@ -51,14 +54,18 @@ pub use files::{FileHashes, is_below, refuse_special};
 pub use fingerprint::Fingerprint;
 pub use listed::{Listed, source_hash};
 pub use machine::Machine;
-pub use map::{Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec};
+pub use map::{
+    Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec, Promoted, Repeat,
+    Until,
+};
+pub use maps::MAP_ENDS;
 pub use memory::MemoryBudget;
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};
-pub use port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
+pub use port::{AnyIn, In, InputSpec, ManyAnyIn, ManyIn, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};
 pub use program::{
     ColumnRecord, Columns, Measure, Part, Patience, PlanFile, Program, ProgramEvent,

@@ -12,7 +12,7 @@ use crate::data::{Data, Value};
 use crate::error::ModuleError;
 use crate::memory::{MemoryBudget, Reservation};
 use crate::param::{ChoiceParam, Chosen, Param, ParamSpec, ParamType, Settings};
-use crate::port::{AnyIn, In, InputSpec, MaybeIn, Out, OutputSpec};
+use crate::port::{AnyIn, In, InputSpec, ManyAnyIn, ManyIn, MaybeIn, Out, OutputSpec};
 use crate::stored::StoredWriter;
 
 /// A unit of work: what it is called, what goes in and out, and what it does.
@@ -58,11 +58,21 @@ impl ModuleError {
     }
 }
 
+/// The values of the inputs of a node.
+#[derive(Default)]
+pub(crate) struct Arrived {
+    /// For each declared input its value, where it takes one.
+    pub one: Vec<Option<Value>>,
+    /// Those of inputs that take many, by their place among the declared ones, in order. A round of
+    /// a loop that did not run gives none.
+    pub many: Vec<(usize, Option<Value>)>,
+}
+
 /// What a running module sees: its inputs, its parameters, and whom to tell.
 pub struct Io<'a> {
     pub(crate) module: &'static Module,
     pub(crate) settings: &'a Settings,
-    pub(crate) inputs: Vec<Option<Value>>,
+    pub(crate) inputs: Arrived,
     pub(crate) outputs: Vec<Option<Value>>,
     pub(crate) cancel: &'a CancelToken,
     pub(crate) reporter: &'a dyn Reporter,
@@ -79,7 +89,7 @@ impl<'a> Io<'a> {
     pub(crate) fn new(
         module: &'static Module,
         settings: &'a Settings,
-        inputs: Vec<Option<Value>>,
+        inputs: Arrived,
         cancel: &'a CancelToken,
         reporter: &'a dyn Reporter,
         folder: Option<&'a Path>,
@@ -117,11 +127,32 @@ impl<'a> Io<'a> {
     /// The value of a required input, to be changed: moved where this node is the last that needs
     /// it, else copied.
     pub fn take<T: Data>(&mut self, port: In<T>) -> Result<T, ModuleError> {
-        let place = self.module.inputs.iter().position(|input| input.name == port.name);
+        let place = self.place_of(port.name);
         place
-            .and_then(|place| self.inputs.get_mut(place)?.take())
+            .and_then(|place| self.inputs.one.get_mut(place)?.take())
             .and_then(Value::take)
             .ok_or_else(|| undeclared::<T>(port.name))
+    }
+
+    /// The values of an input that takes many, shared, in the order of its links.
+    pub fn all<T: Data>(&self, port: ManyIn<T>) -> Result<Vec<Arc<T>>, ModuleError> {
+        let all = self.many(port.name).flatten();
+        all.map(|value| value.get().ok_or_else(|| undeclared::<T>(port.name))).collect()
+    }
+
+    /// The values of an input that takes many, to be changed, in the order of its links: each
+    /// moved where this node is the last that needs it, else copied.
+    pub fn take_all<T: Data>(&mut self, port: ManyIn<T>) -> Result<Vec<T>, ModuleError> {
+        let place = self.place_of(port.name);
+        let here = self.inputs.many.iter_mut().filter(|(input, _)| Some(*input) == place);
+        let all = here.filter_map(|(_, value)| value.take());
+        all.map(|value| value.take().ok_or_else(|| undeclared::<T>(port.name))).collect()
+    }
+
+    /// The values of an input that takes many of any type, one for each link; none from a round of
+    /// a loop that did not run.
+    pub fn all_any(&self, port: ManyAnyIn) -> Vec<Option<Value>> {
+        self.many(port.name).cloned().collect()
     }
 
     /// Gives an output its value.
@@ -219,8 +250,17 @@ impl<'a> Io<'a> {
     }
 
     fn value(&self, name: &str) -> Option<&Value> {
-        let place = self.module.inputs.iter().position(|input| input.name == name)?;
-        self.inputs.get(place)?.as_ref()
+        self.inputs.one.get(self.place_of(name)?)?.as_ref()
+    }
+
+    fn many(&self, name: &str) -> impl Iterator<Item = &Option<Value>> {
+        let place = self.place_of(name);
+        let here = self.inputs.many.iter().filter(move |(input, _)| Some(*input) == place);
+        here.map(|(_, value)| value)
+    }
+
+    fn place_of(&self, name: &str) -> Option<usize> {
+        self.module.inputs.iter().position(|input| input.name == name)
     }
 
     /// The outputs, once the module has returned; an error names the one that it forgot.
@@ -239,4 +279,18 @@ impl<'a> Io<'a> {
 fn undeclared<T>(name: &str) -> ModuleError {
     let what = type_name::<T>();
     ModuleError::Bug(format!("it reads \"{name}\" as {what}, which it has not declared"))
+}
+
+impl Io<'_> {
+    /// Gives each input as the output of the same place, for nodes that stand for others.
+    pub(crate) fn pass_on(&mut self) -> Result<(), ModuleError> {
+        self.outputs = std::mem::take(&mut self.inputs.one);
+        Ok(())
+    }
+
+    /// Gives the last input that has a value as the one output.
+    pub(crate) fn pass_newest(&mut self) -> Result<(), ModuleError> {
+        self.outputs = vec![self.inputs.one.drain(..).flatten().last()];
+        Ok(())
+    }
 }

@@ -28,6 +28,22 @@ pub struct AnyIn {
     doc: &'static str,
 }
 
+/// An input that takes as many links as a map gives it, at least one. Values come in the order of
+/// the links in the map.
+#[derive(Debug)]
+pub struct ManyIn<T> {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+    of: PhantomData<fn() -> T>,
+}
+
+/// A [`ManyIn`] of values of any type.
+#[derive(Clone, Copy, Debug)]
+pub struct ManyAnyIn {
+    pub(crate) name: &'static str,
+    doc: &'static str,
+}
+
 /// What an [`AnyIn`] takes.
 pub(crate) const ANY: DataType =
     DataType { id: "Any", doc: "A value of any type.", color: [200, 200, 200] };
@@ -59,6 +75,14 @@ pub struct InputSpec {
     pub data_type: DataType,
     /// Whether the module runs only with it.
     pub is_required: bool,
+    /// Whether it takes any number of links.
+    pub is_many: bool,
+}
+
+impl InputSpec {
+    const fn of(name: &'static str, doc: &'static str, data_type: DataType) -> Self {
+        Self { name, doc, data_type, is_required: true, is_many: false }
+    }
 }
 
 /// What the runtime knows of an output.
@@ -85,7 +109,7 @@ impl<T: Data> In<T> {
 
     /// The declaration, for [`crate::Module::inputs`].
     pub const fn spec(&self) -> InputSpec {
-        InputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, is_required: true }
+        InputSpec::of(self.name, self.doc, T::TYPE)
     }
 }
 
@@ -97,7 +121,31 @@ impl AnyIn {
 
     /// The declaration, for [`crate::Module::inputs`].
     pub const fn spec(&self) -> InputSpec {
-        InputSpec { name: self.name, doc: self.doc, data_type: ANY, is_required: true }
+        InputSpec::of(self.name, self.doc, ANY)
+    }
+}
+
+impl<T: Data> ManyIn<T> {
+    /// Declares the input.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, of: PhantomData }
+    }
+
+    /// The declaration, for [`crate::Module::inputs`].
+    pub const fn spec(&self) -> InputSpec {
+        InputSpec { is_many: true, ..InputSpec::of(self.name, self.doc, T::TYPE) }
+    }
+}
+
+impl ManyAnyIn {
+    /// Declares the input.
+    pub const fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc }
+    }
+
+    /// The declaration, for [`crate::Module::inputs`].
+    pub const fn spec(&self) -> InputSpec {
+        InputSpec { is_many: true, ..InputSpec::of(self.name, self.doc, ANY) }
     }
 }
 
@@ -109,7 +157,7 @@ impl<T: Data> MaybeIn<T> {
 
     /// The declaration, for [`crate::Module::inputs`].
     pub const fn spec(&self) -> InputSpec {
-        InputSpec { name: self.name, doc: self.doc, data_type: T::TYPE, is_required: false }
+        InputSpec { is_required: false, ..InputSpec::of(self.name, self.doc, T::TYPE) }
     }
 }
 

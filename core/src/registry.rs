@@ -1,7 +1,13 @@
 //! The modules that a program knows.
 
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
 use crate::listed::Listed;
+use crate::map::Node;
+use crate::maps::{Interner, OpenMap, repeated};
 use crate::module::Module;
 
 /// The modules of one folder.
@@ -23,10 +29,12 @@ pub struct ModuleInfo {
     pub version: Fingerprint,
 }
 
-/// All modules, by id.
+/// All modules, by id, and the maps that nodes of one map may name as such.
 #[derive(Clone, Default)]
 pub struct Registry {
     modules: Vec<ModuleInfo>,
+    maps: Arc<IndexMap<String, OpenMap>>,
+    interner: Interner,
 }
 
 impl Registry {
@@ -57,8 +65,38 @@ impl Registry {
 
     /// The module of this id.
     pub fn find(&self, id: &str) -> Option<ModuleInfo> {
-        let place = self.modules.binary_search_by_key(&id, |info| info.module.id).ok()?;
-        self.modules.get(place).copied()
+        let place = self.modules.binary_search_by_key(&id, |info| info.module.id);
+        let module = place.ok().and_then(|place| self.modules.get(place).copied());
+        module.or_else(|| self.maps.get(id).map(|map| map.info))
+    }
+
+    /// What a node is: its module, with what it gives beside where it runs more than once.
+    pub fn of(&self, node: &Node) -> Option<ModuleInfo> {
+        let info = self.find(&node.module)?;
+        Some(match node.repeat {
+            Some(_) => ModuleInfo { module: repeated(info.module, self), ..info },
+            None => info,
+        })
+    }
+
+    /// The same modules with other maps.
+    pub(crate) fn with_open_maps(&self, maps: IndexMap<String, OpenMap>) -> Self {
+        Self { maps: Arc::new(maps), ..self.clone() }
+    }
+
+    /// The map that a node may name so.
+    pub(crate) fn open_map(&self, id: &str) -> Option<&OpenMap> {
+        self.maps.get(id)
+    }
+
+    /// Names of maps.
+    pub(crate) fn names_of_maps(&self) -> impl Iterator<Item = &str> {
+        self.maps.keys().map(String::as_str)
+    }
+
+    /// Where declarations are kept that are made while mve runs.
+    pub(crate) fn interner(&self) -> &Interner {
+        &self.interner
     }
 
     /// All modules, sorted by id.

@@ -20,7 +20,7 @@ use crate::data::Value;
 use crate::error::ModuleError;
 use crate::files::{lying_at, refuse_links, refuse_special};
 use crate::memory::MemoryBudget;
-use crate::module::Io;
+use crate::module::{Arrived, Io};
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
 use crate::param::{Setting, Settings};
@@ -120,7 +120,8 @@ pub struct RunOutcome {
 impl RunOutcome {
     /// Whether every node is done.
     pub fn is_done(&self) -> bool {
-        self.nodes.values().all(|node| node.record.status == NodeStatus::Done)
+        let is_done = |status: &NodeStatus| matches!(status, NodeStatus::Done | NodeStatus::Past);
+        self.nodes.values().all(|node| is_done(&node.record.status))
     }
 
     /// Whether some node was stopped.
@@ -184,8 +185,9 @@ fn run_once(
 }
 
 /// The files that values are handles to.
-fn stored_in(values: &[Option<Value>]) -> Vec<Stored> {
-    values.iter().flatten().flat_map(Value::stored).collect()
+fn stored_in(inputs: &Arrived) -> Vec<Stored> {
+    let many = inputs.many.iter().filter_map(|(_, value)| value.as_ref());
+    inputs.one.iter().flatten().chain(many).flat_map(Value::stored).collect()
 }
 
 struct Runner<'a> {
@@ -224,6 +226,16 @@ impl State {
         Self { ready, waiting, values, outcomes, n_ended: 0, is_damaged: false }
     }
 
+    /// Tells the consumers of a node that it has ended: those that waited for it alone are ready.
+    fn release(&mut self, consumers: &[usize]) {
+        for consumer in consumers.iter().rev() {
+            self.waiting[*consumer] -= 1;
+            if self.waiting[*consumer] == 0 && self.outcomes[*consumer].is_none() {
+                self.ready.push(*consumer);
+            }
+        }
+    }
+
     /// The value of an output; the last one to ask owns it alone.
     fn fetch(&mut self, source: Source) -> Option<Value> {
         let (value, needed) = &mut self.values[source.node][source.output];
@@ -246,9 +258,21 @@ impl Runner<'_> {
                 continue;
             };
             let node = &self.plan.nodes[place];
-            let inputs: Vec<_> =
-                node.inputs.iter().map(|s| s.and_then(|s| state.fetch(s))).collect();
+            let inputs = Arrived {
+                one: node.inputs.iter().map(|s| s.and_then(|s| state.fetch(s))).collect(),
+                many: node.many.iter().map(|(p, s)| (*p, state.fetch(*s))).collect(),
+            };
             let linked = node.linked.iter().map(|(p, s)| (*p, state.fetch(*s))).collect();
+            let mut said = node.gates.iter().map(|gate| (gate, state.fetch(gate.source)));
+            // All of them are fetched, so that none is kept for a node that is past.
+            let is_past = said.by_ref().fold(false, |past, (gate, value)| {
+                past | value.is_none_or(|value| gate.until.is_met(&value))
+            });
+            if is_past {
+                self.pass_by(&mut state, place);
+                self.changed.notify_all();
+                continue;
+            }
             drop(state);
             let files: Vec<Stored> = stored_in(&inputs);
             let (outcome, outputs) = self.run_node(node, inputs, linked);
@@ -278,12 +302,7 @@ impl Runner<'_> {
             for ((slot, needed), value) in state.values[place].iter_mut().zip(outputs) {
                 *slot = (*needed > 0).then_some(value);
             }
-            for consumer in node.consumers.iter().rev() {
-                state.waiting[*consumer] -= 1;
-                if state.waiting[*consumer] == 0 && state.outcomes[*consumer].is_none() {
-                    state.ready.push(*consumer);
-                }
-            }
+            state.release(&node.consumers);
             return;
         }
         let status = self.status_behind(state, place);
@@ -298,6 +317,17 @@ impl Runner<'_> {
                 lost.extend(&node.consumers);
             }
         }
+    }
+
+    /// Enters that a node of a later round is past: its loop ended before. Its consumers go on
+    /// without a value of it.
+    fn pass_by(&self, state: &mut State, place: usize) {
+        let node = &self.plan.nodes[place];
+        let outcome = not_run(node, NodeStatus::Past, Vec::new());
+        self.tell(node, EventKind::Ended { record: &outcome.record, outputs: &[] });
+        state.outcomes[place] = Some(outcome);
+        state.n_ended += 1;
+        state.release(&node.consumers);
     }
 
     /// The status of the nodes that hang on one without outputs.
@@ -325,7 +355,7 @@ impl Runner<'_> {
     fn run_node(
         &self,
         node: &PlanNode,
-        inputs: Vec<Option<Value>>,
+        inputs: Arrived,
         linked: Vec<(usize, Option<Value>)>,
     ) -> (NodeOutcome, Option<Vec<Value>>) {
         // Files are not in the cache: a node that writes some runs even where its outputs are
@@ -403,7 +433,7 @@ impl Runner<'_> {
     fn make(
         &self,
         node: &PlanNode,
-        inputs: Vec<Option<Value>>,
+        inputs: Arrived,
         linked: Vec<(usize, Option<Value>)>,
     ) -> Result<NodeOutputs, (ModuleError, Vec<LogLine>)> {
         if self.options.cancel.is_cancelled() {

@@ -14,11 +14,12 @@ use crate::data::{Data, Value};
 use crate::error::ModuleError;
 use crate::files::FileHashes;
 use crate::listed::Listed;
-use crate::module::{Io, Module};
+use crate::maps::MAP_ENDS;
+use crate::module::{Arrived, Io, Module};
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
-use crate::port::{In, MaybeIn, Out};
+use crate::port::{In, ManyIn, MaybeIn, Out};
 use crate::program::{Part, Patience, ProgramOptions, Retry, Sharing};
 use crate::registry::{ModuleList, Registry};
 use crate::run::{Keep, RunOptions};
@@ -70,7 +71,7 @@ pub fn program_options(cancel: &CancelToken) -> ProgramOptions<'_> {
 /// A call of one module: inputs, parameters, and what came out.
 pub struct Trial {
     module: &'static Module,
-    inputs: Vec<Option<Value>>,
+    inputs: Arrived,
     params: JsonMap<String, Json>,
 }
 
@@ -80,7 +81,8 @@ pub type Outputs = IndexMap<&'static str, Value>;
 impl Trial {
     /// A call without inputs, all parameters at their defaults.
     pub fn of(module: &'static Module) -> Self {
-        Self { module, inputs: vec![None; module.inputs.len()], params: JsonMap::new() }
+        let inputs = Arrived { one: vec![None; module.inputs.len()], many: Vec::new() };
+        Self { module, inputs, params: JsonMap::new() }
     }
 
     /// Gives an input its value.
@@ -91,13 +93,17 @@ impl Trial {
         self.value(name, Value::new(value))
     }
 
-    /// Gives an input a value of any type.
+    /// Gives an input a value of any type; one that takes many another one.
     ///
     /// # Panics
     /// If the module has no such input.
     pub fn value(mut self, name: &str, value: Value) -> Self {
         let place = self.module.inputs.iter().position(|input| input.name == name);
-        self.inputs[place.expect("the input is declared")] = Some(value);
+        let place = place.expect("the input is declared");
+        match self.module.inputs[place].is_many {
+            true => self.inputs.many.push((place, Some(value))),
+            false => self.inputs.one[place] = Some(value),
+        }
         self
     }
 
@@ -316,6 +322,22 @@ pub static READ: Module = Module {
     },
 };
 
+const NUMBERS: ManyIn<f64> = ManyIn::new("numbers", "Numbers.");
+
+/// Adds any number of numbers.
+pub static TOTAL: Module = Module {
+    id: "Total",
+    summary: "Adds many numbers.",
+    inputs: &[NUMBERS.spec()],
+    outputs: &[SUM.spec()],
+    params: &[],
+    run: |io| {
+        let numbers = io.all(NUMBERS)?;
+        io.put(SUM, numbers.iter().map(|number| **number).sum());
+        Ok(())
+    },
+};
+
 static MODULES: ModuleList = ModuleList {
     category: "test",
     modules: &[
@@ -324,10 +346,11 @@ static MODULES: ModuleList = ModuleList {
         Listed { item: &PICK, source: 3 },
         Listed { item: &READ, source: 4 },
         Listed { item: &WRITE, source: 5 },
+        Listed { item: &TOTAL, source: 6 },
     ],
 };
 
 /// The small modules of this file.
 pub fn registry() -> Registry {
-    Registry::new().with(&[&MODULES], "test")
+    Registry::new().with(&[&MODULES, &MAP_ENDS], "test")
 }

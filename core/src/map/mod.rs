@@ -8,6 +8,7 @@ mod axes;
 mod link;
 mod position;
 mod read;
+mod repeat;
 mod text;
 mod words;
 
@@ -23,6 +24,7 @@ use thiserror::Error;
 
 pub use link::{Link, PortRef};
 pub use position::Position;
+pub use repeat::{Repeat, Until};
 
 use crate::files::fresh_file;
 use crate::json::{self, Step};
@@ -56,6 +58,11 @@ pub struct Map {
     pub layout: IndexMap<String, [f64; 2]>,
     /// Programs by name.
     pub programs: IndexMap<String, ProgramSpec>,
+    /// Maps that nodes of this one may name as their module.
+    pub maps: IndexMap<String, Map>,
+    /// Parameters that the map has as a node of another one: the name, and the parameters of its
+    /// nodes that get the value.
+    pub parameters: IndexMap<String, Promoted>,
     /// Fields of the file that this version does not know.
     pub extra: JsonMap<String, Json>,
     /// Parts of known sections that could not be understood: section, key, value.
@@ -80,6 +87,9 @@ pub struct Node {
     /// Whether it runs.
     #[serde(default, skip_serializing_if = "NodeMode::is_active")]
     pub mode: NodeMode,
+    /// Whether it runs more than once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeat: Option<Repeat>,
     /// Parameters that differ from their defaults.
     #[serde(default, skip_serializing_if = "JsonMap::is_empty")]
     pub params: JsonMap<String, Json>,
@@ -101,10 +111,39 @@ pub enum NodeMode {
     Bypassed,
 }
 
+impl Node {
+    /// Whether its module is a map: the name of one in `maps`, or the path of a map's file. Names
+    /// of modules begin with a capital.
+    pub fn is_map(&self) -> bool {
+        let is_file = self.module.ends_with(".json");
+        is_file || self.module.starts_with(|c: char| !c.is_uppercase())
+    }
+}
+
 impl NodeMode {
     /// Whether the node runs.
     pub fn is_active(&self) -> bool {
         *self == Self::Active
+    }
+}
+
+/// Where the value of a parameter of a whole map goes: `"simplify.ratio"`, or a list of such paths.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Promoted {
+    /// To one parameter.
+    One(String),
+    /// To several, of which the first says what values there are.
+    Many(Vec<String>),
+}
+
+impl Promoted {
+    /// The dotted paths of the parameters.
+    pub fn paths(&self) -> &[String] {
+        match self {
+            Self::One(path) => std::slice::from_ref(path),
+            Self::Many(paths) => paths,
+        }
     }
 }
 
@@ -211,12 +250,36 @@ impl Map {
                 map.problems.push(Problem::error(message).along([]));
             }
         }
-        let unknown = read::unknown_keys_of_map(&object);
-        map.fill(object);
-        map.problems.extend(unknown);
+        map.read_parts(object);
         let source = Source { text: text.to_owned(), map: map.clone() };
         map.source = Some(Arc::new(source));
         Ok(map)
+    }
+
+    /// Reads a map that stands in another one, from its JSON.
+    pub fn inner(object: JsonMap<String, Json>) -> Self {
+        let mut map = Self::default();
+        map.read_parts(object);
+        map
+    }
+
+    fn read_parts(&mut self, object: JsonMap<String, Json>) {
+        let unknown = read::unknown_keys_of_map(&object);
+        self.fill(object);
+        self.problems.extend(unknown);
+    }
+
+    /// Whether an inner map may have this name. Modules begin with a capital.
+    pub fn can_name_a_map(name: &str) -> bool {
+        Self::can_name_a_node(name) && !name.starts_with(char::is_uppercase)
+    }
+
+    /// Whether a map must be opened up before it is planned: some node stands for a map, or runs
+    /// more than once, or for what another map gives.
+    pub fn has_maps(&self) -> bool {
+        self.nodes.values().any(|node| {
+            node.repeat.is_some() || node.is_map() || node.module == crate::maps::MAP_INPUT.id
+        })
     }
 
     /// Whether a node may have this name: the signs that links, paths and templates are made of are
@@ -252,6 +315,11 @@ impl Map {
         Self { programs: IndexMap::new(), source: None, ..self.clone() }
     }
 
+    /// Nothing of the map but what it was read from.
+    pub(crate) fn emptied(&self) -> Self {
+        Self { title: self.title.clone(), ..Self::default() }
+    }
+
     /// Writes the map beside its target, then renames: readers see the old file or the new one.
     pub fn save(&self, path: &Path) -> Result<(), MapError> {
         let fail = |source| MapError::Io { path: path.to_owned(), source };
@@ -267,6 +335,12 @@ impl Map {
     pub fn to_json(&self) -> Json {
         let mut file = JsonMap::new();
         file.insert("mve".to_owned(), Json::from(FORMAT));
+        self.write_parts(&mut file);
+        Json::Object(file)
+    }
+
+    /// Puts the sections of the map into its JSON.
+    fn write_parts(&self, file: &mut JsonMap<String, Json>) {
         if !self.title.is_empty() {
             file.insert("title".to_owned(), Json::from(self.title.as_str()));
         }
@@ -276,6 +350,13 @@ impl Map {
         file.insert("links".to_owned(), Json::Array(links));
         file.insert("layout".to_owned(), Json::Object(self.layout_json()));
         file.insert("programs".to_owned(), object_of(&self.programs));
+        file.insert("parameters".to_owned(), object_of(&self.parameters));
+        let inner = self.maps.iter().map(|(name, map)| {
+            let mut parts = JsonMap::new();
+            map.write_parts(&mut parts);
+            (name.clone(), Json::Object(parts))
+        });
+        file.insert("maps".to_owned(), inner.collect());
         for (section, key, value) in &self.leftovers {
             match file.get_mut(*section) {
                 Some(Json::Array(array)) => array.push(value.clone()),
@@ -288,10 +369,10 @@ impl Map {
             }
         }
         file.retain(|key, value| {
-            !(matches!(key.as_str(), "links" | "layout" | "programs") && is_empty(value))
+            let can_be_left_out = ["links", "layout", "programs", "parameters", "maps"];
+            !(can_be_left_out.contains(&key.as_str()) && is_empty(value))
         });
         file.extend(self.extra.clone());
-        Json::Object(file)
     }
 
     /// Whole coordinates stand without a fraction, as people write them.
@@ -307,6 +388,7 @@ impl Map {
     fn says_the_same_as(&self, other: &Self) -> bool {
         (&self.title, &self.nodes, &self.links, &self.layout)
             == (&other.title, &other.nodes, &other.links, &other.layout)
+            && (&self.maps, &self.parameters) == (&other.maps, &other.parameters)
             && (&self.programs, &self.extra, &self.leftovers)
                 == (&other.programs, &other.extra, &other.leftovers)
     }

@@ -13,8 +13,9 @@ use crate::param::shown;
 use crate::problem::{Problem, did_you_mean};
 
 /// The keys that the format gives a meaning to. `canvas` is the window's.
-const KEYS: [&str; 7] = ["mve", "title", "nodes", "links", "layout", "canvas", "programs"];
-const KEYS_OF_NODES: [&str; 3] = ["module", "mode", "params"];
+const KEYS: [&str; 9] =
+    ["mve", "title", "nodes", "links", "layout", "canvas", "programs", "parameters", "maps"];
+const KEYS_OF_NODES: [&str; 4] = ["module", "mode", "repeat", "params"];
 const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
 
 /// Keys that nothing reads are kept, and told of. One that is near to a known one that is not there
@@ -75,10 +76,21 @@ impl Map {
                         self.add_part("programs", name, value, |map| &mut map.programs);
                     }
                 }
+                ("parameters", Json::Object(parameters)) => {
+                    for (name, value) in parameters {
+                        self.add_part("parameters", name, value, |map| &mut map.parameters);
+                    }
+                }
+                ("maps", Json::Object(maps)) => {
+                    maps.into_iter().for_each(|(name, map)| self.add_map(name, map));
+                }
                 ("links", Json::Array(links)) => {
                     links.into_iter().enumerate().for_each(|(i, link)| self.add_link(i, link));
                 }
-                ("title" | "nodes" | "layout" | "programs" | "links", value) => {
+                (
+                    "title" | "nodes" | "layout" | "programs" | "links" | "parameters" | "maps",
+                    value,
+                ) => {
                     let message =
                         format!("\"{key}\" is not what the format says; see `mve schema`");
                     let place = [key.as_str().into()];
@@ -111,10 +123,34 @@ impl Map {
                 };
                 self.problems.extend(problems.into_iter().map(|problem| match section {
                     "programs" => problem.in_program(&name),
-                    "layout" => problem.at(&name).along([section.into(), name.as_str().into()]),
+                    "layout" | "parameters" => {
+                        problem.at(&name).along([section.into(), name.as_str().into()])
+                    }
                     _ => problem.at(&name),
                 }));
                 self.leftovers.push((section, name, value));
+            }
+        }
+    }
+
+    fn add_map(&mut self, name: String, value: Json) {
+        let problem = |message: &str| {
+            let path = ["maps".into(), name.as_str().into()];
+            Problem::error(message).at(&name).along(path)
+        };
+        match value {
+            Json::Object(object) if Self::can_name_a_map(&name) => {
+                self.maps.insert(name, Self::inner(object));
+            }
+            value => {
+                self.problems.push(match value.is_object() {
+                    true => problem(
+                        "a map in \"maps\" has a name that begins with a small letter, without \
+                         spaces, slashes or dots",
+                    ),
+                    false => problem("is not a map: an object with \"nodes\""),
+                });
+                self.leftovers.push(("maps", name, value));
             }
         }
     }

@@ -36,6 +36,9 @@ pub struct ParamSpec {
     pub can_be_off: bool,
     /// Where alone it counts; `None` for everywhere.
     pub counts: Option<Condition>,
+    /// The value where a map says nothing, in place of that of its kind: what a map as a node of
+    /// another one says inside.
+    pub preset: Option<&'static Json>,
     /// Type, default and range.
     pub kind: Kind,
 }
@@ -87,7 +90,7 @@ impl ParamSpec {
     /// The value that it has where a map says nothing, as a map would say it in the shortest form:
     /// a choice by its id alone. `None` where a map must say it.
     pub fn default_json(&self) -> Option<Json> {
-        self.kind.answers().default_json()
+        self.preset.cloned().or_else(|| self.kind.answers().default_json())
     }
 
     /// The value that it has where a map says nothing; `None` where a map must say it, or must say
@@ -176,7 +179,8 @@ pub struct Param<T> {
 
 impl<T> Param<T> {
     const fn of_kind(name: &'static str, doc: &'static str, kind: Kind) -> Self {
-        let spec = ParamSpec { name, doc, unit: "", can_be_off: false, counts: None, kind };
+        let (unit, can_be_off, counts, preset) = ("", false, None, None);
+        let spec = ParamSpec { name, doc, unit, can_be_off, counts, preset, kind };
         Self { spec, of: PhantomData }
     }
 

@@ -57,7 +57,7 @@ pub(super) fn set(
         let hint = did_you_mean(name, specs.iter().map(|spec| spec.name));
         return Err(format!("there is no parameter \"{name}\"{hint}"));
     };
-    let current = params.get(name).and_then(chosen);
+    let current = params.get(name).or(spec.preset).and_then(chosen);
     let Some(nested) = nested else {
         let names_the_same =
             spec.choice().is_some() && current.is_some_and(|(id, _)| value.as_str() == Some(id));

@@ -56,6 +56,10 @@ pub(super) fn key(nodes: &[PlanNode], place: usize, own: &OwnPieces, names: &Nam
             write_source(nodes, *source, &mut key);
         }
     }
+    for (input, source) in &node.many {
+        key.text(node.info.module.inputs[*input].name);
+        write_source(nodes, *source, &mut key);
+    }
     for (param, source) in &node.linked {
         key.text(node.info.module.params[*param].name);
         write_source(nodes, *source, &mut key);

@@ -11,15 +11,18 @@ use std::path::{Path, PathBuf};
 
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
-use crate::map::Map;
+use crate::map::{Map, Until};
+use crate::maps;
 use crate::param::{Setting, Settings};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
 pub use assign::assign;
 pub use modes::passed_on;
+pub(crate) use modes::{Inputs, without_inactive};
 pub(crate) use outputs::one_case;
 pub(crate) use series::{PlanSeries, SeriesPlan};
+pub(crate) use wiring::{no_such_input, nothing_linked};
 
 /// What a plan needs to know beside the map.
 #[derive(Clone, Copy, Debug)]
@@ -86,8 +89,13 @@ pub struct PlanNode {
     pub key: Fingerprint,
     /// For each declared input, where its value comes from.
     pub(crate) inputs: Vec<Option<Source>>,
+    /// Links into inputs that take many: the place of the input among the declared ones, and where
+    /// a value comes from.
+    pub(crate) many: Vec<(usize, Source)>,
     /// Parameters with a link: their place among the declared ones, and where the value comes from.
     pub(crate) linked: Vec<(usize, Source)>,
+    /// Of loops that it is in, what the round before says.
+    pub(crate) gates: Vec<Gate>,
     /// Nodes that take a value from this one, each once.
     pub(crate) consumers: Vec<usize>,
 }
@@ -99,6 +107,15 @@ pub(crate) struct Source {
     pub output: usize,
 }
 
+/// The number by which a loop may end: a node of a later round runs only while it says so.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Gate {
+    /// What the round before gives.
+    pub source: Source,
+    /// When the loop is at its end.
+    pub until: Until,
+}
+
 impl std::fmt::Debug for PlanNode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {} {:?}", self.name, self.info.module.id, self.key)
@@ -108,7 +125,9 @@ impl std::fmt::Debug for PlanNode {
 impl PlanNode {
     /// All the nodes that it takes values from; a node may come more than once.
     pub(crate) fn sources(&self) -> impl Iterator<Item = Source> {
-        self.inputs.iter().flatten().copied().chain(self.linked.iter().map(|(_, source)| *source))
+        let placed = self.many.iter().chain(&self.linked).map(|(_, source)| *source);
+        let gates = self.gates.iter().map(|gate| gate.source);
+        self.inputs.iter().flatten().copied().chain(placed).chain(gates)
     }
 }
 
@@ -134,6 +153,8 @@ struct PlanParts {
     names: outputs::Names,
     /// Nodes that do not run, whose parameters names may quote.
     left_out: Vec<PlanNode>,
+    /// Whether nodes of the map stood for others.
+    is_opened: bool,
 }
 
 fn plan_parts(
@@ -146,12 +167,20 @@ fn plan_parts(
         let message = "the map has no nodes: there is nothing to run";
         problems.push(Problem::error(message).along(["nodes".into()]));
     }
+    wiring::check_names(map, &mut problems);
+    let with_maps = registry.with_maps(map, options.map_folder, &mut problems);
+    let registry = &with_maps;
     let whole = map;
-    let active = modes::without_inactive(whole, registry, &mut problems);
+    let active = modes::without_inactive(whole, registry, Inputs::Alone, &mut problems);
     let map = active.as_ref().map_or(whole, |active| &active.map);
     let left_out = active.as_ref().map_or(&[][..], |active| &active.left_out);
     let left_out = prepare_inactive(whole, left_out, registry, options);
-    let wiring = wiring::wire(map, registry, &mut problems);
+    let opened = maps::open(map, registry, options.map_folder, &mut problems);
+    let is_opened = opened.is_some();
+    let named = opened.as_ref().map(|opened| with_idle(&opened.map, whole, &left_out));
+    let whole = named.as_ref().unwrap_or(whole);
+    let map = opened.as_ref().map_or(map, |opened| &opened.map);
+    let wiring = wiring::wire(map, registry, opened.as_ref(), &mut problems);
     let mut nodes = Vec::with_capacity(map.nodes.len());
     for (place, (name, _)) in map.nodes.iter().enumerate() {
         if let Some(info) = wiring.modules[place] {
@@ -178,7 +207,15 @@ fn plan_parts(
     if has_errors(&problems) {
         return Err(problems);
     }
-    Ok(PlanParts { plan: Plan { nodes, warnings: problems, id }, names, left_out })
+    Ok(PlanParts { plan: Plan { nodes, warnings: problems, id }, names, left_out, is_opened })
+}
+
+/// A map whose maps were opened, with the nodes that do not run, which names of files may quote.
+fn with_idle(opened: &Map, whole: &Map, left_out: &[PlanNode]) -> Map {
+    let mut named = opened.clone();
+    let idle = left_out.iter().filter_map(|node| whole.nodes.get_key_value(&node.name));
+    named.nodes.extend(idle.map(|(name, node)| (name.clone(), node.clone())));
+    named
 }
 
 /// Nodes that do not run, with their parameters, which names of output files may quote. Whatever
@@ -237,7 +274,9 @@ fn prepare(
         writes: Vec::new(),
         key: Fingerprint::of(b""),
         inputs: Vec::new(),
+        many: Vec::new(),
         linked: Vec::new(),
+        gates: Vec::new(),
         consumers: Vec::new(),
     };
     find_files(&mut node, options, problems);

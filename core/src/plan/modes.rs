@@ -9,7 +9,8 @@
 use std::collections::HashMap;
 
 use crate::data::DataType;
-use crate::map::{Link, Map, NodeMode, PortRef};
+use crate::map::{Link, Map, Node, NodeMode, PortRef};
+use crate::maps::MAP_INPUT;
 use crate::problem::Problem;
 use crate::registry::Registry;
 
@@ -20,8 +21,17 @@ pub fn passed_on(map: &Map, registry: &Registry, output: &PortRef) -> Option<Por
     wires.source(output, &wires.left_out()).ok().cloned()
 }
 
+/// Whether values come into a map where it has a node for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Inputs {
+    /// The map is a node of another one.
+    FromOutside,
+    /// It runs alone: the defaults come in.
+    Alone,
+}
+
 /// A map without the nodes that do not run.
-pub(super) struct ActiveMap {
+pub(crate) struct ActiveMap {
     /// What runs.
     pub map: Map,
     /// The names of the nodes that do not.
@@ -29,18 +39,24 @@ pub(super) struct ActiveMap {
 }
 
 /// Takes the nodes out that do not run; `None` where all do. Each is told as a warning.
-pub(super) fn without_inactive(
+pub(crate) fn without_inactive(
     map: &Map,
     registry: &Registry,
+    inputs: Inputs,
     problems: &mut Vec<Problem>,
 ) -> Option<ActiveMap> {
-    if map.nodes.values().all(|node| node.mode.is_active()) {
+    let wires = Wires { inputs, ..Wires::of(map, registry) };
+    if map.nodes.values().all(|node| wires.mode(node).is_active()) {
         return None;
     }
-    let wires = Wires::of(map, registry);
     let left_out = wires.left_out();
     for name in map.nodes.keys() {
-        if let Some(problem) = left_out.get(name.as_str()) {
+        // What comes into a map that runs alone is nothing to tell of.
+        let from = PortRef { node: name.clone(), port: String::new() };
+        let is_input = map.nodes[name].module == MAP_INPUT.id;
+        if let Some(problem) = left_out.get(name.as_str())
+            && !(is_input && wires.passed_on(&from).is_some())
+        {
             problems.push(problem.clone());
         }
     }
@@ -71,12 +87,20 @@ struct Wires<'a> {
     map: &'a Map,
     registry: &'a Registry,
     into: HashMap<(&'a str, &'a str), &'a PortRef>,
+    inputs: Inputs,
 }
 
 impl<'a> Wires<'a> {
     fn of(map: &'a Map, registry: &'a Registry) -> Self {
         let ends = |link: &'a Link| ((link.to.node.as_str(), link.to.port.as_str()), &link.from);
-        Self { map, registry, into: map.links.iter().map(ends).collect() }
+        let into = map.links.iter().map(ends).collect();
+        Self { map, registry, into, inputs: Inputs::Alone }
+    }
+
+    /// Whether a node runs. Where a map runs alone, what comes in is what is linked there.
+    fn mode(&self, node: &Node) -> NodeMode {
+        let is_input = self.inputs == Inputs::Alone && node.module == MAP_INPUT.id;
+        if is_input && node.mode.is_active() { NodeMode::Bypassed } else { node.mode }
     }
 
     /// The nodes that do not run: those that are set so, and then, until there are no more, those
@@ -84,9 +108,13 @@ impl<'a> Wires<'a> {
     fn left_out(&self) -> LeftOut<'a> {
         let mut left_out = LeftOut::new();
         for (name, node) in &self.map.nodes {
-            let message = match node.mode {
+            let message = match self.mode(node) {
                 NodeMode::Active => continue,
                 NodeMode::Muted => "is muted",
+                NodeMode::Bypassed if node.mode.is_active() => {
+                    "takes its value from outside, and here is none: link its default, or use the \
+                     map in another one"
+                }
                 NodeMode::Bypassed => "is bypassed",
             };
             left_out.insert(name, Problem::warning(message).at(name));
@@ -108,12 +136,12 @@ impl<'a> Wires<'a> {
 
     /// What a node needs and does not get.
     fn lack(&self, name: &str, left_out: &LeftOut) -> Option<Problem> {
-        let info = self.registry.find(&self.map.nodes.get(name)?.module)?;
+        let info = self.registry.of(self.map.nodes.get(name)?)?;
         let required = info.module.inputs.iter().filter(|input| input.is_required);
         required.into_iter().find_map(|input| {
             let from = self.into.get(&(name, input.name))?;
             let missing = self.source(from, left_out).err()?;
-            let why = match self.map.nodes.get(&missing.node).map(|node| node.mode) {
+            let why = match self.map.nodes.get(&missing.node).map(|node| self.mode(node)) {
                 Some(NodeMode::Muted) => "is muted",
                 Some(NodeMode::Bypassed) => "is bypassed and has nothing to pass on",
                 _ => "does not run either",
@@ -140,10 +168,14 @@ impl<'a> Wires<'a> {
     /// What a bypassed node passes on at an output: what is linked to its first input of that type.
     fn passed_on(&self, output: &PortRef) -> Option<&'a PortRef> {
         let node = self.map.nodes.get(&output.node)?;
-        if node.mode != NodeMode::Bypassed {
+        if self.mode(node) != NodeMode::Bypassed {
             return None;
         }
-        let module = self.registry.find(&node.module)?.module;
+        if node.module == MAP_INPUT.id {
+            let default = MAP_INPUT.inputs.first()?;
+            return self.into.get(&(output.node.as_str(), default.name)).copied();
+        }
+        let module = self.registry.of(node)?.module;
         let given: DataType = module.outputs.iter().find(|o| o.name == output.port)?.data_type;
         let input = module.inputs.iter().find(|input| input.data_type == given)?;
         self.into.get(&(output.node.as_str(), input.name)).copied()

@@ -177,7 +177,8 @@ impl Draft {
             map,
             varied: Vec::new(),
             targets: Vec::new(),
-            is_of_running: true,
+            // What stands for other nodes may become others with each value.
+            is_of_running: !parts.is_opened,
             repeats,
             changed: Vec::new(),
             pieces: Vec::new(),
@@ -284,7 +285,7 @@ impl Draft {
         }
         self.settle(values, options)?;
         let mut problems = Vec::new();
-        let PlanParts { plan, left_out, names } = &mut self.parts;
+        let PlanParts { plan, left_out, names, .. } = &mut self.parts;
         for place in &self.writers {
             plan.nodes[*place].writes.clear();
         }

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::{PlanNode, Source, no_such_node};
+use super::{Gate, PlanNode, Source, no_such_node};
 use crate::data::DataType;
 use crate::json::Step;
 use crate::map::{Link, Map};
+use crate::maps::Opened;
 use crate::module::Module;
-use crate::port::ANY;
+use crate::port::{ANY, InputSpec};
 use crate::problem::{LONGEST_NAME, Problem, did_you_mean, plain};
 use crate::registry::{ModuleInfo, Registry};
 
@@ -20,21 +21,31 @@ pub(super) struct Wiring {
     pub modules: Vec<Option<ModuleInfo>>,
     /// For each node and each of its inputs, where it comes from.
     inputs: Vec<Vec<Option<From>>>,
+    /// For each node, the links into inputs that take many.
+    many: Vec<Vec<(usize, From)>>,
+    /// For each node, what loops say of whether it runs.
+    gates: Vec<Vec<Gate>>,
     /// For each node, the parameters that come by link.
     pub linked: Vec<Vec<(usize, From)>>,
 }
 
 /// Resolves modules and links; whatever does not fit becomes a problem.
-pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) -> Wiring {
+pub(super) fn wire(
+    map: &Map,
+    registry: &Registry,
+    opened: Option<&Opened>,
+    problems: &mut Vec<Problem>,
+) -> Wiring {
     let modules: Vec<_> = map
         .nodes
         .iter()
         .map(|(name, node)| {
-            check_name(name, problems);
-            let info = registry.find(&node.module);
+            let made = opened.and_then(|opened| opened.made.get(name)).copied();
+            let info = made.or_else(|| registry.find(&node.module));
             if info.is_none() {
                 let ids = registry.modules().iter().map(|info| info.module.id);
-                let hint = did_you_mean(&node.module, ids);
+                let maps = registry.names_of_maps().chain(map.maps.keys().map(String::as_str));
+                let hint = did_you_mean(&node.module, ids.chain(maps));
                 let hint = if hint.is_empty() { "; `mve modules` lists them" } else { &hint };
                 let module = plain(&node.module, LONGEST_NAME);
                 let message = format!("there is no module \"{module}\"{hint}");
@@ -46,18 +57,33 @@ pub(super) fn wire(map: &Map, registry: &Registry, problems: &mut Vec<Problem>) 
     let n_inputs = |info: &Option<ModuleInfo>| info.map_or(0, |info| info.module.inputs.len());
     let mut wiring = Wiring {
         inputs: modules.iter().map(|info| vec![None; n_inputs(info)]).collect(),
+        many: vec![Vec::new(); modules.len()],
+        gates: vec![Vec::new(); modules.len()],
         linked: vec![Vec::new(); modules.len()],
         modules,
     };
     for link in &map.links {
         add_link(map, link, &mut wiring, problems);
     }
+    for (node, from, until) in opened.iter().flat_map(|opened| &opened.gates) {
+        let source = || {
+            let place = map.nodes.get_index_of(&from.node)?;
+            let outputs = wiring.modules[place]?.module.outputs;
+            let output = outputs.iter().position(|output| output.name == from.port)?;
+            Some(Source { node: place, output })
+        };
+        let place = map.nodes.get_index_of(node);
+        if let (Some(place), Some(source)) = (place, source()) {
+            wiring.gates[place].push(Gate { source, until: until.clone() });
+        }
+    }
     check_required(map, &wiring, problems);
     wiring
 }
 
-fn check_name(name: &str, problems: &mut Vec<Problem>) {
-    if !Map::can_name_a_node(name) {
+/// What is wrong with the names of a map's nodes.
+pub(super) fn check_names(map: &Map, problems: &mut Vec<Problem>) {
+    for name in map.nodes.keys().filter(|name| !Map::can_name_a_node(name)) {
         let message = format!(
             "a node's name cannot be empty or longer than {LONGEST_NAME} letters, hold spaces, slashes, \
              invisible signs or any of . {{ }} >, or be \"seconds\", which stands for times"
@@ -104,6 +130,10 @@ fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Prob
     }
     let source = Source { node: from_node, output };
     let is_taken = match target {
+        Target::Input(place) if to_module.is_some_and(|info| info.module.inputs[place].is_many) => {
+            wiring.many[to_node].push((place, source));
+            false
+        }
         Target::Input(place) => wiring.inputs[to_node][place].replace(source).is_some(),
         Target::Param(place) => {
             let linked = &mut wiring.linked[to_node];
@@ -152,7 +182,7 @@ fn of_link(problem: Problem, link: &Link) -> Problem {
     problem.along(["links".into(), Step::Text(link.to_string())])
 }
 
-fn no_such_input(module: &Module, link: &Link) -> Problem {
+pub(crate) fn no_such_input(module: &Module, link: &Link) -> Problem {
     let place = of_link(Problem::error("").at(&link.to.node).port(&link.to.port), link);
     if module.params.iter().any(|param| param.name == link.to.port) {
         let message = format!("link \"{link}\": this parameter must be set in the map, not linked");
@@ -173,15 +203,20 @@ fn check_required(map: &Map, wiring: &Wiring, problems: &mut Vec<Problem>) {
             // A link that was refused has said so already.
             let is_named = map.links.iter().any(|l| l.to.node == *name && l.to.port == input.name);
             if input.is_required && source.is_none() && !is_named {
-                let (module, wanted) = (info.module.id, input.data_type.id);
-                let message = match input.data_type == ANY {
-                    true => format!("nothing is linked here, and {module} needs a value"),
-                    false => format!("nothing is linked here, and {module} needs a {wanted}"),
-                };
-                problems.push(Problem::error(message).at(name).port(input.name));
+                problems.push(nothing_linked(name, info.module, input));
             }
         }
     }
+}
+
+/// What is said of an input that must be linked and is not.
+pub(crate) fn nothing_linked(node: &str, module: &Module, input: &InputSpec) -> Problem {
+    let (module, wanted) = (module.id, input.data_type.id);
+    let message = match input.data_type == ANY {
+        true => format!("nothing is linked here, and {module} needs a value"),
+        false => format!("nothing is linked here, and {module} needs a {wanted}"),
+    };
+    Problem::error(message).at(node).port(input.name)
 }
 
 /// Places of the nodes in an order in which every link points forward; among nodes that are free
@@ -189,8 +224,10 @@ fn check_required(map: &Map, wiring: &Wiring, problems: &mut Vec<Problem>) {
 pub(super) fn order(map: &Map, wiring: &Wiring, problems: &mut Vec<Problem>) -> Vec<usize> {
     let n_nodes = map.nodes.len();
     let sources = |place: usize| {
-        let inputs = wiring.inputs[place].iter().flatten();
-        inputs.chain(wiring.linked[place].iter().map(|(_, source)| source)).map(|s| s.node)
+        let inputs = wiring.inputs[place].iter().flatten().map(|s| s.node);
+        let placed = wiring.many[place].iter().chain(&wiring.linked[place]);
+        let gates = wiring.gates[place].iter().map(|gate| gate.source.node);
+        inputs.chain(placed.map(|(_, s)| s.node)).chain(gates)
     };
     let mut waiting = vec![0_usize; n_nodes];
     let mut consumers = vec![Vec::new(); n_nodes];
@@ -247,9 +284,15 @@ pub(super) fn arrange(
     let mut arranged: Vec<PlanNode> = Vec::with_capacity(nodes.len());
     for &old in order {
         let Some(mut node) = nodes[old].take() else { continue };
+        let placed = |all: &[(usize, Source)]| -> Vec<(usize, Source)> {
+            all.iter().map(|(place, source)| (*place, moved(source))).collect()
+        };
         node.inputs = wiring.inputs[old].iter().map(|s| s.as_ref().map(moved)).collect();
-        node.linked =
-            wiring.linked[old].iter().map(|(place, source)| (*place, moved(source))).collect();
+        node.many = placed(&wiring.many[old]);
+        node.linked = placed(&wiring.linked[old]);
+        let gates = wiring.gates[old].iter();
+        node.gates =
+            gates.map(|gate| Gate { source: moved(&gate.source), ..gate.clone() }).collect();
         arranged.push(node);
     }
     for consumer in 0..arranged.len() {

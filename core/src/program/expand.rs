@@ -8,7 +8,7 @@ use indexmap::IndexMap;
 use serde_json::Value as Json;
 
 use super::report_spec::About;
-use super::spread::{MOST_STEPS, SpreadAxis, Spreader};
+
 use super::steps::{Assignment, Steps, Sweep};
 use super::{Program, ReportFault, ReportSpec};
 use crate::files::FileHashes;
@@ -18,6 +18,7 @@ use crate::param::declared_at;
 use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
 use crate::problem::{HOLDS_NO_STEERING, Problem, did_you_mean, is_steering};
 use crate::registry::Registry;
+use crate::spread::{MOST_STEPS, SpreadAxis, Spreader};
 
 impl Program {
     /// Checks a program of a map: every step is planned, and the files that steps write are
@@ -40,6 +41,7 @@ impl Program {
             let message = format!("the name of a program {HOLDS_NO_STEERING}; give it another one");
             return Err(vec![in_program(Problem::error(message))]);
         }
+        let registry = &registry.with_maps_of(map, map_folder);
         let said = Said::of(map, name, spec, (registry, map_folder))?;
         let values = values_of(&said.assignments);
         let varied: Vec<String> = values.keys().cloned().collect();

@@ -2,14 +2,12 @@
 
 mod columns;
 mod expand;
-mod pattern;
 mod plan_file;
 mod record;
 mod report_reader;
 mod report_spec;
 mod requirement;
 mod rounds;
-mod spread;
 mod steps;
 mod store;
 mod tables;

@@ -33,6 +33,8 @@ pub enum NodeStatus {
     },
     /// The run was stopped before it was done.
     Stopped,
+    /// Its loop had ended before its round.
+    Past,
 }
 
 /// What is kept of a node's run.

@@ -1,6 +1,7 @@
 //! The runtime from outside: maps, plans, runs and programs over small modules.
 
 mod kinds;
+mod maps;
 mod memory;
 mod modes;
 mod nested_files;

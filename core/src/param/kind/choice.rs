@@ -3,7 +3,7 @@
 use serde_json::{Map as JsonMap, Value as Json, json};
 
 use super::super::json::chosen;
-use super::super::{Fault, OptionSpec, ParamSpec, Setting, Settings};
+use super::super::{Fault, OptionSpec, Param, ParamSpec, Setting, Settings};
 use super::{Kind, Misfit, ParamKind};
 use crate::fingerprint::FingerprintBuilder;
 use crate::listed::Listed;
@@ -119,10 +119,7 @@ impl<B: Sync + 'static> ChoiceParam<B> {
         default: &'static str,
     ) -> Self {
         let kind = Kind::Choice(ChoiceSpec { default, list: choices });
-        Self {
-            spec: ParamSpec { name, doc, unit: "", can_be_off: false, counts: None, kind },
-            choices,
-        }
+        Self { spec: Param::<()>::of_kind(name, doc, kind).spec, choices }
     }
 
     /// The declaration, for [`crate::Module::params`].

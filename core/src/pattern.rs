@@ -9,7 +9,7 @@ use glob::{MatchOptions, Pattern, PatternError};
 
 /// How far a search goes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
+pub(crate) struct Bounds {
     /// The most files and folders that are looked at.
     pub entries: usize,
     /// The longest that it takes.
@@ -18,7 +18,7 @@ pub(super) struct Bounds {
 
 /// What a search found.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Found {
+pub(crate) struct Found {
     /// The files, as the pattern names them, in the order of their names.
     pub files: Vec<PathBuf>,
     /// The first folder that could not be read, and why.
@@ -30,7 +30,7 @@ pub(super) struct Found {
 }
 
 /// What is wrong with a pattern, in words.
-pub(super) fn fault(error: &PatternError) -> &'static str {
+pub(crate) fn fault(error: &PatternError) -> &'static str {
     if error.msg.contains("range") {
         "a [ is not closed, or has nothing in it; [[] stands for the sign itself"
     } else {
@@ -40,7 +40,7 @@ pub(super) fn fault(error: &PatternError) -> &'static str {
 
 /// The files of a pattern, which is relative to `folder`. A part `**` stands for any number of
 /// folders, not through links; what begins with a dot is found where the pattern says the dot.
-pub(super) fn files(pattern: &str, folder: &Path, bounds: Bounds) -> Result<Found, PatternError> {
+pub(crate) fn files(pattern: &str, folder: &Path, bounds: Bounds) -> Result<Found, PatternError> {
     Pattern::new(pattern)?;
     let is_separator = |c: char| c == '/' || (cfg!(windows) && c == '\\');
     let parts = pattern.split(is_separator).filter(|part| !part.is_empty() && *part != ".");

@@ -6,11 +6,11 @@ use std::time::Duration;
 use indexmap::{IndexMap, IndexSet};
 use serde_json::Value as Json;
 
-use super::pattern::{self, Bounds};
+use crate::pattern::{self, Bounds};
 use crate::map::Axis;
 
 /// No table that a person reads is longer; it stops a slip from filling the memory.
-pub(super) const MOST_STEPS: usize = 1_000_000;
+pub(crate) const MOST_STEPS: usize = 1_000_000;
 
 /// How far the search for the files of a pattern goes.
 const BOUNDS: Bounds = Bounds { entries: MOST_STEPS, time: Duration::from_secs(10) };
@@ -19,7 +19,7 @@ const BOUNDS: Bounds = Bounds { entries: MOST_STEPS, time: Duration::from_secs(1
 const DIGITS: usize = 6;
 
 /// What axes are spread with.
-pub(super) struct Spreader<'a> {
+pub(crate) struct Spreader<'a> {
     /// Where files are looked for, and from where they are named.
     pub folder: &'a Path,
     /// Whether the parameter of this path takes whole numbers alone.
@@ -27,7 +27,7 @@ pub(super) struct Spreader<'a> {
 }
 
 /// An axis with every value written out.
-pub(super) struct SpreadAxis {
+pub(crate) struct SpreadAxis {
     pub axis: Axis,
     /// What a person should know of it: the parameter and a sentence.
     pub remarks: Vec<(String, String)>,

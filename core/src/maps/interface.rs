@@ -1,0 +1,335 @@
+//! What a map is as a node of another one: its ports and parameters, declared as those of a module.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde_json::Value as Json;
+
+use super::ends::{MAP_INPUT, MAP_OUTPUT, NAME};
+use super::paths::with_files_of;
+use crate::data::DataType;
+use crate::error::ModuleError;
+use crate::map::{Map, Node, PortRef};
+use crate::module::{Io, Module};
+use crate::param::{ParamSpec, chosen, declared_at, given_at};
+use crate::plan::{nothing_linked, passed_on};
+use crate::port::{ANY, InputSpec, OutputSpec};
+use crate::problem::Problem;
+use crate::quantity::{Quantities, Quantity, Role};
+use crate::registry::Registry;
+
+/// The output of a loop with a row for each of its rounds.
+pub(super) const TABLE: &str = "table";
+
+/// The module that puts values into a table, where there is one.
+pub(super) const COLLECT: &str = "Collect";
+
+/// Declarations that were made while mve runs. Each is made once and then stays, as those of
+/// modules do; two that are equal are one.
+#[derive(Clone, Default)]
+pub(crate) struct Interner(Arc<Mutex<HashMap<String, &'static Module>>>);
+
+/// A declaration in the making. Names and texts of the specs are those beside them.
+struct Draft {
+    id: String,
+    summary: String,
+    inputs: Vec<(String, InputSpec)>,
+    outputs: Vec<(String, OutputSpec)>,
+    params: Vec<(String, &'static str, ParamSpec, Option<Json>)>,
+    run: fn(&mut Io) -> Result<(), ModuleError>,
+}
+
+fn kept(text: &str) -> &'static str {
+    Box::leak(text.to_owned().into_boxed_str())
+}
+
+impl Interner {
+    fn intern(&self, draft: Draft) -> &'static Module {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        known.entry(draft.text()).or_insert_with(|| draft.keep())
+    }
+}
+
+impl Draft {
+    /// What tells it from all others.
+    fn text(&self) -> String {
+        let inputs = self.inputs.iter().map(|(name, spec)| format!("{name} {spec:?}"));
+        let outputs = self.outputs.iter().map(|(name, spec)| format!("{name} {spec:?}"));
+        // A declaration of a parameter is a static: where it stands tells which it is.
+        let params = self.params.iter().map(|(name, doc, spec, preset)| {
+            format!("{name} {doc:p} {:?} {preset:?}", spec.kind.answers().schema())
+        });
+        let ports: Vec<String> = inputs.chain(["->".to_owned()]).chain(outputs).collect();
+        let params: Vec<String> = params.collect();
+        let run = self.run as usize;
+        format!("{}\n{}\n{ports:?}\n{params:?}\n{run}", self.id, self.summary)
+    }
+
+    fn keep(self) -> &'static Module {
+        let inputs = self.inputs.into_iter();
+        let inputs = inputs.map(|(name, spec)| InputSpec { name: kept(&name), ..spec }).collect();
+        let outputs = self.outputs.into_iter();
+        let outputs = outputs.map(|(name, spec)| named(kept(&name), spec)).collect();
+        let params = self.params.into_iter().map(|(name, doc, spec, preset)| {
+            let preset = preset.map(|json| &*Box::leak(Box::new(json)));
+            ParamSpec { name: kept(&name), doc, preset, counts: None, ..spec }
+        });
+        Box::leak(Box::new(Module {
+            id: kept(&self.id),
+            summary: kept(&self.summary),
+            inputs: Vec::leak(inputs),
+            outputs: Vec::leak(outputs),
+            params: Vec::leak(params.collect()),
+            run: self.run,
+        }))
+    }
+}
+
+/// An output under another name, which is that of its number, too.
+fn named(name: &'static str, spec: OutputSpec) -> OutputSpec {
+    let quantities = match spec.quantities {
+        Quantities::One(quantity) => Quantities::One(Quantity { name, ..quantity }),
+        other => other,
+    };
+    OutputSpec { name, quantities, ..spec }
+}
+
+/// The name of the port that a node is from outside.
+pub(super) fn port_name<'a>(name: &'a str, node: &'a Node) -> &'a str {
+    let given = node.params.get(NAME.spec.name).and_then(Json::as_str);
+    given.filter(|given| !given.is_empty()).unwrap_or(name)
+}
+
+/// What a map is as a node: its ports and parameters. `registry` knows the maps that it names.
+/// Its files are in `folder`, as seen from the map around it.
+pub(super) fn interface(
+    id: &str,
+    map: &Map,
+    registry: &Registry,
+    folder: &Path,
+) -> &'static Module {
+    let mut draft = Draft {
+        id: id.to_owned(),
+        summary: if map.title.is_empty() { format!("The map {id}.") } else { map.title.clone() },
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        params: Vec::new(),
+        run: |_| Err(ModuleError::Bug("a map is opened before it runs".to_owned())),
+    };
+    for (name, node) in &map.nodes {
+        let port = port_name(name, node);
+        if node.module == MAP_INPUT.id {
+            draft.inputs.extend(input(map, registry, name).map(|spec| (port.to_owned(), spec)));
+        } else if node.module == MAP_OUTPUT.id {
+            let from = map.links.iter().find(|link| link.to.node == *name).map(|link| &link.from);
+            let spec = from.and_then(|from| output(map, registry, from));
+            draft.outputs.extend(spec.map(|spec| (port.to_owned(), spec)));
+        }
+    }
+    // Cells of two rows would meet under one name.
+    let is_row = |spec: &OutputSpec| matches!(spec.quantities, Quantities::Row(_));
+    if draft.outputs.iter().filter(|(_, spec)| is_row(spec)).count() > 1 {
+        let rows = draft.outputs.iter_mut().filter(|(_, spec)| is_row(spec));
+        rows.for_each(|(_, spec)| spec.quantities = Quantities::Plain);
+    }
+    for (name, promoted) in &map.parameters {
+        let first = promoted.paths().first().and_then(|path| param(map, registry, path, folder));
+        draft.params.extend(first.map(|(spec, preset)| (name.clone(), spec.doc, spec, preset)));
+    }
+    registry.interner().intern(draft)
+}
+
+/// What an input of a map takes: what the first node does that takes its value.
+fn input(map: &Map, registry: &Registry, node: &str) -> Option<InputSpec> {
+    let mut inside = map.links.iter().filter(|link| link.from.node == node);
+    let mut is_required = false;
+    let taker = inside.find_map(|link| {
+        let info = registry.of(map.nodes.get(&link.to.node)?)?;
+        let input = info.module.inputs.iter().find(|input| input.name == link.to.port);
+        is_required |= input.is_some_and(|input| input.is_required);
+        let of_param = || {
+            let param = info.module.params.iter().find(|param| param.name == link.to.port)?;
+            Some((param.link_type()?, param.doc))
+        };
+        let taken = input.map(|input| (input.data_type, input.doc)).or_else(of_param)?;
+        (taken.0 != ANY).then_some(taken)
+    });
+    let default = map.links.iter().find(|link| link.to.node == node);
+    let of_default = || Some(output(map, registry, &default?.from)?.data_type);
+    let (data_type, doc) = match taker {
+        Some(taker) => taker,
+        None => (of_default().unwrap_or(ANY), "What comes in."),
+    };
+    let is_required = is_required && default.is_none();
+    Some(InputSpec { name: "", doc, data_type, is_required, is_many: false })
+}
+
+/// What an output of a node inside of a map gives.
+fn output(map: &Map, registry: &Registry, from: &PortRef) -> Option<OutputSpec> {
+    let from = passed_on(map, registry, from)?;
+    let node = map.nodes.get(&from.node)?;
+    if node.module == MAP_INPUT.id {
+        let taken = input(map, registry, &from.node)?.data_type;
+        return any_output(registry, taken);
+    }
+    let module = registry.of(node)?.module;
+    let spec = module.outputs.iter().find(|output| output.name == from.port)?;
+    let quantities = settled(spec, module, node);
+    Some(OutputSpec { quantities, ..*spec })
+}
+
+/// An output of this type of any module.
+fn any_output(registry: &Registry, data_type: DataType) -> Option<OutputSpec> {
+    let all = registry.modules().iter().flat_map(|info| info.module.outputs);
+    let mut fitting = all.filter(|output| output.data_type == data_type);
+    let doc = "What comes in.";
+    fitting.next().map(|output| OutputSpec { doc, quantities: Quantities::Plain, ..*output })
+}
+
+/// The numbers of an output where those of a choice are known: by the entry that its node names.
+fn settled(spec: &OutputSpec, module: &Module, node: &Node) -> Quantities {
+    let Some(name) = spec.quantities.choice() else { return spec.quantities };
+    let choice = module.params.iter().find(|param| param.name == name);
+    let entry = choice.and_then(|param| {
+        let choice = param.choice()?;
+        let given = node.params.get(name).or(param.preset);
+        choice.list.find(given.and_then(chosen).map_or(choice.default, |(id, _)| id))
+    });
+    let all = entry.map_or(&[][..], |entry| entry.quantities);
+    match (spec.quantities, all.first()) {
+        (Quantities::FirstOfChoice(_), Some(first)) => {
+            Quantities::One(Quantity { name: spec.name, role: Role::Detail, ..*first })
+        }
+        (Quantities::OfChoice(_), Some(_)) => Quantities::Row(all),
+        _ => Quantities::Plain,
+    }
+}
+
+/// The parameter of a node at a dotted path, and what the map says there.
+fn param(
+    map: &Map,
+    registry: &Registry,
+    path: &str,
+    folder: &Path,
+) -> Option<(ParamSpec, Option<Json>)> {
+    let (node, param) = path.split_once('.')?;
+    let node = map.nodes.get(node)?;
+    let specs = registry.of(node)?.module.params;
+    let spec = declared_at(specs, Some(&node.params), param)?;
+    let params = with_files_of(folder, specs, &node.params);
+    Some((spec, given_at(&params, param).cloned().or(spec.preset.cloned())))
+}
+
+/// The declaration of a node that runs more than once: what it is otherwise, and a table.
+pub(crate) fn repeated(module: &'static Module, registry: &Registry) -> &'static Module {
+    let collect = registry.find(COLLECT).map(|info| info.module);
+    let table = collect.and_then(|collect| collect.outputs.first());
+    let own = module.outputs.iter().map(|spec| (spec.name.to_owned(), *spec));
+    let table = table.filter(|_| module.outputs.iter().all(|spec| spec.name != TABLE)).map(|spec| {
+        let doc = "A row of numbers for each round.";
+        (TABLE.to_owned(), OutputSpec { doc, ..*spec })
+    });
+    registry.interner().intern(Draft {
+        id: module.id.to_owned(),
+        summary: module.summary.to_owned(),
+        inputs: module.inputs.iter().map(|spec| (spec.name.to_owned(), *spec)).collect(),
+        outputs: own.chain(table).collect(),
+        params: params_of(module),
+        run: module.run,
+    })
+}
+
+fn params_of(module: &Module) -> Vec<(String, &'static str, ParamSpec, Option<Json>)> {
+    let param =
+        |spec: &ParamSpec| (spec.name.to_owned(), spec.doc, *spec, spec.preset.cloned());
+    module.params.iter().map(param).collect()
+}
+
+/// The node that stands for a map or a loop once that is opened: it takes what was made inside, and
+/// gives it as its own. It writes no file itself.
+pub(super) fn stand_in(module: &'static Module, registry: &Registry) -> &'static Module {
+    let input = |spec: &OutputSpec| InputSpec {
+        name: "",
+        doc: spec.doc,
+        data_type: spec.data_type,
+        is_required: false,
+        is_many: false,
+    };
+    let inputs = module.outputs.iter().map(|spec| (spec.name.to_owned(), input(spec)));
+    let plain = |spec: &OutputSpec| match spec.quantities.choice() {
+        Some(_) => OutputSpec { quantities: Quantities::Plain, ..*spec },
+        None => *spec,
+    };
+    let params = params_of(module);
+    registry.interner().intern(Draft {
+        id: module.id.to_owned(),
+        summary: module.summary.to_owned(),
+        inputs: inputs.collect(),
+        outputs: module.outputs.iter().map(|spec| (spec.name.to_owned(), plain(spec))).collect(),
+        params: params.into_iter().filter(|(_, _, spec, _)| !spec.writes_files()).collect(),
+        run: |io| io.pass_on(),
+    })
+}
+
+/// The node that gives the newer of two values of a type, where it is there.
+pub(super) fn newer(spec: &OutputSpec, registry: &Registry) -> &'static Module {
+    let input = |name: &str| {
+        let (doc, data_type) = ("A value.", spec.data_type);
+        let spec = InputSpec { name: "", doc, data_type, is_required: false, is_many: false };
+        (name.to_owned(), spec)
+    };
+    let plain = OutputSpec { quantities: Quantities::Plain, ..*spec };
+    registry.interner().intern(Draft {
+        id: format!("Newer {}", spec.data_type.id),
+        summary: "The value of the last round that ran.".to_owned(),
+        inputs: vec![input(OLD), input(NEW)],
+        outputs: vec![(NEWER.to_owned(), plain)],
+        params: Vec::new(),
+        run: |io| io.pass_newest(),
+    })
+}
+
+/// Ports of [`newer`].
+pub(super) const OLD: &str = "old";
+pub(super) const NEW: &str = "new";
+pub(super) const NEWER: &str = "value";
+
+/// What is wrong with the ports and parameters that a map has as a node.
+pub(super) fn faults(map: &Map, registry: &Registry) -> Vec<Problem> {
+    let mut faults = Vec::new();
+    let mut known: Vec<(&str, &str)> = Vec::new();
+    let ends = map.nodes.iter().filter(|(_, node)| {
+        [MAP_INPUT.id, MAP_OUTPUT.id].contains(&node.module.as_str())
+    });
+    for (name, node) in ends {
+        let port = (node.module.as_str(), port_name(name, node));
+        if known.contains(&port) {
+            let message = format!("another {} is named \"{}\", too", port.0, port.1);
+            faults.push(Problem::error(message).at(name).port(NAME.spec.name));
+        }
+        known.push(port);
+        let is_linked = map.links.iter().any(|link| link.to.node == *name);
+        if node.module == MAP_OUTPUT.id && !is_linked {
+            faults.push(nothing_linked(name, &MAP_OUTPUT, &MAP_OUTPUT.inputs[0]));
+        }
+    }
+    for (name, promoted) in &map.parameters {
+        let mut told = |message: String| {
+            let path = ["parameters".into(), name.as_str().into()];
+            faults.push(Problem::error(message).at(name).along(path));
+        };
+        if known.contains(&(MAP_INPUT.id, name.as_str())) {
+            told("an input of the map has this name, too".to_owned());
+        }
+        for path in promoted.paths() {
+            if param(map, registry, path, Path::new("")).is_none() {
+                told(format!("\"{path}\" is no parameter of a node of the map"));
+            }
+        }
+        if promoted.paths().is_empty() {
+            told("names no parameter of a node".to_owned());
+        }
+    }
+    faults
+}

@@ -1,0 +1,164 @@
+//! Maps as nodes of other maps, and loops: opened before a map is planned.
+//!
+//! A node whose module is the name of a map in `maps`, or the path of a map's file, stands for that
+//! map. Its ports are the nodes `MapInput` and `MapOutput` inside, its parameters those that the
+//! map declares in `parameters`. Opening puts the nodes of the inner map in its place, by the names
+//! `node/inner`, so that steps, keys and the cache know of nothing but modules; a node of its own
+//! name stays, which takes what the map gives, for whoever looks there.
+//!
+//! A node with `repeat`, be it a module or a map, is put there once a round, as `node/1`, `node/2`,
+//! … All rounds are planned: a loop with a condition has as many as it may have at most, and those
+//! behind its end do not run.
+
+mod ends;
+mod interface;
+mod open;
+mod paths;
+mod rounds;
+
+use std::path::{Path, PathBuf};
+
+pub use ends::MAP_ENDS;
+pub(crate) use ends::MAP_INPUT;
+use indexmap::IndexMap;
+pub(crate) use interface::{Interner, repeated};
+pub(crate) use open::{Opened, open};
+
+use crate::fingerprint::Fingerprint;
+use crate::map::{Map, MapError};
+use crate::problem::Problem;
+use crate::registry::{ModuleInfo, Registry};
+
+/// How deep maps stand in maps.
+const DEEPEST: usize = 32;
+
+/// A map that nodes of another one may name as their module.
+pub(crate) struct OpenMap {
+    /// What it is as a node.
+    pub info: ModuleInfo,
+    map: Map,
+    /// Knows the maps that it names.
+    registry: Registry,
+    /// Where its files are, as seen from the map around it.
+    folder: PathBuf,
+}
+
+/// A map that names others, and where it stands.
+#[derive(Clone, Copy)]
+struct Around<'a> {
+    map: &'a Map,
+    folder: &'a Path,
+    /// The map around this one, if it stands in that one's file.
+    outer: Option<&'a Around<'a>>,
+    /// The maps that lead here, each by what tells it from others and as a person names it.
+    way: &'a [(String, String)],
+}
+
+impl Registry {
+    /// The same modules, with the maps that this one names. What is wrong with those is told when
+    /// the map is planned.
+    pub fn with_maps_of(&self, map: &Map, folder: &Path) -> Self {
+        self.with_maps(map, folder, &mut Vec::new())
+    }
+
+    pub(crate) fn with_maps(
+        &self,
+        map: &Map,
+        folder: &Path,
+        problems: &mut Vec<Problem>,
+    ) -> Self {
+        if !map.has_maps() {
+            return self.clone();
+        }
+        find_all(self, Around { map, folder, outer: None, way: &[] }, problems)
+    }
+}
+
+/// The registry for a map: the maps that its nodes name.
+fn find_all(registry: &Registry, around: Around, problems: &mut Vec<Problem>) -> Registry {
+    let mut maps = IndexMap::new();
+    for (name, node) in around.map.nodes.iter().filter(|(_, node)| node.is_map()) {
+        if maps.contains_key(&node.module) {
+            continue;
+        }
+        let mut inside = Vec::new();
+        match find(registry, &node.module, around, &mut inside) {
+            Ok(Some(map)) => drop(maps.insert(node.module.clone(), map)),
+            // The wiring says that there is no such module.
+            Ok(None) => {}
+            Err(message) => problems.push(Problem::error(message).at(name).port("module")),
+        }
+        problems.extend(inside.into_iter().map(|problem| within(name, problem)));
+    }
+    registry.with_open_maps(maps)
+}
+
+/// A problem of a map as one of the node that stands for it.
+fn within(node: &str, mut problem: Problem) -> Problem {
+    problem.place.node = Some(match problem.place.node {
+        Some(inner) => format!("{node}/{inner}"),
+        None => node.to_owned(),
+    });
+    problem.place.path = None;
+    problem
+}
+
+/// The map of this name as seen from another one, if there is one.
+fn find(
+    registry: &Registry,
+    id: &str,
+    around: Around,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<OpenMap>, String> {
+    let mut place = Some(&around);
+    while let Some(here) = place {
+        if let Some(map) = here.map.maps.get(id) {
+            // Of two maps in one file that have one name, the text tells which it is.
+            let identity = format!("{}\n{id}\n{}", here.folder.display(), map.to_json());
+            let inner = Around { map, outer: Some(here), ..around };
+            return opened(registry, id, identity, inner, PathBuf::new(), problems).map(Some);
+        }
+        place = here.outer;
+    }
+    if !id.ends_with(".json") {
+        return Ok(None);
+    }
+    let path = around.folder.join(id);
+    let map = Map::load(&path).map_err(|error| match error {
+        MapError::Io { .. } => format!("{error}; paths in a map are relative to its folder"),
+        error => format!("{}: {error}", path.display()),
+    })?;
+    let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
+    let folder = Path::new(id).parent().unwrap_or(Path::new("")).to_owned();
+    let inner_folder = around.folder.join(&folder);
+    let inner = Around { map: &map, folder: &inner_folder, outer: None, ..around };
+    let identity = identity.to_string_lossy().into_owned();
+    opened(registry, id, identity, inner, folder, problems).map(Some)
+}
+
+fn opened(
+    registry: &Registry,
+    id: &str,
+    identity: String,
+    inner: Around,
+    folder: PathBuf,
+    problems: &mut Vec<Problem>,
+) -> Result<OpenMap, String> {
+    let mut way = inner.way.to_vec();
+    way.push((identity, id.to_owned()));
+    let (last, before) = way.split_last().ok_or_else(String::new)?;
+    if let Some(first) = before.iter().position(|known| known.0 == last.0) {
+        let names: Vec<&str> = way[first..].iter().map(|(_, name)| name.as_str()).collect();
+        return Err(format!("the map contains itself: {}", names.join(" -> ")));
+    }
+    if way.len() > DEEPEST {
+        return Err(format!("maps stand in maps more than {DEEPEST} deep"));
+    }
+    problems.extend(inner.map.problems().iter().cloned());
+    let registry = find_all(registry, Around { way: &way, ..inner }, problems);
+    let module = interface::interface(id, inner.map, &registry, &folder);
+    let version = Fingerprint::of(b"mve: a map as a node");
+    let info = ModuleInfo { module, category: "maps", version };
+    problems.extend(interface::faults(inner.map, &registry));
+    Ok(OpenMap { info, map: inner.map.clone(), registry, folder })
+}
