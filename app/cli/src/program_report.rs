@@ -14,7 +14,7 @@ use crate::check::count;
 use crate::exit::{Exit, Stop};
 use crate::out;
 use crate::progress::seconds;
-use crate::table::{Table, wrap};
+use crate::table::{TextTable, wrap};
 
 /// Rows of a table on a terminal, where more would scroll away.
 const MOST_ROWS: usize = 100;
@@ -84,7 +84,7 @@ pub fn dry_run(
     let cells =
         rows.iter().map(|row| vec![row.step.id.clone(), row.status.to_owned(), label(row.step)]);
     let header = ["step", "status", "parameters"].map(str::to_owned).to_vec();
-    let table = Table { header, rows: cells.collect(), n_fixed: 0 };
+    let table = TextTable { header, rows: cells.collect(), n_fixed: 0 };
     let (mut text, _) = table.render(out::width());
     let shard = part.shard;
     let part = match shard.count {
@@ -118,7 +118,7 @@ pub fn results(
         _ => {
             let has_repeats = program.steps.iter().any(|step| step.repeat > 0);
             let n_fixed = usize::from(has_repeats) + program.varied.len();
-            Table { header, rows, n_fixed }.render(out::width())
+            TextTable { header, rows, n_fixed }.render(out::width())
         }
     };
     out::part_from_progress(&mut text);

@@ -18,7 +18,7 @@ use crate::out;
 use crate::out::warning_mark;
 use crate::progress::{Progress, seconds};
 use crate::stop::Signals;
-use crate::table::Table;
+use crate::table::TextTable;
 
 const STOPPING: &str = "stopping; Ctrl-C again ends at once";
 
@@ -249,7 +249,7 @@ fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
             rows.push(own.iter_mut().map(std::mem::take).chain([output, value]).collect());
         }
     }
-    let (mut text, _) = Table { header, rows, n_fixed: 0 }.render(out::width());
+    let (mut text, _) = TextTable { header, rows, n_fixed: 0 }.render(out::width());
     out::part_from_progress(&mut text);
     let done = outcome.nodes.values().filter(|node| node.record.status == NodeStatus::Done);
     let written: Vec<_> = done.flat_map(|node| &node.record.files).collect();

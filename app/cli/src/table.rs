@@ -11,7 +11,7 @@ const NARROWEST: usize = 12;
 const GAP: &str = "  ";
 
 /// A header and its rows, all equally long.
-pub struct Table {
+pub struct TextTable {
     /// Names of the columns; those of a node are `node.name`.
     pub header: Vec<String>,
     /// The cells.
@@ -20,7 +20,7 @@ pub struct Table {
     pub n_fixed: usize,
 }
 
-impl Table {
+impl TextTable {
     /// The table as lines, columns aligned, numbers to the right.
     ///
     /// Within `width`, names stand below those of their nodes and the widest columns are trimmed.
@@ -154,9 +154,9 @@ pub fn wrap(text: &str, width: Option<usize>, indent: usize) -> String {
 mod tests {
     use super::*;
 
-    fn table() -> Table {
+    fn table() -> TextTable {
         let row = |cells: [&str; 5]| cells.map(str::to_owned).to_vec();
-        Table {
+        TextTable {
             header: row(["load.path", "fit.faces", "fit.error", "compare.max", "status"]),
             rows: vec![
                 row(["models/a-very-long-name.obj", "300", "0.1", "0.123456789012345", "done"]),

@@ -1,4 +1,4 @@
-//! What flows through ports: triangle meshes, fields on them, pictures and what was measured.
+//! What flows through ports: triangle meshes, fields on them, pictures, tables and what was measured.
 
 /// Declares the files of data types, hands the types on, and lists them.
 macro_rules! data_types {
@@ -24,6 +24,7 @@ data_types! {
     field: Field,
     images: Images,
     measures: Measures,
+    table: Table,
     tri_mesh: TriMesh,
 }
 
@@ -40,6 +41,7 @@ pub use measures::Measure;
 pub use name::{
     name_from_bytes, name_from_file, name_recoded, name_to_bytes, name_to_file, shown_name,
 };
+pub use table::{ColumnValues, TableColumn};
 pub use tri_mesh::{FaceId, MeshFault, VertexId};
 
 use mve_core::{Data, DataType, Value};

@@ -8,7 +8,7 @@ use mve_modules::data::Measures;
 
 use super::heading::heading;
 use super::memo::Same;
-use super::table::{Column, Table, TableView};
+use super::table::{CellTable, Column, TableView};
 use super::{PanelPlace, Pinned, ValueView, ViewInput, ViewerAction};
 
 /// The view of measures, all in one table.
@@ -52,7 +52,7 @@ struct MeasuresInput {
 
 /// A row for each name, in the order in which they first appear: name, unit, one column of values
 /// for each input, and what is measured.
-fn table_of(inputs: &[MeasuresInput]) -> Table {
+fn table_of(inputs: &[MeasuresInput]) -> CellTable {
     let named = |name: &str| Column { name: name.to_owned(), unit: String::new() };
     let mut columns = vec![named("measure")];
     columns.extend(inputs.iter().map(|input| named(&input.title)));
@@ -74,7 +74,7 @@ fn table_of(inputs: &[MeasuresInput]) -> Table {
         row.extend([text(&known.unit), text(&known.doc)]);
         row
     };
-    Table { columns, rows: names.iter().map(row).collect() }
+    CellTable { columns, rows: names.iter().map(row).collect() }
 }
 
 /// What a table is made of.
@@ -83,12 +83,12 @@ type Origin = Vec<(String, Same<Measures>)>;
 /// The table of the last inputs, made anew when they change.
 #[derive(Default)]
 struct MeasuresTable {
-    made: Option<(Origin, Arc<Table>)>,
+    made: Option<(Origin, Arc<CellTable>)>,
 }
 
 impl MeasuresTable {
     /// The table of some inputs.
-    fn of(&mut self, inputs: &[MeasuresInput]) -> Arc<Table> {
+    fn of(&mut self, inputs: &[MeasuresInput]) -> Arc<CellTable> {
         let key: Origin = inputs
             .iter()
             .map(|input| (input.title.clone(), Same(Arc::clone(&input.measures))))

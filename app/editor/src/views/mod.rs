@@ -50,7 +50,7 @@ pub use mesh::{
 pub use number::{ColumnFormat, brief_text, count_text, number_text};
 pub use picked::PickedElement;
 pub use still::Still;
-pub use table::{Column, SortOrder, Table, TableView};
+pub use table::{CellTable, Column, SortOrder, TableView};
 pub use thumbnail::{Thumbnail, ThumbnailKey, Thumbnails};
 
 /// How long a value may be old before that is said.
@@ -204,6 +204,7 @@ views! {
     images::ImagesView as images,
     field::FieldsView as fields,
     measures::MeasuresView as measures,
+    tables::TablesView as tables,
 }
 
 /// The column of values that no view takes, before what else is there.

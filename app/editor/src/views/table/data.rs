@@ -24,14 +24,14 @@ impl Column {
 
 /// Rows of cells under columns. A row may be short; what it lacks is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct CellTable {
     /// From left to right.
     pub columns: Vec<Column>,
     /// From top to bottom.
     pub rows: Vec<Vec<Option<Scalar>>>,
 }
 
-impl Table {
+impl CellTable {
     /// The cell, if it is there and not empty.
     pub fn cell(&self, row: usize, column: usize) -> Option<&Scalar> {
         self.rows.get(row)?.get(column)?.as_ref()
@@ -174,9 +174,9 @@ pub fn cell_text(cell: &Scalar, format: ColumnFormat) -> String {
 mod tests {
     use super::*;
 
-    fn column_of(cells: Vec<Option<Scalar>>) -> Table {
+    fn column_of(cells: Vec<Option<Scalar>>) -> CellTable {
         let columns = vec![Column { name: "a".to_owned(), unit: String::new() }];
-        Table { columns, rows: cells.into_iter().map(|cell| vec![cell]).collect() }
+        CellTable { columns, rows: cells.into_iter().map(|cell| vec![cell]).collect() }
     }
 
     fn text(text: &str) -> Option<Scalar> {

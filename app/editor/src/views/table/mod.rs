@@ -5,6 +5,6 @@ mod head;
 mod plot;
 mod view;
 
-pub use data::{Column, SortOrder, Table, compare_texts, title_of};
+pub use data::{CellTable, Column, SortOrder, compare_texts, title_of};
 pub use head::{Head, LETTER, Sort, header};
 pub use view::TableView;

@@ -3,7 +3,7 @@
 use eframe::egui;
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 
-use super::data::{Column, Table};
+use super::data::{CellTable, Column};
 use crate::views::spread::Spread;
 
 /// What is drawn.
@@ -32,7 +32,7 @@ impl TablePlot {
     }
 
     /// What is drawn, as a row of controls.
-    pub fn controls(&mut self, ui: &mut egui::Ui, table: &Table) {
+    pub fn controls(&mut self, ui: &mut egui::Ui, table: &CellTable) {
         let numeric: Vec<usize> =
             (0..table.columns.len()).filter(|&column| table.has_numbers(column)).collect();
         if numeric.is_empty() || table.rows.len() < 2 {
@@ -56,7 +56,7 @@ impl TablePlot {
     }
 
     /// Draws it in the rest of the space, rows in the given order.
-    pub fn show(&self, ui: &mut egui::Ui, table: &Table, order: &[usize]) {
+    pub fn show(&self, ui: &mut egui::Ui, table: &CellTable, order: &[usize]) {
         let Some(column) = self.column.filter(|&column| column < table.columns.len()) else {
             return;
         };
@@ -105,7 +105,7 @@ fn choose(
     nothing: &str,
     chosen: &mut Option<usize>,
     columns: &[usize],
-    table: &Table,
+    table: &CellTable,
 ) {
     let named = chosen.and_then(|column| table.columns.get(column));
     let text = named.map_or(nothing.to_owned(), Column::title);
@@ -119,7 +119,7 @@ fn choose(
 }
 
 /// The points of a line. Over a column they are in its order, else in that of the rows.
-fn points(table: &Table, order: &[usize], column: usize, over: Option<usize>) -> Vec<[f64; 2]> {
+fn points(table: &CellTable, order: &[usize], column: usize, over: Option<usize>) -> Vec<[f64; 2]> {
     let point = |(at, &row): (usize, &usize)| {
         let y = table.number(row, column)?;
         let x = match over {
@@ -148,7 +148,7 @@ mod tests {
         let columns = vec![Column::default(), Column::default()];
         let rows = [[3.0, 1.0], [1.0, 2.0], [f64::NAN, 5.0], [2.0, f64::INFINITY]];
         let rows = rows.map(|row| row.map(cell).to_vec()).to_vec();
-        let table = Table { columns, rows };
+        let table = CellTable { columns, rows };
         assert_eq!(points(&table, &[0, 1, 2, 3], 1, Some(0)), [[1.0, 2.0], [3.0, 1.0]]);
         assert_eq!(points(&table, &[2, 1, 0], 1, None), [[0.0, 5.0], [1.0, 2.0], [2.0, 1.0]]);
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Layout, vec2};
 use mve_core::Scalar;
 
-use super::data::{Column, Table, cell_text};
+use super::data::{CellTable, Column, cell_text};
 use super::head::{Head, LETTER, Sort, header};
 use super::plot::TablePlot;
 use crate::views::number::{ColumnFormat, count_text};
@@ -15,7 +15,7 @@ use crate::views::number::{ColumnFormat, count_text};
 pub struct TableView {
     sort: Sort,
     /// Order of rows and widths of columns, for the table that they were made for.
-    laid_out: Option<(Arc<Table>, Sort, RowLayout)>,
+    laid_out: Option<(Arc<CellTable>, Sort, RowLayout)>,
     plot: TablePlot,
 }
 
@@ -32,7 +32,7 @@ const N_SAMPLED: usize = 300;
 impl TableView {
     /// Shows a table, and under it a plot if one is wanted. Another table must be another `Arc`.
     /// Returns the row that was clicked.
-    pub fn show(&mut self, ui: &mut egui::Ui, table: &Arc<Table>) -> Option<usize> {
+    pub fn show(&mut self, ui: &mut egui::Ui, table: &Arc<CellTable>) -> Option<usize> {
         let laid_out = self.arrange(table);
         ui.horizontal_wrapped(|ui| {
             let copy = ui.button("Copy").on_hover_text("Copy as tab-separated text");
@@ -71,7 +71,7 @@ impl TableView {
         clicked
     }
 
-    fn arrange(&mut self, table: &Arc<Table>) -> RowLayout {
+    fn arrange(&mut self, table: &Arc<CellTable>) -> RowLayout {
         if let Some((of, sort, laid_out)) = &self.laid_out
             && Arc::ptr_eq(of, table)
             && *sort == self.sort
@@ -104,7 +104,7 @@ impl TableView {
     }
 }
 
-fn rows(ui: &mut egui::Ui, table: &Table, laid_out: &RowLayout) -> Option<usize> {
+fn rows(ui: &mut egui::Ui, table: &CellTable, laid_out: &RowLayout) -> Option<usize> {
     let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
     let mut clicked = None;
     let area = egui::ScrollArea::vertical().id_salt("table rows").auto_shrink([false, false]);
