@@ -47,6 +47,11 @@ impl ModuleError {
         Self::Input { port: port.name.to_owned(), message: message.into() }
     }
 
+    /// An error about an input that takes many.
+    pub fn inputs<T>(port: &ManyIn<T>, message: impl Into<String>) -> Self {
+        Self::Input { port: port.name.to_owned(), message: message.into() }
+    }
+
     /// An error about this parameter.
     pub fn param<T>(param: &Param<T>, message: impl Into<String>) -> Self {
         Self::Param { name: param.spec.name.to_owned(), message: message.into() }

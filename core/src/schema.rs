@@ -48,7 +48,27 @@ pub fn schema(registry: &Registry) -> Json {
                 "description": "Frames, notes and the like, drawn by the editor; no run reads them.",
                 "type": "object"
             },
-            "programs": programs()
+            "programs": programs(),
+            "parameters": {
+                "description": "Parameters that the map has as a node of another one.",
+                "type": "object",
+                "additionalProperties": {
+                    "anyOf": [
+                        { "type": "string", "pattern": "^[^.]+\\..+$" },
+                        { "type": "array", "minItems": 1, "items": { "type": "string" } }
+                    ]
+                }
+            },
+            "maps": {
+                "description": "Maps that nodes may name as their module.",
+                "type": "object",
+                "propertyNames": { "pattern": "^[^\\sA-Z./\\\\{}>][^\\s./\\\\{}>]*$" },
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["nodes"],
+                    "properties": { "nodes": { "$ref": "#/properties/nodes" } }
+                }
+            }
         }
     })
 }
@@ -69,7 +89,20 @@ fn node(registry: &Registry) -> Json {
         "type": "object",
         "required": ["module"],
         "properties": {
-            "module": { "enum": ids }, "mode": mode(), "params": { "type": "object" }
+            "module": {
+                "anyOf": [
+                    { "enum": ids },
+                    {
+                        "description": "A map as a node: the path of its file, or its name in \
+                                        \"maps\".",
+                        "type": "string",
+                        "pattern": "\\.json$|^[^A-Z]"
+                    }
+                ]
+            },
+            "mode": mode(),
+            "repeat": repeat(),
+            "params": { "type": "object" }
         },
         "patternProperties": remarks(),
         "additionalProperties": false,
@@ -89,6 +122,44 @@ fn mode() -> Json {
                         bypassed one passes on what comes to its inputs.",
         "enum": ["active", "muted", "bypassed"],
         "default": "active"
+    })
+}
+
+/// The schema of how often a node runs.
+fn repeat() -> Json {
+    json!({
+        "description": "The node runs more than once: \"times\" often, or once for each value.",
+        "type": "object",
+        "additionalProperties": false,
+        "oneOf": [{ "required": ["times"] }, { "required": ["each"] }],
+        "properties": {
+            "times": { "type": "integer", "minimum": 1 },
+            "each": {
+                "description": "Values of parameters, one a round.",
+                "type": "object",
+                "minProperties": 1,
+                "additionalProperties": {
+                    "anyOf": [{ "type": "array", "minItems": 1, "items": true }, spread()]
+                }
+            },
+            "feed": {
+                "description": "The inputs that take an output of the round before, with the \
+                                names of these outputs.",
+                "type": "object",
+                "additionalProperties": { "type": "string" }
+            },
+            "until": {
+                "description": "The loop ends after a round with such a number.",
+                "type": "object",
+                "additionalProperties": false,
+                "required": ["output"],
+                "properties": {
+                    "output": { "type": "string" },
+                    "below": { "type": "number" },
+                    "above": { "type": "number" }
+                }
+            }
+        }
     })
 }
 

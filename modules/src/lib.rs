@@ -22,7 +22,7 @@ mod prelude;
 #[doc(hidden)]
 pub mod testing;
 
-use mve_core::{ModuleList, Registry, Synonym};
+use mve_core::{MAP_ENDS, ModuleList, Registry, Synonym};
 
 /// The modules of this crate, by folder.
 static LISTS: [&ModuleList; 5] =
@@ -30,7 +30,7 @@ static LISTS: [&ModuleList; 5] =
 
 /// All modules of this crate.
 pub fn registry() -> Registry {
-    Registry::new().with(&LISTS, env!("MVE_SHARED_SOURCES"))
+    Registry::new().with(&LISTS, env!("MVE_SHARED_SOURCES")).with(&[&MAP_ENDS], "")
 }
 
 /// Words of other programs for what modules do here, and words that declarations have for it.

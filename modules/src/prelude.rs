@@ -5,8 +5,8 @@ pub use std::path::PathBuf;
 // It offers what a module may need, whether or not one here does.
 #[allow(unused_imports)]
 pub use mve_core::{
-    AnyIn, ChoiceParam, Enumeration, In, Io, MaybeIn, Module, ModuleError, Out, Param, Quantity,
-    Seed, Settings, Unit,
+    AnyIn, ChoiceParam, Enumeration, In, Io, ManyAnyIn, ManyIn, MaybeIn, Module, ModuleError, Out,
+    Param, Quantity, Seed, Settings, Unit,
 };
 
 #[allow(unused_imports)]

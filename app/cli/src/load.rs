@@ -184,7 +184,7 @@ impl SetArgs {
         let read = if is_stdin { read_stdin() } else { Map::load(path) };
         let mut map = read.map_err(|error| explain_map(path, error))?;
         let file = if is_stdin { PathBuf::from(STDIN) } else { path.to_owned() };
-        let registry = mve_modules::registry();
+        let registry = mve_modules::registry().with_maps_of(&map, folder_of(&file));
         let mut assignments: Vec<_> = self.set.iter().collect();
         // Modules and choices are set before their own parameters, whatever the order on the line.
         let is_module = |path: &str| path.split_once('.').is_some_and(|(_, p)| p == "module");

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use indexmap::IndexMap;
 use mve_core::{
-    Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeRecord, NodeStatus, OutputScope,
-    RunOptions, RunOutcome, Scalar, brief,
+    Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus,
+    OutputScope, RunOptions, RunOutcome, Scalar, brief,
 };
 use serde::Serialize;
 
@@ -152,6 +152,7 @@ fn word(record: &NodeRecord) -> &'static str {
         NodeStatus::Failed { .. } => "failed",
         NodeStatus::Skipped { .. } => "skipped",
         NodeStatus::Stopped => "stopped",
+        NodeStatus::Past => "past",
     }
 }
 
@@ -231,7 +232,10 @@ fn brief_cells(scalars: &IndexMap<String, Scalar>) -> Vec<(String, String)> {
 fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
     let header = ["node", "status", "seconds", "output", "value"].map(str::to_owned).to_vec();
     let mut rows = Vec::new();
-    for (name, node) in &outcome.nodes {
+    let is_past = |node: &NodeOutcome| node.record.status == NodeStatus::Past;
+    // What a loop makes of two rounds is given by the loop, too.
+    let is_told = |name: &String, node: &NodeOutcome| !is_past(node) && !name.contains('>');
+    for (name, node) in outcome.nodes.iter().filter(|(name, node)| is_told(name, node)) {
         let record = &node.record;
         let scalars = brief_cells(&record.scalars);
         let values = record.values.iter().map(|(output, text)| (output.clone(), text.clone()));
@@ -260,8 +264,13 @@ fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
         }
     }
     let n_done = outcome.nodes.values().filter(|n| n.record.status == NodeStatus::Done).count();
-    let nodes = count(outcome.nodes.len(), "node");
-    text.push_str(&format!("\n{n_done} of {nodes} done in {} s\n", seconds(took)));
+    let n_past = outcome.nodes.values().filter(|node| is_past(node)).count();
+    let nodes = count(outcome.nodes.len() - n_past, "node");
+    let past = match n_past {
+        0 => String::new(),
+        n => format!("; {} of rounds behind the end of a loop did not run", count(n, "node")),
+    };
+    text.push_str(&format!("\n{n_done} of {nodes} done in {} s{past}\n", seconds(took)));
     text
 }
 

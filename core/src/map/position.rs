@@ -88,6 +88,9 @@ impl Map {
     /// Where a node says what is about a port or parameter, else the link of that port, else the
     /// node.
     fn paths_to_node(&self, node: &str, port: Option<&str>) -> Vec<Vec<Step>> {
+        if let Some((outer, inner)) = node.split_once('/') {
+            return self.paths_inside(outer, inner, port);
+        }
         let of_node: [Step; 2] = ["nodes".into(), node.into()];
         let mut paths = Vec::new();
         if let Some(port) = port {
@@ -102,6 +105,26 @@ impl Map {
             paths.extend(link.map(|link| vec!["links".into(), Step::Text(link.to_string())]));
         }
         paths.push(of_node.to_vec());
+        paths
+    }
+
+    /// Where a node stands of a map that a node of this one stands for, else that node.
+    fn paths_inside(&self, outer: &str, inner: &str, port: Option<&str>) -> Vec<Vec<Step>> {
+        let node = self.nodes.get(outer);
+        // The first part is the number of a round.
+        let inner = match node.is_some_and(|node| node.repeat.is_some()) {
+            true => inner.split_once('/').map(|(_, inner)| inner),
+            false => Some(inner),
+        };
+        let module = node.map(|node| node.module.as_str());
+        let map = module.and_then(|module| Some((module, self.maps.get(module)?)));
+        let mut paths = Vec::new();
+        if let (Some((module, map)), Some(inner)) = (map, inner) {
+            let before: [Step; 2] = ["maps".into(), module.into()];
+            let within = map.paths_to_node(inner, port).into_iter();
+            paths.extend(within.map(|path| [&before[..], &path].concat()));
+        }
+        paths.extend(self.paths_to_node(outer, None));
         paths
     }
 }

@@ -111,6 +111,18 @@ fn links_into_a_map_are_checked_by_its_ports() {
 }
 
 #[test]
+fn a_problem_inside_has_its_line() {
+    let text = "{\"mve\": 1, \"nodes\": {\"t\": {\"module\": \"m\"}},\n\"maps\": {\"m\":\n\
+                {\"nodes\": {\n\"x\": {\"module\": \"Add\", \"params\": {\n\"amount\": 1e9}}}}}}";
+    let map = Map::parse(text).unwrap();
+    let files = FileHashes::new();
+    let options = plan_options(Path::new("/nowhere"), &files);
+    let problems = Plan::new(&map, &registry(), &options).unwrap_err();
+    assert!(problems[0].to_string().starts_with("t/x.amount: "), "{}", problems[0]);
+    assert_eq!(map.position_of(&problems[0]).unwrap().to_string(), "line 5, column 1");
+}
+
+#[test]
 fn maps_come_from_files_with_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let lib = folder.path().join("lib");

@@ -1,3 +1,3 @@
 //! Modules that measure values, or show them.
 
-mve_core::modules! { "measure": curvature, mesh_comparer, mesh_info, print }
+mve_core::modules! { "measure": collect, curvature, mesh_comparer, mesh_info, print }
