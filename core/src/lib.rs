@@ -58,7 +58,7 @@ pub use map::{
     Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec, Promoted, Repeat,
     Until,
 };
-pub use maps::MAP_ENDS;
+pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 pub use memory::MemoryBudget;
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;

@@ -49,9 +49,10 @@ pub(crate) const ANY: DataType =
     DataType { id: "Any", doc: "A value of any type.", color: [200, 200, 200] };
 
 impl DataType {
-    /// Whether an input of this type takes a value of the type `given`.
+    /// Whether an input of this type takes a value of the type `given`. What comes into a map from
+    /// outside may be of any type; once the map is opened it is known.
     pub fn takes(self, given: Self) -> bool {
-        self == given || self == ANY
+        self == given || self == ANY || given == ANY
     }
 }
 

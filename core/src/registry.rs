@@ -33,7 +33,7 @@ pub struct ModuleInfo {
 #[derive(Clone, Default)]
 pub struct Registry {
     modules: Vec<ModuleInfo>,
-    maps: Arc<IndexMap<String, OpenMap>>,
+    maps: Arc<IndexMap<String, Arc<OpenMap>>>,
     interner: Interner,
 }
 
@@ -80,13 +80,24 @@ impl Registry {
     }
 
     /// The same modules with other maps.
-    pub(crate) fn with_open_maps(&self, maps: IndexMap<String, OpenMap>) -> Self {
+    pub(crate) fn with_open_maps(&self, maps: IndexMap<String, Arc<OpenMap>>) -> Self {
         Self { maps: Arc::new(maps), ..self.clone() }
     }
 
     /// The map that a node may name so.
-    pub(crate) fn open_map(&self, id: &str) -> Option<&OpenMap> {
+    pub(crate) fn open_map(&self, id: &str) -> Option<&Arc<OpenMap>> {
         self.maps.get(id)
+    }
+
+    /// Whether a node may write files, be it a module or a map.
+    pub fn writes_files(&self, node: &Node) -> bool {
+        let inside = || self.open_map(&node.module).is_some_and(|map| map.writes_files());
+        self.find(&node.module).is_some_and(|info| info.module.writes_files()) || inside()
+    }
+
+    /// The maps that nodes may name, as modules.
+    pub fn maps(&self) -> impl Iterator<Item = ModuleInfo> {
+        self.maps.values().map(|map| map.info)
     }
 
     /// Names of maps.

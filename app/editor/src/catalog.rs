@@ -76,7 +76,7 @@ pub fn category_color(category: &str, registry: &Registry) -> [u8; 3] {
 impl Catalog {
     /// The modules of a registry.
     pub fn new(registry: &Registry) -> Self {
-        Self { modules: registry.modules().to_vec() }
+        Self { modules: registry.modules().iter().copied().chain(registry.maps()).collect() }
     }
 
     /// The modules that have all words of the query and fit, the best first, each with every port

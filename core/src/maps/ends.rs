@@ -34,7 +34,7 @@ pub(super) const INSIDE: OutputSpec = OutputSpec {
 };
 
 /// Where a value comes into a map.
-pub(crate) static MAP_INPUT: Module = Module {
+pub static MAP_INPUT: Module = Module {
     id: "MapInput",
     summary: "A port by which a value comes into this map, where the map is a node of another one.",
     inputs: &[DEFAULT],
@@ -49,7 +49,7 @@ pub(crate) static MAP_INPUT: Module = Module {
 pub(super) const OUTSIDE: AnyIn = AnyIn::new("value", "What goes out.");
 
 /// Where a value leaves a map.
-pub(crate) static MAP_OUTPUT: Module = Module {
+pub static MAP_OUTPUT: Module = Module {
     id: "MapOutput",
     summary: "A port by which a value leaves this map, where the map is a node of another one.",
     inputs: &[OUTSIDE.spec()],
@@ -60,6 +60,6 @@ pub(crate) static MAP_OUTPUT: Module = Module {
 
 /// The modules of this folder.
 pub static MAP_ENDS: ModuleList = ModuleList {
-    category: "maps",
+    category: "structure",
     modules: &[Listed { item: &MAP_INPUT, source: 1 }, Listed { item: &MAP_OUTPUT, source: 1 }],
 };

@@ -17,9 +17,9 @@ mod paths;
 mod rounds;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-pub use ends::MAP_ENDS;
-pub(crate) use ends::MAP_INPUT;
+pub use ends::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 use indexmap::IndexMap;
 pub(crate) use interface::{Interner, repeated};
 pub(crate) use open::{Opened, open};
@@ -41,6 +41,12 @@ pub(crate) struct OpenMap {
     registry: Registry,
     /// Where its files are, as seen from the map around it.
     folder: PathBuf,
+}
+
+impl OpenMap {
+    pub(crate) fn writes_files(&self) -> bool {
+        self.map.nodes.values().any(|node| self.registry.writes_files(node))
+    }
 }
 
 /// A map that names others, and where it stands.
@@ -67,7 +73,7 @@ impl Registry {
         folder: &Path,
         problems: &mut Vec<Problem>,
     ) -> Self {
-        if !map.has_maps() {
+        if !map.has_maps() && map.maps.is_empty() {
             return self.clone();
         }
         find_all(self, Around { map, folder, outer: None, way: &[] }, problems)
@@ -83,12 +89,23 @@ fn find_all(registry: &Registry, around: Around, problems: &mut Vec<Problem>) ->
         }
         let mut inside = Vec::new();
         match find(registry, &node.module, around, &mut inside) {
-            Ok(Some(map)) => drop(maps.insert(node.module.clone(), map)),
-            // The wiring says that there is no such module.
-            Ok(None) => {}
+            Ok(Some(map)) => drop(maps.insert(node.module.clone(), Arc::new(map))),
+            // Where an inner map is looked at alone, those around it are known.
+            Ok(None) => {
+                let known = registry.open_map(&node.module);
+                maps.extend(known.map(|map| (node.module.clone(), Arc::clone(map))));
+            }
             Err(message) => problems.push(Problem::error(message).at(name).port("module")),
         }
         problems.extend(inside.into_iter().map(|problem| within(name, problem)));
+    }
+    // Those that no node names yet can be put in.
+    for name in around.map.maps.keys() {
+        if !maps.contains_key(name)
+            && let Ok(Some(map)) = find(registry, name, around, &mut Vec::new())
+        {
+            maps.insert(name.clone(), Arc::new(map));
+        }
     }
     registry.with_open_maps(maps)
 }
@@ -158,7 +175,7 @@ fn opened(
     let registry = find_all(registry, Around { way: &way, ..inner }, problems);
     let module = interface::interface(id, inner.map, &registry, &folder);
     let version = Fingerprint::of(b"mve: a map as a node");
-    let info = ModuleInfo { module, category: "maps", version };
+    let info = ModuleInfo { module, category: "structure", version };
     problems.extend(interface::faults(inner.map, &registry));
     Ok(OpenMap { info, map: inner.map.clone(), registry, folder })
 }

@@ -170,7 +170,7 @@ impl Opener<'_> {
         let whole = module;
         let module = stand_in(whole, level.registry);
         let version = crate::Fingerprint::of(b"mve: what a map gives");
-        let made = ModuleInfo { module, category: "maps", version };
+        let made = ModuleInfo { module, category: "structure", version };
         let has = |module: &Module, name: &str| module.params.iter().any(|spec| spec.name == name);
         // It has none that names a file to write; what nobody has is a slip to tell of.
         let is_own = |name: &String| has(module, name) || !has(whole, name);
@@ -200,10 +200,8 @@ impl Opener<'_> {
         level: &Level,
         gates: &[(PortRef, Until)],
     ) {
-        let Some(OpenMap { info, map, registry, folder }) = level.registry.open_map(&node.module)
-        else {
-            return;
-        };
+        let Some(open) = level.registry.open_map(&node.module) else { return };
+        let OpenMap { info, map, registry, folder } = &**open;
         let mut map = map.without_programs();
         let mut given = HashSet::new();
         for (name, promoted) in &map.parameters.clone() {

@@ -107,7 +107,7 @@ impl Opener<'_> {
             let name = format!("{full}/{}>{}", round + 2, output.name);
             let version = crate::Fingerprint::of(b"mve: the newer of two");
             let module = newer(output, level.registry);
-            let made = ModuleInfo { module, category: "maps", version };
+            let made = ModuleInfo { module, category: "structure", version };
             let node = Node { module: module.id.to_owned(), ..Node::default() };
             self.put(name.clone(), node, Some(made), &level.gates);
             self.links.push(Link { from: last, to: port(&name, OLD) });

@@ -63,15 +63,16 @@ impl Editor {
             Action::RequestPaste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
             Action::Duplicate => self.duplicate(),
             Action::Vary(node, param) => self.vary(&node, &param),
+            Action::OpenMap(node) => self.open_map_of(&node),
         }
     }
 
     /// Changes the map; new items are selected.
     pub(super) fn edit(&mut self, edits: &[Edit]) {
-        let Self { sessions, active, shared, .. } = self;
+        let Self { sessions, active, .. } = self;
         let session = &mut sessions[*active];
         session.canvas.sizes().for_each(|(name, size)| session.document.set_size(name, size));
-        match session.document.apply(edits, &shared.registry) {
+        match session.document.apply(edits, session.runner.registry()) {
             Ok(applied) => {
                 if edits.iter().any(|edit| matches!(edit, Edit::Arrange { .. })) {
                     session.canvas.fit();
@@ -82,7 +83,7 @@ impl Editor {
                 if !new.is_empty() {
                     session.document.select(new);
                 }
-                session.prune_pins(&shared.registry);
+                session.prune_pins();
             }
             Err(error) => self.toast(error.to_string()),
         }
@@ -186,8 +187,11 @@ impl Editor {
                 Ok(document) => self.add(document),
                 Err(error) => self.toast(error.to_string()),
             },
-            Command::Save => self.save(self.active),
-            Command::SaveAs => self.save_as(),
+            Command::Save => self.save(self.outermost(self.active)),
+            Command::SaveAs => {
+                self.active = self.outermost(self.active);
+                self.save_as();
+            }
             Command::Close(place) => self.close(place),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::Undo => self.move_in_history(Document::undo),
@@ -205,10 +209,9 @@ impl Editor {
 
     /// Goes back or forward in the history.
     fn move_in_history(&mut self, step: fn(&mut Document) -> Option<&str>) {
-        let Self { sessions, active, shared, .. } = self;
-        let session = &mut sessions[*active];
+        let session = &mut self.sessions[self.active];
         step(&mut session.document);
-        session.prune_pins(&shared.registry);
+        session.prune_pins();
     }
 }
 

@@ -7,7 +7,7 @@ use eframe::egui::{self, RichText, ScrollArea, Ui};
 use super::Wish;
 use super::inspector::port_table;
 use super::session::Session;
-use crate::runner::{Loudness, Shared};
+use crate::runner::Loudness;
 
 /// What the console shows of the log.
 #[derive(Default)]
@@ -89,7 +89,7 @@ fn show_line(ui: &mut Ui, line: &crate::runner::Line, wishes: &mut Vec<Wish>) {
 }
 
 /// A table of the ports of the selected nodes, or of all, and their values.
-pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wish>) {
+pub fn values(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
     let selection = session.document.selection();
     let is_shown = |name: &String| {
         let item = crate::document::Item::Node(name.clone());
@@ -97,7 +97,7 @@ pub fn values(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<
     };
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         for (name, node) in session.document.map().nodes.iter().filter(|(name, _)| is_shown(name)) {
-            let Some(info) = shared.registry.find(&node.module) else { continue };
+            let Some(info) = session.runner.registry().of(node) else { continue };
             ui.horizontal(|ui| {
                 ui.strong(name);
                 ui.weak(session.runner.status(name).explanation());

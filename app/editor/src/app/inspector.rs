@@ -5,8 +5,8 @@ use indexmap::IndexMap;
 use mve_core::{Link, NodeMode, PortRef, Problem, Value};
 use serde_json::Map as JsonMap;
 
-use super::Wish;
 use super::session::Session;
+use super::{Wish, repeat};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
 use crate::forms::{Form, FormEvent};
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
     match selected.as_slice() {
         [] => nothing(ui, session, wishes),
         [name] => node(ui, session, shared, name, wishes),
-        many => several(ui, session, shared, many, wishes),
+        many => several(ui, session, many, wishes),
     }
 }
 
@@ -35,7 +35,6 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
 fn several(
     ui: &mut Ui,
     session: &Session,
-    shared: &Shared,
     names: &[&String],
     wishes: &mut Vec<Wish>,
 ) {
@@ -47,7 +46,7 @@ fn several(
         groups.entry(node.module.as_str()).or_default().push(*name);
     }
     for (module, names) in groups {
-        let Some(info) = shared.registry.find(module) else { continue };
+        let Some(info) = session.runner.registry().find(module) else { continue };
         ui.separator();
         ui.heading(format!("{} {module}", names.len()));
         ui.weak(names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", "));
@@ -176,7 +175,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     for warning in warnings {
         problem_line(ui, session, warning);
     }
-    let Some(info) = shared.registry.find(&node.module) else {
+    let Some(info) = session.runner.registry().of(node) else {
         ui.label("There is no module of this name. The node is kept as it stands.");
         return;
     };
@@ -206,6 +205,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
             events.into_iter().map(|event| Wish::Canvas(Action::Form(name.to_owned(), event))),
         );
     }
+    repeat::form(ui, name, node, module, wishes);
     ui.separator();
     port_table(ui, session, name, module, false, wishes);
     said(ui, session, shared, name, &status);
@@ -230,11 +230,13 @@ pub fn port_table(
     let links = &session.document.map().links;
     egui::Grid::new(("ports", name)).num_columns(3).striped(true).show(ui, |ui| {
         for input in module.inputs {
-            let link = links.iter().find(|link| link.to.node == name && link.to.port == input.name);
+            let mut all = links.iter().filter(|link| link.to.node == name && link.to.port == input.name);
+            let (link, n_others) = (all.next(), all.count());
             ui.label(format!("in: {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);
             let value = link.and_then(|link| session.value_out_of(&link.from));
             match (link, value) {
+                (_, _) if n_others > 0 => ui.weak(format!("{} links", n_others + 1)),
                 (_, Some(value)) => value_label(ui, &value, is_whole),
                 (Some(link), None) => ui.weak(format!("from {}", link.from)),
                 (None, None) if input.is_required => {

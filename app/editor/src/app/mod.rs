@@ -6,9 +6,11 @@ mod console;
 mod dialogs;
 mod files;
 mod find;
+mod inner;
 mod inspector;
 mod panels;
 mod pictures;
+mod repeat;
 mod session;
 mod settings;
 mod top;
@@ -22,12 +24,12 @@ use eframe::egui_wgpu::RenderState;
 use mve_core::Registry;
 
 use crate::canvas::Action;
-use crate::catalog::Catalog;
 use crate::document::{Document, Recovery};
 use crate::programs::ProgramAction;
 use crate::runner::{Part, Shared};
 use crate::views::Still;
 
+pub use inner::Inside;
 pub use session::Session;
 pub use settings::{Settings, Theme};
 
@@ -115,7 +117,6 @@ pub enum Command {
 /// The window.
 pub struct Editor {
     shared: Arc<Shared>,
-    catalog: Catalog,
     sessions: Vec<Session>,
     active: usize,
     /// What it remembers.
@@ -169,7 +170,6 @@ impl Editor {
             start.output_folder,
         );
         start.settings.apply(ctx);
-        let catalog = Catalog::new(&shared.registry);
         let mut toasts = Vec::new();
         let recovery = start.recovery.and_then(|folder| match Recovery::new(&folder) {
             Ok(recovery) => Some(recovery),
@@ -183,7 +183,6 @@ impl Editor {
         });
         let mut editor = Self {
             shared,
-            catalog,
             sessions: Vec::new(),
             active: 0,
             settings: start.settings,
@@ -283,6 +282,7 @@ impl Editor {
     pub fn show(&mut self, ui: &mut Ui) {
         let runs_on_edit = self.settings.runs_on_edit;
         self.sessions.iter_mut().for_each(|session| session.update(runs_on_edit));
+        self.follow_inner_maps();
         let mut wishes = Vec::new();
         let commands = self.keys(ui);
         self.take_dropped(ui.ctx());

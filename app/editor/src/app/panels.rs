@@ -35,7 +35,7 @@ impl Editor {
             let session = &mut sessions[*active];
             match lower {
                 Lower::Console => console.show(ui, session, wishes),
-                Lower::Values => console::values(ui, session, shared, wishes),
+                Lower::Values => console::values(ui, session, wishes),
                 Lower::Sheet => {
                     let pinned = session.pinned_values();
                     session.viewer.show_sheet(ui, &pinned);
@@ -90,14 +90,14 @@ impl Editor {
         }
         CentralPanel::no_frame().show(ui, |ui| {
             files::disk_banner(self, ui);
-            let Self { sessions, active, shared, catalog, settings, .. } = self;
+            let Self { sessions, active, settings, .. } = self;
             let session = &mut sessions[*active];
             let pinned: Vec<_> = session.pinned.iter().cloned().collect();
             let scene = Scene {
                 document: &session.document,
                 runner: &session.runner,
-                registry: &shared.registry,
-                catalog,
+                registry: session.runner.registry(),
+                catalog: &session.catalog,
                 settings: &settings.canvas,
                 pinned: &pinned,
             };

@@ -7,7 +7,9 @@ use indexmap::IndexSet;
 use mve_core::{MapError, Node, NodeMode, PortRef, Registry, Value};
 use mve_modules::data::{Field, TriMesh};
 
+use super::Inside;
 use crate::canvas::Canvas;
+use crate::catalog::Catalog;
 use crate::document::{DiskChange, Document};
 use crate::forms::Counts;
 use crate::programs::{ProgramPanel, ProgramScene};
@@ -30,6 +32,14 @@ pub struct Session {
     pub viewer: Viewer,
     /// Its programs.
     pub programs: ProgramPanel,
+    /// What can be put into it.
+    pub catalog: Catalog,
+    /// The modules, and the maps that are known around it.
+    around: Registry,
+    /// The map that this one is part of.
+    pub inside: Option<Inside>,
+    /// The folder of that one.
+    around_folder: PathBuf,
     /// Tells maps without a file from each other.
     pub number: usize,
     /// What somebody else did to the map's file.
@@ -45,7 +55,7 @@ impl Session {
     pub fn new(document: Document, shared: &Arc<Shared>) -> Self {
         let wake = Arc::clone(shared);
         let revision = document.revision();
-        Self {
+        let mut session = Self {
             document,
             canvas: Canvas::default(),
             runner: Runner::new(shared),
@@ -58,7 +68,13 @@ impl Session {
             checked: None,
             // What was opened is run by hand first.
             run_for: Some(revision),
-        }
+            catalog: Catalog::new(&shared.registry),
+            around: shared.registry.clone(),
+            inside: None,
+            around_folder: PathBuf::new(),
+        };
+        session.find_maps();
+        session
     }
 
     /// Opens a map's file.
@@ -68,6 +84,9 @@ impl Session {
 
     /// The name of the map's file without its extension, for the tab.
     pub fn title(&self) -> String {
+        if let Some(inside) = &self.inside {
+            return format!("\u{25b8} {}", inside.name);
+        }
         let stem = self.document.path().and_then(Path::file_stem);
         match (stem, self.number) {
             (Some(stem), _) => stem.to_string_lossy().into_owned(),
@@ -78,7 +97,16 @@ impl Session {
 
     /// The folder that the map's input paths are relative to.
     pub fn folder(&self) -> PathBuf {
-        self.document.folder()
+        match self.inside {
+            Some(_) => self.around_folder.clone(),
+            None => self.document.folder(),
+        }
+    }
+
+    /// Takes over what is known around a map inside of another one.
+    pub fn set_around(&mut self, registry: Registry, folder: PathBuf) {
+        (self.around, self.around_folder) = (registry, folder);
+        self.checked = None;
     }
 
     /// The panel of its programs, and what it shows.
@@ -93,7 +121,7 @@ impl Session {
             folder,
             map,
             map_file: document.path(),
-            registry: &shared.registry,
+            registry: runner.registry(),
             output_folder: &shared.output_folder,
             counts: Box::new(|node| counts_in(&runner.inputs(map, node))),
         };
@@ -111,6 +139,7 @@ impl Session {
             map: Arc::clone(self.document.map()),
             revision: self.document.revision(),
             folder: self.folder(),
+            registry: self.runner.registry().clone(),
         }
     }
 
@@ -133,6 +162,7 @@ impl Session {
         let revision = self.document.revision();
         if self.checked != Some(revision) {
             self.checked = Some(revision);
+            self.find_maps();
             self.runner.forget_all_but(self.document.map());
             self.runner.check(self.subject());
         }
@@ -140,6 +170,13 @@ impl Session {
         if runs_on_edit && has_settled && self.run_for != Some(revision) {
             self.run_changes();
         }
+    }
+
+    /// Looks which maps its map names, and what they are as nodes.
+    fn find_maps(&mut self) {
+        let registry = self.around.with_maps_of(self.document.map(), &self.folder());
+        self.catalog = Catalog::new(&registry);
+        self.runner.set_registry(registry);
     }
 
     /// Runs what a change has made old. A run for an older state of the map gives way; one that a
@@ -171,8 +208,7 @@ impl Session {
     pub fn has_changes_to_run(&self) -> Option<bool> {
         let is_old = |name: &str| matches!(self.runner.status(name), Status::New | Status::Dirty);
         let writes = |node: &Node| {
-            let info = self.runner.registry().find(&node.module);
-            info.is_some_and(|info| info.module.writes_files())
+            self.runner.registry().writes_files(node)
         };
         let nodes = self.document.map().nodes.iter();
         let old = nodes.filter(|(name, node)| node.mode == NodeMode::Active && is_old(name));
@@ -195,10 +231,13 @@ impl Session {
         }
         let mut values = Vec::new();
         for (name, node) in self.runner.all_ended() {
-            let Some(info) = self.runner.registry().find(&node.record.module) else { continue };
-            let outputs = info.module.outputs.iter().zip(&node.outputs);
+            // What is inside of a map is looked at there.
+            if !self.document.map().nodes.contains_key(name) {
+                continue;
+            }
+            let outputs = node.names.iter().zip(&node.outputs);
             for (output, value) in outputs.filter(|(_, value)| !self.viewer.is_empty(value)) {
-                let port = PortRef { node: name.to_owned(), port: output.name.to_owned() };
+                let port = PortRef { node: name.to_owned(), port: (*output).to_owned() };
                 values.push((port, value));
             }
         }
@@ -274,10 +313,12 @@ impl Session {
 
     /// Takes off pins of nodes and ports that are no longer there, and puts those back whose nodes
     /// have come back.
-    pub fn prune_pins(&mut self, registry: &Registry) {
+    pub fn prune_pins(&mut self) {
+        self.find_maps();
+        let registry = self.runner.registry();
         let map = self.document.map();
         let is_there = |port: &PortRef| {
-            let module = map.nodes.get(&port.node).and_then(|node| registry.find(&node.module));
+            let module = map.nodes.get(&port.node).and_then(|node| registry.of(node));
             module.is_some_and(|info| {
                 info.module.outputs.iter().any(|output| output.name == port.port)
             })

@@ -3,7 +3,7 @@
 use eframe::egui::{Event, Key, Modifiers, Response, Ui};
 use mve_core::NodeMode;
 
-use super::{Action, Canvas, Scene, node_of, toggled};
+use super::{Action, Canvas, Scene, menu, node_of, toggled};
 use crate::document::Edit;
 use crate::runner::Part;
 
@@ -29,6 +29,9 @@ pub const SHORTCUTS: &[(&str, &str)] = &[
     ("H", "collapse to the title"),
     ("P", "show a picture of what it gives"),
     ("G", "put a frame around the selection"),
+    ("Ctrl + G", "make a map of the selected nodes, with one node in their place"),
+    ("Enter", "open the map that a node stands for"),
+    ("Ctrl + Shift + G", "put the nodes of a map in the place of its node"),
     ("N", "add a note"),
     ("L", "arrange the selection, or all"),
     ("Shift + F5", "run up to the selected nodes"),
@@ -99,6 +102,11 @@ impl Canvas {
         let nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
         if modifiers.command {
             match key {
+                Key::G if modifiers.shift => {
+                    let edits = nodes.into_iter().map(|node| Edit::Unpack { node });
+                    actions.push(Action::Edit(edits.collect()));
+                }
+                Key::G if !nodes.is_empty() => actions.push(menu::make_map(&nodes)),
                 Key::D => actions.push(Action::Duplicate),
                 Key::A => {
                     actions.push(Action::Select(scene.document.all_items()));
@@ -113,6 +121,9 @@ impl Canvas {
             Key::Home => self.fit(),
             Key::Delete | Key::Backspace if !selection.is_empty() => {
                 actions.push(Action::Edit(vec![Edit::Remove(selection.iter().cloned().collect())]));
+            }
+            Key::Enter if modifiers.is_none() && nodes.len() == 1 => {
+                actions.push(Action::OpenMap(nodes[0].clone()));
             }
             Key::F5 if modifiers.shift && !nodes.is_empty() => {
                 actions.push(Action::Run(Part::UpTo(nodes)));

@@ -41,7 +41,7 @@ pub fn of_node(
     if item(ui, "Run up to here", "Shift+F5") {
         actions.push(Action::Run(Part::UpTo(nodes.clone())));
     }
-    let module = scene.document.map().nodes.get(name).and_then(|n| scene.registry.find(&n.module));
+    let module = scene.document.map().nodes.get(name).and_then(|n| scene.registry.of(n));
     if let Some(info) = module.filter(|info| !info.module.outputs.is_empty()) {
         ui.menu_button("Look at", |ui| {
             for output in info.module.outputs {
@@ -81,6 +81,8 @@ pub fn of_node(
         actions.push(Action::Edit(vec![Edit::Arrange { nodes }]));
     }
     ui.separator();
+    map_menu(ui, name, &nodes, scene, actions);
+    ui.separator();
     clipboard_menu(ui, actions);
     if item(ui, "Duplicate", "Ctrl+D") {
         actions.push(Action::Duplicate);
@@ -89,6 +91,34 @@ pub fn of_node(
         let items = nodes.into_iter().map(Item::Node).collect();
         actions.push(Action::Edit(vec![Edit::Remove(items)]));
     }
+}
+
+/// What makes maps of nodes, and nodes of maps.
+fn map_menu(
+    ui: &mut Ui,
+    name: &str,
+    nodes: &[String],
+    scene: &Scene,
+    actions: &mut Vec<Action>,
+) {
+    let make = if nodes.len() > 1 { "Make a map of these" } else { "Make a map of it" };
+    if item(ui, make, "Ctrl+G") {
+        actions.push(make_map(nodes));
+    }
+    let map = scene.document.map();
+    let node = map.nodes.get(name);
+    if node.is_some_and(mve_core::Node::is_map) && item(ui, "Open its map", "Enter") {
+        actions.push(Action::OpenMap(name.to_owned()));
+    }
+    let is_of_file = node.is_some_and(|node| map.maps.contains_key(&node.module));
+    if is_of_file && item(ui, "Unpack its map", "Ctrl+Shift+G") {
+        actions.push(Action::Edit(vec![Edit::Unpack { node: name.to_owned() }]));
+    }
+}
+
+/// What makes a map of some nodes.
+pub fn make_map(nodes: &[String]) -> Action {
+    Action::Edit(vec![Edit::MakeMap { nodes: nodes.to_vec(), name: None }])
 }
 
 fn align_menu(ui: &mut Ui, nodes: &[String], actions: &mut Vec<Action>) {

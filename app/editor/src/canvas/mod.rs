@@ -100,6 +100,8 @@ pub enum Action {
     Duplicate,
     /// Put a parameter of a node into the map's program.
     Vary(String, String),
+    /// Open the map that a node stands for.
+    OpenMap(String),
 }
 
 /// Points at the edges of the canvas where nothing is pressed.

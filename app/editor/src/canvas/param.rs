@@ -32,7 +32,7 @@ impl OpenParam {
         actions: &mut Vec<Action>,
     ) -> bool {
         let Some(node) = scene.document.map().nodes.get(&self.node) else { return true };
-        let Some(info) = scene.registry.find(&node.module) else { return true };
+        let Some(info) = scene.registry.of(node) else { return true };
         let Some(spec) = info.module.params.iter().find(|spec| spec.name == self.param) else {
             return true;
         };

@@ -54,7 +54,7 @@ pub fn show_picture(
 ) {
     let (map, runner) = (scene.document.map(), scene.runner);
     let node = map.nodes.get(name);
-    let module = node.and_then(|node| scene.registry.find(&node.module));
+    let module = node.and_then(|node| scene.registry.of(node));
     let outputs = module.map_or(&[][..], |info| info.module.outputs);
     let mut text = match node.map(|node| node.mode) {
         Some(NodeMode::Muted) => "is muted",

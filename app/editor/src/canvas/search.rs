@@ -151,7 +151,7 @@ fn fit_of(end: &End, scene: &Scene) -> Option<Fit> {
         End::To(port) => (port, false),
     };
     let node = scene.document.map().nodes.get(&port.node)?;
-    let module = scene.registry.find(&node.module)?.module;
+    let module = scene.registry.of(node)?.module;
     if is_output {
         let spec = module.outputs.iter().find(|spec| spec.name == port.port)?;
         return Some(Fit::Output(spec.data_type));

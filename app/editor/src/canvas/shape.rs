@@ -208,7 +208,7 @@ fn shape(
     registry: &Registry,
     linked: &HashSet<(&str, &str)>,
 ) -> Shape {
-    let info = registry.find(&node.module);
+    let info = registry.of(node);
     let mut shape = Shape {
         at: Pos2::new(at[0] as f32, at[1] as f32),
         size: Vec2::new(WIDTH, TITLE),

@@ -1,6 +1,6 @@
 //! Edits: the steps in which a map is changed, and why one is refused.
 
-use mve_core::{Link, MapError, NodeMode, ProgramSpec};
+use mve_core::{Link, Map, MapError, NodeMode, ProgramSpec, Repeat};
 use serde_json::Value as Json;
 use thiserror::Error;
 
@@ -82,6 +82,15 @@ pub enum Edit {
     Distribute { items: Vec<Item>, along: Direction },
     /// Nodes in layers from left to right along their links; all of them if none is named.
     Arrange { nodes: Vec<String> },
+    /// Nodes go into a map of their own, under this name or one that is free; a node for it stands in
+    /// their place.
+    MakeMap { nodes: Vec<String>, name: Option<String> },
+    /// The nodes of a map of this file stand in the place of the node for it.
+    Unpack { node: String },
+    /// A map of this file, new or changed.
+    SetMap { name: String, map: Box<Map> },
+    /// How often a node runs; `None` is once.
+    SetRepeat { node: String, repeat: Option<Repeat> },
     /// What the map is for.
     SetTitle(String),
     /// A program, new or changed; `None` removes it.
@@ -205,6 +214,13 @@ impl Edit {
             Self::Align { .. } => "Align".to_owned(),
             Self::Distribute { .. } => "Distribute".to_owned(),
             Self::Arrange { .. } => "Arrange".to_owned(),
+            Self::MakeMap { nodes, .. } => {
+                let name = nodes.first().map_or("nothing", String::as_str);
+                format!("Make a map of {}", count(nodes.len(), name, "nodes"))
+            }
+            Self::Unpack { node } => format!("Unpack {node}"),
+            Self::SetMap { name, .. } => format!("Edit map {name}"),
+            Self::SetRepeat { node, .. } => format!("Set how often {node} runs"),
             Self::SetTitle(_) => "Edit title".to_owned(),
             Self::SetProgram { name, spec: Some(_) } => format!("Edit program {name}"),
             Self::SetProgram { name, spec: None } => format!("Remove program {name}"),
@@ -228,6 +244,8 @@ impl Edit {
             Self::SetText { item, .. } => Some(format!("text of {} {item}", item.kind())),
             Self::SetColor { item, .. } => Some(format!("color of {} {item}", item.kind())),
             Self::SetTitle(_) => Some("title".to_owned()),
+            Self::SetMap { name, .. } => Some(format!("map {name}")),
+            Self::SetRepeat { node, .. } => Some(format!("repeat of {node}")),
             Self::SetProgram { name, spec: Some(spec) } => {
                 // Typing into a cell is one step; a new axis or value is one of its own.
                 let axes: Vec<Vec<_>> = spec

@@ -13,11 +13,19 @@ pub fn fits(map: &Map, registry: &Registry, link: &Link) -> Result<(), String> {
         let (to, from) = (&link.to, &link.from);
         return Err(format!("{to} takes a {}, and {from} is a {}", wanted.id, given.id));
     }
-    let stays = |other: &&Link| other.to != link.to;
+    let is_many = is_many(map, registry, &link.to);
+    let stays = |other: &&Link| is_many || other.to != link.to;
     if link.from.node == link.to.node || is_upstream(map, &link.to.node, &link.from.node, stays) {
         return Err(format!("a link from {} to {} would make a loop", link.from, link.to));
     }
     Ok(())
+}
+
+/// Whether an input takes any number of links.
+pub fn is_many(map: &Map, registry: &Registry, to: &PortRef) -> bool {
+    let module = module_of(map, registry, to).ok();
+    let mut inputs = module.map_or(&[][..], |module| module.inputs).iter();
+    inputs.any(|input| input.name == to.port && input.is_many)
 }
 
 /// The type that an output gives.
@@ -43,7 +51,7 @@ fn module_of(map: &Map, registry: &Registry, end: &PortRef) -> Result<&'static M
     let Some(node) = map.nodes.get(&end.node) else {
         return Err(format!("there is no node \"{}\"", end.node));
     };
-    let info = registry.find(&node.module);
+    let info = registry.of(node);
     info.map(|info| info.module).ok_or_else(|| {
         format!("what {} takes and gives is unknown: there is no module {}", end.node, node.module)
     })

@@ -12,6 +12,7 @@ mod edit;
 mod extras;
 mod files;
 mod fit;
+mod group;
 mod history;
 mod item;
 mod names;
@@ -37,7 +38,7 @@ pub use clip::Clip;
 pub use edit::{Alignment, Direction, Edit, EditError, EditOutcome};
 pub use extras::{CanvasFrame, Extras, Note, Reroute};
 pub use files::{Recovered, Recovery};
-pub use fit::fits;
+pub use fit::{fits, is_many};
 pub use item::Item;
 pub use paths::{move_paths, written_path};
 
@@ -169,6 +170,16 @@ impl Document {
     /// The text of the map's file, as it would be saved.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.map.to_text())
+    }
+
+    /// A map that stands in another one, which keeps it.
+    pub fn inside(map: Map) -> Self {
+        Self::of(map, None)
+    }
+
+    /// Takes the map as saved: the one around it has it.
+    pub fn count_as_saved(&mut self) {
+        self.on_disk = Some(self.text().to_owned());
     }
 
     /// Whether the text differs from what is on disk.

@@ -40,7 +40,7 @@ impl Renaming {
             self.program(program, |path| is_template(&map.nodes, registry, path));
         }
         for node in map.nodes.values_mut() {
-            let info = registry.find(&node.module);
+            let info = registry.of(node);
             let specs = info.map_or(&[][..], |info| info.module.params);
             let is_declared = |name: &String| specs.iter().any(|spec| spec.name == name);
             let unknown = node.params.keys().filter(|name| !is_declared(name)).cloned();
@@ -167,7 +167,7 @@ fn is_template(nodes: &IndexMap<String, mve_core::Node>, registry: &Registry, pa
     let spec = || -> Option<ParamSpec> {
         let (node, param) = path.split_once('.')?;
         let node = nodes.get(node)?;
-        declared_at(registry.find(&node.module)?.module.params, Some(&node.params), param)
+        declared_at(registry.of(node)?.module.params, Some(&node.params), param)
     };
     spec().is_none_or(|spec| spec.output_file().is_some())
 }

@@ -10,7 +10,7 @@ use serde_json::{Map as JsonMap, Value as Json};
 use super::arrange::{self, Area};
 use super::edit::{Edit, EditError, EditOutcome};
 use super::extras::{CanvasFrame, Extras, Note, Reroute};
-use super::fits;
+use super::{fits, is_many};
 use super::item::Item;
 use super::names::{free_name, name_after, taken};
 use super::rename::Renaming;
@@ -106,6 +106,20 @@ impl Transaction<'_> {
                 items.iter().zip(places).try_for_each(|(item, at)| self.place(item, at))
             }
             Edit::Arrange { nodes } => self.arrange(nodes),
+            Edit::MakeMap { nodes, name } => self.make_map(nodes, name.as_deref()),
+            Edit::Unpack { node } => self.unpack(node),
+            Edit::SetMap { name, map } => {
+                if !Map::can_name_a_map(name) {
+                    let why = "the name of a map begins with a small letter";
+                    return Err(EditError::name(name, why));
+                }
+                self.map.maps.insert(name.clone(), (**map).clone());
+                Ok(())
+            }
+            Edit::SetRepeat { node, repeat } => {
+                self.node(node)?.repeat.clone_from(repeat);
+                Ok(())
+            }
             Edit::SetTitle(title) => {
                 self.map.title.clone_from(title);
                 Ok(())
@@ -138,7 +152,7 @@ impl Transaction<'_> {
         })
     }
 
-    fn node(&mut self, name: &str) -> Result<&mut Node, EditError> {
+    pub fn node(&mut self, name: &str) -> Result<&mut Node, EditError> {
         self.map.nodes.get_mut(name).ok_or_else(|| EditError::missing("node", name))
     }
 
@@ -206,6 +220,10 @@ impl Transaction<'_> {
             return Ok(());
         }
         fits(&self.map, self.registry, link).map_err(EditError::Link)?;
+        if is_many(&self.map, self.registry, &link.to) {
+            self.map.links.push(link.clone());
+            return Ok(());
+        }
         // The new link stands where the old one stood, so that the file changes in one line.
         let place = self.map.links.iter().position(|old| old.to == link.to);
         let place = place.unwrap_or(self.map.links.len());
@@ -455,10 +473,12 @@ fn moves_others(edit: &Edit) -> bool {
             | Edit::Align { .. }
             | Edit::Distribute { .. }
             | Edit::Arrange { .. }
+            | Edit::MakeMap { .. }
+            | Edit::Unpack { .. }
     )
 }
 
-fn check_name(name: &str) -> Result<(), EditError> {
+pub(super) fn check_name(name: &str) -> Result<(), EditError> {
     let why = "a node's name cannot be empty or hold spaces, slashes or any of . { } >";
     if Map::can_name_a_node(name) { Ok(()) } else { Err(EditError::name(name, why)) }
 }

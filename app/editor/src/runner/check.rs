@@ -3,9 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
-use mve_core::{Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem};
+use mve_core::{
+    Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem, Registry,
+};
 
-use super::{Shared, Subject};
+use super::{Shared, Subject, outermost};
 
 /// Which nodes of a map are to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,7 +42,7 @@ pub struct MapCheck {
 pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Option<Plan>) {
     let mut map = (*subject.map).clone();
     map.programs.clear();
-    restrict(&mut map, &part, shared);
+    restrict(&mut map, &part, &subject.registry);
     let options = PlanOptions {
         map_folder: &subject.folder,
         output_folder: Some(&shared.output_folder),
@@ -53,7 +55,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
         if map.nodes.is_empty() {
             break None;
         }
-        match Plan::new(&map, &shared.registry, &options) {
+        match Plan::new(&map, &subject.registry, &options) {
             Ok(plan) => {
                 checked.add(&plan.warnings);
                 break Some(plan);
@@ -61,7 +63,8 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
             Err(found) => {
                 checked.add(&found);
                 let errors = found.iter().filter(|problem| problem.is_error());
-                let faulty = errors.filter_map(|problem| problem.place.node.clone());
+                let faulty = errors.filter_map(|problem| problem.place.node.as_deref());
+                let faulty = faulty.map(|node| outermost(node).to_owned());
                 if checked.leave_out(&mut map, faulty.collect()) == 0 {
                     break None;
                 }
@@ -75,7 +78,8 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
         !checked.keys.contains_key(*name) && (plan.is_some() || node.mode != NodeMode::Active)
     };
     let reason = |name: &str| {
-        let of_it = |problem: &&Problem| problem.place.node.as_deref() == Some(name);
+        let of_it =
+            |problem: &&Problem| problem.place.node.as_deref().map(outermost) == Some(name);
         let problem = checked.problems.iter().find(of_it);
         problem.map_or("is muted or bypassed".to_owned(), |problem| problem.message.clone())
     };
@@ -93,8 +97,11 @@ impl MapCheck {
             self.problems.push(problem.clone());
             if let Some(node) = problem.place.node.clone().filter(|_| problem.is_error()) {
                 let port = problem.place.port.as_ref().map(|port| format!("{port}: "));
-                let text = || port.unwrap_or_default() + &problem.message;
-                self.faults.entry(node).or_insert_with(text);
+                let own = outermost(&node);
+                let inside = (own != node).then(|| format!("{node}: "));
+                let before = inside.unwrap_or_default() + &port.unwrap_or_default();
+                let text = || before + &problem.message;
+                self.faults.entry(own.to_owned()).or_insert_with(text);
             }
         }
     }
@@ -119,7 +126,7 @@ impl MapCheck {
 }
 
 /// Keeps the nodes that are to run.
-fn restrict(map: &mut Map, part: &Part, shared: &Shared) {
+fn restrict(map: &mut Map, part: &Part, registry: &Registry) {
     match part {
         Part::All => {}
         Part::UpTo(ends) => {
@@ -135,12 +142,10 @@ fn restrict(map: &mut Map, part: &Part, shared: &Shared) {
             keep_nodes(map, |name| needed.contains(name));
         }
         Part::Quiet => {
-            let writes =
-                |id: &str| shared.registry.find(id).is_some_and(|info| info.module.writes_files());
             let writers: HashSet<String> = map
                 .nodes
                 .iter()
-                .filter(|(_, node)| writes(&node.module))
+                .filter(|(_, node)| registry.writes_files(node))
                 .map(|(name, _)| name.clone())
                 .collect();
             keep_nodes(map, |name| !writers.contains(name));

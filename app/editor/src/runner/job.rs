@@ -41,7 +41,11 @@ pub fn run_job(
             EventKind::Log { text } => said(Loudness::Note, text),
             EventKind::Warning { text } => said(Loudness::Warning, text),
             EventKind::Ended { record, outputs } => {
-                let ended = NodeResult { record: record.clone(), outputs: outputs.to_vec() };
+                let module = plan.find(node).map(|node| node.info.module);
+                let specs = module.filter(|_| !outputs.is_empty()).map(|module| module.outputs);
+                let names = specs.into_iter().flatten().map(|output| output.name).collect();
+                let (record, outputs) = (record.clone(), outputs.to_vec());
+                let ended = NodeResult { record, outputs, names };
                 Message::Ended(node.to_owned(), Box::new(ended))
             }
         });

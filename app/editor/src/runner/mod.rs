@@ -67,6 +67,8 @@ pub struct Subject {
     pub revision: u64,
     /// The folder that its input paths are relative to.
     pub folder: PathBuf,
+    /// The modules, with the maps that it names.
+    pub registry: Registry,
 }
 
 /// What the threads tell.
@@ -87,6 +89,8 @@ pub struct NodeResult {
     pub record: NodeRecord,
     /// Values of its outputs, in the order of their declarations.
     pub outputs: Vec<Value>,
+    /// Their names; none where the node gave nothing.
+    pub names: Vec<&'static str>,
 }
 
 /// A run under way.
@@ -122,6 +126,8 @@ pub struct RunProgress {
 /// Runs one map, and knows what became of each of its nodes.
 pub struct Runner {
     shared: Arc<Shared>,
+    /// The modules, with the maps that the map names.
+    registry: Registry,
     inbox: Receiver<Message>,
     outbox: Sender<Message>,
     job: Option<Job>,
@@ -145,6 +151,7 @@ impl Runner {
         let (outbox, inbox) = channel();
         Self {
             shared: Arc::clone(shared),
+            registry: shared.registry.clone(),
             inbox,
             outbox,
             job: None,
@@ -238,9 +245,14 @@ impl Runner {
         self.last_run
     }
 
-    /// The modules.
+    /// The modules, with the maps that the map names.
     pub fn registry(&self) -> &Registry {
-        &self.shared.registry
+        &self.registry
+    }
+
+    /// Takes over which maps there are.
+    pub fn set_registry(&mut self, registry: Registry) {
+        self.registry = registry;
     }
 
     /// What the last check found.
@@ -278,8 +290,7 @@ impl Runner {
     /// The value of an output, from the last run of its node.
     pub fn value(&self, node: &str, output: &str) -> Option<Value> {
         let ended = self.ended.get(node)?;
-        let module = self.shared.registry.find(&ended.record.module)?.module;
-        let place = module.outputs.iter().position(|spec| spec.name == output)?;
+        let place = ended.names.iter().position(|name| *name == output)?;
         ended.outputs.get(place).cloned()
     }
 
@@ -401,6 +412,8 @@ impl Runner {
         kept.reverse();
         kept.retain(|name, ended| match map.nodes.get(name) {
             Some(node) => node.module == ended.record.module,
+            // What is inside of a map or a loop goes with it.
+            None if outermost(name) != name && map.nodes.contains_key(outermost(name)) => true,
             None => {
                 n_gone += 1;
                 n_gone <= MOST_GONE
@@ -411,7 +424,23 @@ impl Runner {
     }
 }
 
+/// The node of the map itself that one inside of its maps and loops belongs to.
+pub fn outermost(node: &str) -> &str {
+    node.split('/').next().unwrap_or(node)
+}
+
 impl Job {
+    /// How far what is inside of a node is, where something is there: the mean of all shares.
+    fn share_inside(&self, node: &str) -> Option<f64> {
+        let is_inside = |name: &str| name != node && outermost(name) == node;
+        let inside = self.nodes.iter().filter(|(name, _)| is_inside(name));
+        let (n, n_begun, sum) = inside.fold((0, 0, 0.0), |(n, n_begun, sum), (_, node)| {
+            let begun = usize::from(node.share.is_some());
+            (n + 1, n_begun + begun, sum + node.share.unwrap_or(0.0))
+        });
+        (n_begun > 0).then(|| (sum / f64::from(n)).min(0.999))
+    }
+
     fn n_ended(&self) -> usize {
         self.nodes.values().filter(|node| node.share == Some(1.0)).count()
     }

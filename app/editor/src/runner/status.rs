@@ -90,7 +90,10 @@ impl Runner {
     pub fn status(&self, node: &str) -> Status {
         if let Some(known) = self.job.as_ref().and_then(|job| job.nodes.get(node)) {
             match known.share {
-                None => return Status::Waiting,
+                None => {
+                    let inside = self.job.as_ref().and_then(|job| job.share_inside(node));
+                    return inside.map_or(Status::Waiting, Status::Running);
+                }
                 Some(share) if share < 1.0 => return Status::Running(share),
                 Some(_) => {}
             }
@@ -115,6 +118,7 @@ impl Runner {
             NodeStatus::Failed { error, .. } => Status::Failed(error.clone()),
             NodeStatus::Skipped { because_of } => Status::Skipped(because_of.clone()),
             NodeStatus::Stopped => Status::Stopped,
+            NodeStatus::Past => Status::Off("is of a round behind the end of its loop".to_owned()),
         }
     }
 }

@@ -19,7 +19,8 @@ fn shared() -> Arc<Shared> {
 
 fn subject(text: &str, revision: u64) -> Subject {
     let map = Arc::new(Map::parse(text).expect("is a map"));
-    Subject { map, revision, folder: PathBuf::new() }
+    let registry = mve_modules::registry();
+    Subject { map, revision, folder: PathBuf::new(), registry }
 }
 
 fn wait(runner: &mut Runner, is_there: impl Fn(&Runner) -> bool) {

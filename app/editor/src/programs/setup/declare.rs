@@ -58,7 +58,7 @@ pub fn declared<'a>(map: &Map, registry: &'a Registry, path: &str) -> Declared<'
         return Declared::Module(registry);
     }
     let Some(node) = map.nodes.get(node) else { return Declared::Unknown };
-    let specs = registry.find(&node.module).map(|info| info.module.params);
+    let specs = registry.of(node).map(|info| info.module.params);
     let found = specs.and_then(|specs| declared_at(specs, Some(&node.params), param));
     found.map_or(Declared::Unknown, Declared::Param)
 }
@@ -106,7 +106,7 @@ pub fn second(declared: &Declared, first: &Json, map_folder: &Path) -> Json {
 pub fn paths(map: &Map, registry: &Registry) -> Vec<String> {
     let mut all = Vec::new();
     for (name, node) in &map.nodes {
-        let Some(info) = registry.find(&node.module) else { continue };
+        let Some(info) = registry.of(node) else { continue };
         let is_linked = |param: &str| {
             let ends_here = |link: &Link| link.to.node == *name && link.to.port == param;
             map.links.iter().any(ends_here)
