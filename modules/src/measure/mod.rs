@@ -1,3 +1,12 @@
 //! Modules that measure values, or show them.
 
-mve_core::modules! { "measure": curvature, mesh_comparer, mesh_info, print }
+mve_core::modules! { "measure":
+    curvature,
+    field_stats,
+    histogram,
+    image_comparer,
+    join,
+    mesh_comparer,
+    mesh_info,
+    print,
+}

@@ -130,10 +130,20 @@ const EDGE_SAMPLES: Param<i64> = Param::integer(
 .between((0, 1_000_000_000))
 .mostly((0, 10_000_000));
 
+const MAX_PARTS: Param<i64> = Param::integer(
+    "max_parts",
+    "Parts of faces that the search for the maximum may look at on each mesh, beyond all faces and \
+     their quarters. Where that is not enough, max_upper_bound says how well it is known; more take \
+     more time and memory.",
+    DEFAULT.max_parts as i64,
+)
+.between((0, 1_000_000_000))
+.mostly((100_000, 10_000_000));
+
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Hausdorff",
     summary: "Distances between the two surfaces in both directions: maximum, mean and RMS.",
-    params: &[SAMPLES.spec(), SEED.spec(), TOLERANCE.spec(), EDGE_SAMPLES.spec()],
+    params: &[SAMPLES.spec(), SEED.spec(), TOLERANCE.spec(), EDGE_SAMPLES.spec(), MAX_PARTS.spec()],
     build: MakeMetric { quantities: QUANTITIES, make },
 };
 
@@ -143,7 +153,7 @@ fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
         seed: settings.get(&SEED)?.0,
         max_tolerance: settings.get(&TOLERANCE)?,
         n_edge_samples: settings.get(&EDGE_SAMPLES)? as usize,
-        ..DEFAULT
+        max_parts: settings.get(&MAX_PARTS)? as usize,
     };
     Ok(Box::new(HausdorffMetric { options }))
 }
