@@ -13,7 +13,7 @@ use crate::contracts::meshes;
 /// The value of a measure for equal meshes; `None` of one that says what one of them is like: what
 /// is counted, a size, an infinite ratio.
 fn perfect(name: &str) -> Option<f64> {
-    const OF_ONE_MESH: [&str; 13] = [
+    const OF_ONE_MESH: [&str; 15] = [
         "by_index",
         "diagonal",
         "largest_angle",
@@ -22,10 +22,12 @@ fn perfect(name: &str) -> Option<f64> {
         "mean_least_angle",
         "original_area",
         "original_quality",
+        "original_roughness",
         "original_volume",
         "psnr",
         "quality",
         "simplified_area",
+        "simplified_roughness",
         "simplified_volume",
     ];
     match name {

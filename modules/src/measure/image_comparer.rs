@@ -196,8 +196,12 @@ fn compare(
         Shown::Flip => map(PixelKind::Gray, values.into_iter().map(to_byte).collect()),
         Shown::FlipColors => {
             let magma = ColorTable::new(Scale::Magma);
-            let color = |value| bytes_of(magma.color(value));
-            map(PixelKind::Rgb, values.into_iter().flat_map(color).collect())
+            let mut bytes = Vec::with_capacity(3 * values.len());
+            for (place, &value) in values.iter().enumerate() {
+                control.part(1.0, 1.0).item(place, values.len())?;
+                bytes.extend(bytes_of(magma.color(value)));
+            }
+            map(PixelKind::Rgb, bytes)
         }
     };
     shown.name.clone_from(&image.name);

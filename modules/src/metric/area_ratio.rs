@@ -72,6 +72,7 @@ impl Metric for AreaRatioMetric {
 mod tests {
     use super::*;
     use crate::mesh::fixtures::{cube, tetrahedron};
+    use crate::mesh::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Result<Comparison, MetricError> {
         AreaRatioMetric.compare(a, b, Control::none())
@@ -102,5 +103,13 @@ mod tests {
         broken.positions.iter_mut().for_each(|position| position.y = f64::INFINITY);
         let message = compared(&broken, &mesh).unwrap_err().to_string();
         assert_eq!(message, "the original mesh has 12 faces but none with finite coordinates");
+    }
+
+    #[test]
+    fn areas_of_the_references_are_those_of_trimesh() {
+        let Some(spot) = reference_mesh("models/spot.obj.gz") else { return };
+        let half = reference_mesh("models/spot__q50.obj.gz").unwrap();
+        let ratio = compared(&spot, &half).unwrap().scalar("area_ratio").unwrap();
+        assert!((ratio - 5.711_540_207_401_672 / 5.709_518_785_165_158).abs() < 1e-12, "{ratio}");
     }
 }

@@ -250,8 +250,12 @@ fn warnings(found: &Hausdorff) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use mve_core::testing::Trial;
+    use serde_json::json;
+
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
+    use crate::mesh::fixtures::{mesh_of, tetrahedron, torus};
+    use crate::registry;
 
     #[test]
     fn two_squares_at_a_quarter_of_their_diagonal() {
@@ -277,5 +281,21 @@ mod tests {
             .compare(&tetrahedron(), &TriMesh::default(), Control::none())
             .unwrap_err();
         assert!(error.to_string().contains("simplified mesh has no faces"), "{error}");
+    }
+
+    #[test]
+    fn more_parts_bound_the_maximum_better() {
+        let (fine, coarse) = (torus(2.0, 0.5, 20), torus(2.02, 0.45, 13));
+        let gap = |max_parts: f64| {
+            let trial = Trial::of(registry().find("MeshComparer").unwrap().module);
+            let params = json!({ "Hausdorff": { "max_parts": max_parts, "tolerance": 1e-6 } });
+            let trial = trial.set("metric", params).input("original", fine.clone());
+            let outputs = trial.input("simplified", coarse.clone()).run().unwrap();
+            let measures = outputs["measures"].get::<Measures>().unwrap();
+            let of = |name| measures.0.iter().find(|measure| measure.name == name).unwrap().value;
+            of("max_upper_bound") - of("max")
+        };
+        let [none, many] = [gap(0.0), gap(1e6)];
+        assert!(none > 10.0 * many && many >= 0.0, "{none} {many}");
     }
 }

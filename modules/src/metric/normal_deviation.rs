@@ -137,6 +137,7 @@ impl NormalDeviationMetric {
 mod tests {
     use super::*;
     use crate::mesh::fixtures::mesh_of;
+    use crate::mesh::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Result<Comparison, MetricError> {
         NormalDeviationMetric { n_samples: 20_000, seed: 0 }.compare(a, b, Control::none())
@@ -169,5 +170,25 @@ mod tests {
         assert!(found.simplified_fields[0].values[2].is_nan());
         let message = compared(&mesh, &TriMesh::default()).unwrap_err().to_string();
         assert_eq!(message, "the simplified mesh has no faces; surfaces are compared");
+    }
+
+    /// Angles at the middle of each face by a loop over all faces with trimesh's `closest_point`;
+    /// of equally near faces the least.
+    #[test]
+    fn angles_of_the_references() {
+        let Some(spot) = reference_mesh("models/spot.obj.gz") else { return };
+        let tenth = reference_mesh("models/spot__q10.obj.gz").unwrap();
+        let found = compared(&spot, &tenth).unwrap();
+        let angles = &found.original_fields[0].values;
+        let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+        assert!((mean - 13.008_381_205_312_643).abs() < 1e-6, "{mean}");
+        let places = [0, 1000, 5000].map(|face| angles[face]);
+        for (angle, expected) in
+            places.into_iter().zip([4.789_890_711_9, 18.124_396_686_4, 57.218_339_278])
+        {
+            assert!((angle - expected).abs() < 1e-6, "{angle} {expected}");
+        }
+        let largest = angles.iter().copied().fold(0.0, f64::max);
+        assert!((largest - 130.520_078_756_4).abs() < 1e-6, "{largest}");
     }
 }

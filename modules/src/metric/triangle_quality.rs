@@ -198,6 +198,7 @@ fn angle_range_rad(corners: [DVec3; 3]) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::mesh::fixtures::{mesh_of, tetrahedron};
+    use crate::mesh::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Comparison {
         TriangleQualityMetric.compare(a, b, Control::none()).unwrap()
@@ -241,5 +242,23 @@ mod tests {
             ["1 faces of the simplified mesh are not finite and do not count"]
         );
         assert!(found.simplified_fields[0].values[3].is_nan());
+    }
+
+    /// Qualities of pymeshlab 2025.7, which computes in `f32`, and angles of trimesh.
+    #[test]
+    fn shapes_of_the_references_are_those_of_other_programs() {
+        let Some(spot) = reference_mesh("models/spot.obj.gz") else { return };
+        let half = reference_mesh("models/spot__q50.obj.gz").unwrap();
+        let found = compared(&spot, &half);
+        let is = |name: &str, value: f64, tolerance: f64| {
+            let found = found.scalar(name).unwrap();
+            assert!((found - value).abs() < tolerance, "{name}: {found} {value}");
+        };
+        is("original_quality", 0.818_083_986_5, 1e-6);
+        is("quality", 0.780_764_355_5, 1e-6);
+        is("least_quality", 0.054_966_594_3, 1e-6);
+        is("mean_least_angle", 36.851_269_395_891_92, 1e-9);
+        is("least_angle", 7.931_019_921_879_359, 1e-9);
+        is("largest_angle", 160.779_758_762_325_78, 1e-6);
     }
 }

@@ -105,6 +105,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::fixtures::cube;
+    use crate::mesh::test_models::reference_mesh;
 
     #[test]
     fn a_cube_that_moved_by_its_side() {
@@ -117,5 +118,25 @@ mod tests {
         assert_eq!(found.original_fields[0].values, [1.0; 8]);
         let nothing = VertexShiftMetric.compare(&mesh, &TriMesh::default(), Control::none());
         assert!(nothing.unwrap_err().to_string().starts_with("the simplified mesh has no vertex"));
+    }
+
+    /// Distances of scipy's `cKDTree`.
+    #[test]
+    fn shifts_of_the_references() {
+        let Some(spot) = reference_mesh("models/spot.obj.gz") else { return };
+        let cases = [
+            ("q50", [0.007_387_308_776_085_803, 0.034_208_906_948_246_09]),
+            ("q10", [0.022_293_136_166_185_078, 0.070_446_101_978_949_02]),
+            ("noise", [0.001_010_119_276_290_762_7, 0.001_999_339_395_179_997]),
+        ];
+        for (name, expected) in cases {
+            let other = reference_mesh(&format!("models/spot__{name}.obj.gz")).unwrap();
+            let found = VertexShiftMetric.compare(&spot, &other, Control::none()).unwrap();
+            let values = ["mean_relative", "max_relative"].map(|name| found.scalar(name).unwrap());
+            for (value, expected) in values.into_iter().zip(expected) {
+                assert!((value - expected).abs() < 1e-10, "{name}: {value} {expected}");
+            }
+            assert_eq!(found.scalar("by_index"), Some(f64::from(u8::from(name == "noise"))));
+        }
     }
 }

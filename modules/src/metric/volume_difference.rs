@@ -107,6 +107,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::fixtures::{cube, mesh_of, tetrahedron};
+    use crate::mesh::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Comparison {
         VolumeDifferenceMetric.compare(a, b, Control::none()).unwrap()
@@ -141,5 +142,16 @@ mod tests {
         let flat = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
         assert_eq!(compared(&flat, &flat).scalar("volume_difference"), Some(0.0));
         assert!(compared(&flat, &open).scalar("volume_difference").unwrap().is_nan());
+    }
+
+    #[test]
+    fn volumes_of_the_references_are_those_of_trimesh() {
+        let Some(spot) = reference_mesh("models/spot.obj.gz") else { return };
+        let tenth = reference_mesh("models/spot__q10.obj.gz").unwrap();
+        let found = compared(&spot, &tenth);
+        let [before, after] = [0.718_258_788_099_864_7, 0.707_990_023_709_164];
+        assert!((found.scalar("original_volume").unwrap() - before).abs() < 1e-12);
+        let part = found.scalar("volume_difference").unwrap();
+        assert!((part - (before - after) / before).abs() < 1e-12, "{part}");
     }
 }

@@ -153,12 +153,12 @@ mod tests {
     fn bars_are_as_high_as_their_values() {
         let image = chart(&[1.0, 4.0, 0.0, 2.0], false).draw();
         assert_eq!((image.width, image.height), (400, 240));
-        let bars = [120, 200, 280, 380].map(|x| bar(&image, x) as f64);
+        let bars = [80, 170, 260, 350].map(|x| bar(&image, x) as f64);
         assert!(bars[1] > 120.0 && bars[2] == 0.0, "{bars:?}");
         assert!((bars[0] / bars[1] - 0.25).abs() < 0.01 && (bars[3] / bars[1] - 0.5).abs() < 0.01);
         // A decade more is as much higher again.
         let image = chart(&[1.0, 10.0, 100.0, 1000.0], true).draw();
-        let bars = [120, 200, 280, 380].map(|x| bar(&image, x) as f64);
+        let bars = [80, 170, 260, 350].map(|x| bar(&image, x) as f64);
         let steps = [bars[1] - bars[0], bars[2] - bars[1], bars[3] - bars[2]];
         assert!(
             steps.iter().all(|step| (step - steps[0]).abs() <= 1.0 && *step > 30.0),

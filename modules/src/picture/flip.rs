@@ -265,8 +265,17 @@ impl Planes {
         };
         let edges = [filter(first, gaussian, 0.0)?, filter(gaussian, first, 0.25)?];
         let points = [filter(second, gaussian, 0.5)?, filter(gaussian, second, 0.75)?];
-        let length = |[x, y]: &[Vec<f64>; 2], at: usize| x[at].hypot(y[at]);
-        Ok((0..luminance.len()).map(|at| [length(&edges, at), length(&points, at)]).collect())
+        let length = |[x, y]: &[Vec<f64>; 2], at: usize| (x[at] * x[at] + y[at] * y[at]).sqrt();
+        let mut features = vec![[0.0; 2]; luminance.len()];
+        let width = self.width;
+        features.par_chunks_mut(width).enumerate().try_for_each(|(y, row)| {
+            control.at(1.0)?;
+            for (x, feature) in row.iter_mut().enumerate() {
+                *feature = [&edges, &points].map(|kind| length(kind, y * width + x));
+            }
+            Ok(())
+        })?;
+        Ok(features)
     }
 
     /// What the eye sees of the colors, as [`ColorSpace::hunt_lab`].
@@ -285,7 +294,11 @@ impl Planes {
                 seen.iter_mut().zip(filtered).for_each(|(seen, value)| seen[k] += value);
             }
         }
-        seen.par_iter_mut().for_each(|color| *color = space.hunt_lab(space.rgb(*color)));
+        seen.par_chunks_mut(self.width).try_for_each(|row| {
+            control.at(1.0)?;
+            row.iter_mut().for_each(|color| *color = space.hunt_lab(space.rgb(*color)));
+            Ok(())
+        })?;
         Ok(seen)
     }
 }

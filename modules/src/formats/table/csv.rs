@@ -36,53 +36,26 @@ pub fn read_csv(
     control: Control,
 ) -> Result<(Table, Vec<String>), ReadError> {
     let separator = options.separator.unwrap_or_else(|| separator_of(bytes));
-    let mut names = Vec::new();
-    let mut is_text: Vec<bool> = Vec::new();
-    let mut has_number: Vec<bool> = Vec::new();
-    let mut n_rows = 0_usize;
-    each_record(bytes, separator, control.part(0.0, 0.5), |record, line| {
-        let Some(n_columns) = Some(names.len()).filter(|n| *n > 0) else {
-            names = record.iter().map(|cell| name_from_bytes(cell.trim_ascii())).collect();
-            (is_text, has_number) = (vec![false; names.len()], vec![false; names.len()]);
-            return Ok(());
-        };
-        if record.len() != n_columns {
-            return Err(ReadError::Wrong(format!(
-                "line {line} has {} cells, but the first line names {n_columns} columns (cells are \
-                 split at {})",
-                record.len(),
-                name_of(separator)
-            )));
-        }
-        n_rows += 1;
-        for (column, cell) in record.iter().enumerate() {
-            match Cell::of(cell, options.has_decimal_comma) {
-                Cell::Missing => {}
-                Cell::Number(_) => has_number[column] = true,
-                Cell::Text => is_text[column] = true,
-            }
-        }
-        Ok(())
-    })?;
+    let (heads, n_rows) = heads(bytes, separator, options, control.part(0.0, 0.5))?;
+    let mut names: Vec<String> = heads.iter().map(|head| head.name.clone()).collect();
     let mut warnings = Vec::new();
-    let wanted: Vec<bool> = names.iter().map(|name| options.text_columns.contains(name)).collect();
     let n_changed = distinct(&mut names);
     if n_changed > 0 {
         warnings.push(format!(
             "{n_changed} columns without a name, or with that of another one, have a new one"
         ));
     }
-    let column = |(place, name): (usize, String)| {
-        let is_numeric = has_number[place] && !is_text[place] && !wanted[place];
-        match is_numeric {
+    let column = |(head, name): (&ColumnHead, String)| {
+        let is_forced = options.text_columns.contains(&head.name);
+        match head.has_number && !head.has_text && !is_forced {
             true => TableColumn::numbers(name, Vec::with_capacity(n_rows)),
             false => TableColumn::texts(name, Vec::with_capacity(n_rows)),
         }
     };
-    let mut columns: Vec<TableColumn> = names.into_iter().enumerate().map(column).collect();
-    let mut is_head = true;
+    let mut columns: Vec<TableColumn> = heads.iter().zip(names).map(column).collect();
+    let mut is_first = true;
     each_record(bytes, separator, control.part(0.5, 1.0), |record, _| {
-        if std::mem::take(&mut is_head) {
+        if std::mem::take(&mut is_first) {
             return Ok(());
         }
         for (cell, column) in record.iter().zip(&mut columns) {
@@ -100,6 +73,51 @@ pub fn read_csv(
         Ok(())
     })?;
     Ok((Table { columns }, warnings))
+}
+
+/// The name of a column, as the file has it, and what its cells are.
+struct ColumnHead {
+    name: String,
+    has_number: bool,
+    has_text: bool,
+}
+
+/// Looks through the file: its columns, and how many rows there are.
+fn heads(
+    bytes: &[u8],
+    separator: u8,
+    options: &CsvOptions,
+    control: Control,
+) -> Result<(Vec<ColumnHead>, usize), ReadError> {
+    let mut heads: Vec<ColumnHead> = Vec::new();
+    let mut n_rows = 0;
+    each_record(bytes, separator, control, |record, line| {
+        if heads.is_empty() {
+            let name = |cell: &[u8]| name_from_bytes(cell.trim_ascii());
+            let head = |cell| ColumnHead { name: name(cell), has_number: false, has_text: false };
+            heads = record.iter().map(head).collect();
+            return Ok(());
+        }
+        if record.len() != heads.len() {
+            return Err(ReadError::Wrong(format!(
+                "line {line} has {} cells, but the first line names {} columns (cells are split at \
+                 {})",
+                record.len(),
+                heads.len(),
+                name_of(separator)
+            )));
+        }
+        n_rows += 1;
+        for (head, cell) in heads.iter_mut().zip(record.iter()) {
+            match Cell::of(cell, options.has_decimal_comma) {
+                Cell::Missing => {}
+                Cell::Number(_) => head.has_number = true,
+                Cell::Text => head.has_text = true,
+            }
+        }
+        Ok(())
+    })?;
+    Ok((heads, n_rows))
 }
 
 /// What a cell holds.
@@ -144,7 +162,6 @@ fn each_record(
     let mut record = ByteRecord::new();
     let mut count = 0;
     loop {
-        let line = reader.position().line();
         let is_there = reader.read_byte_record(&mut record);
         if !is_there.map_err(|error| ReadError::Wrong(error.to_string()))? {
             return Ok(());
@@ -153,7 +170,13 @@ fn each_record(
             control.at(reader.position().byte() as f64 / bytes.len().max(1) as f64)?;
         }
         count += 1;
-        take(&record, record.position().map_or(line, csv::Position::line))?;
+        let line = record.position().map_or(0, |start| {
+            // A record begins with the empty lines before it.
+            let rest = bytes.get(start.byte() as usize..).unwrap_or_default();
+            let ends = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+            start.line() + ends.filter(|byte| **byte == b'\n').count() as u64
+        });
+        take(&record, line)?;
     }
 }
 

@@ -7,8 +7,8 @@ use mve_core::Control;
 
 use crate::data::{ColumnValues, Table, TableColumn, name_to_bytes};
 
-/// Rows or values between two looks whether the work was cancelled.
-const PAUSE: usize = 1 << 12;
+/// Cells between two looks whether the work was cancelled.
+const PAUSE: usize = 1 << 15;
 
 /// Writes a table as CSV: a line with the names of the columns, behind them in parentheses their
 /// units if these are asked for, and a line a row. A number that is missing is `NaN`.
@@ -32,8 +32,9 @@ pub fn write_csv(
         writer.write_record(head.map(|name| name_to_bytes(&name).into_owned()))?;
     }
     let mut digits = zmij::Buffer::new();
+    let pause = PAUSE / table.columns.len().clamp(1, PAUSE);
     for row in 0..n_rows {
-        if row % PAUSE == 0 {
+        if row.is_multiple_of(pause) {
             control.at(row as f64 / n_rows as f64).map_err(io::Error::other)?;
         }
         for column in &table.columns {
@@ -74,7 +75,7 @@ pub fn write_json_columns(table: &Table, out: &mut dyn Write, control: Control) 
         };
         write!(out, "\"kind\": \"{kind}\", \"values\": [")?;
         for row in 0..column.values.len() {
-            if row % PAUSE == 0 {
+            if row.is_multiple_of(PAUSE) {
                 control.at(0.0).map_err(io::Error::other)?;
             }
             out.write_all(if row == 0 { b"" } else { b", " })?;
@@ -95,8 +96,9 @@ pub fn write_json_records(table: &Table, out: &mut dyn Write, control: Control) 
     let names = names.collect::<io::Result<Vec<_>>>()?;
     let n_rows = table.n_rows();
     out.write_all(b"[")?;
+    let pause = PAUSE / table.columns.len().clamp(1, PAUSE);
     for row in 0..n_rows {
-        if row % PAUSE == 0 {
+        if row.is_multiple_of(pause) {
             control.at(row as f64 / n_rows as f64).map_err(io::Error::other)?;
         }
         out.write_all(if row == 0 { b"\n  {" } else { b",\n  {" })?;
