@@ -102,7 +102,7 @@ fn loading_a_large_file_stops() {
 fn a_metric_on_large_pictures_stops() {
     let mesh = vase(&VaseOptions::DEFAULT);
     let module = registry().find("MeshComparer").expect("the module").module;
-    for metric in ["ImageRms", "ImageSsim"] {
+    for metric in ["ImageRms", "ImageSsim", "Flip"] {
         let large = serde_json::json!({ metric: { "cameras": "Direction", "resolution": 4096 } });
         stops(|| {
             let trial = Trial::of(module).input("original", mesh.clone());

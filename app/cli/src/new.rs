@@ -17,7 +17,7 @@ const MAP: &str = include_str!("templates/map.json");
   mve new cost CurvatureWeighted
   mve new image-cost ImageAbsolute
   mve new placement Centroid
-  mve new metric NormalDeviation
+  mve new metric Roundness
   mve new loader GtsLoader
   mve new data Landmarks
   mve new view Landmarks")]
@@ -68,7 +68,7 @@ enum What {
     ///
     /// Works inside a checkout of mve: writes modules/src/metric/NAME.rs.
     Metric {
-        /// Id in CamelCase, such as NormalDeviation
+        /// Id in CamelCase, such as Roundness
         name: String,
     },
     /// Write a loader of a file format, with a test, and enter it in the list of its folder

@@ -11,6 +11,7 @@ mod polygon;
 mod raw_mesh;
 mod save;
 pub mod stl;
+pub mod table;
 pub mod texture_file;
 pub mod warnings;
 mod words;

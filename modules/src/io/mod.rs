@@ -14,6 +14,8 @@ mve_core::modules! { "io":
     png_saver,
     stl_loader,
     stl_saver,
+    table_loader,
+    table_saver,
 }
 
 /// What `mve new loader` begins with.

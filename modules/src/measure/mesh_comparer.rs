@@ -14,11 +14,11 @@ const VALUE_OUT: Out<f64> =
         .giving(METRIC.first_quantity());
 const ORIGINAL_FIELD_OUT: Out<Field> = Out::new(
     "original_field",
-    "The difference at each vertex of the original; empty if the metric has none.",
+    "The difference at each vertex or face of the original; empty if the metric has none.",
 );
 const SIMPLIFIED_FIELD_OUT: Out<Field> = Out::new(
     "simplified_field",
-    "The difference at each vertex of the simplified mesh; empty if the metric has none.",
+    "The difference at each vertex or face of the simplified mesh; empty if the metric has none.",
 );
 
 const ORIGINAL_IMAGES_OUT: Out<Images> =

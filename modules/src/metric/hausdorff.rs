@@ -130,10 +130,20 @@ const EDGE_SAMPLES: Param<i64> = Param::integer(
 .between((0, 1_000_000_000))
 .mostly((0, 10_000_000));
 
+const MAX_PARTS: Param<i64> = Param::integer(
+    "max_parts",
+    "Parts of faces that the search for the maximum may look at on each mesh, beyond all faces and \
+     their quarters. Where that is not enough, max_upper_bound says how well it is known; more take \
+     more time and memory.",
+    DEFAULT.max_parts as i64,
+)
+.between((0, 1_000_000_000))
+.mostly((100_000, 10_000_000));
+
 pub static METRIC: Entry<MakeMetric> = Entry {
     id: "Hausdorff",
     summary: "Distances between the two surfaces in both directions: maximum, mean and RMS.",
-    params: &[SAMPLES.spec(), SEED.spec(), TOLERANCE.spec(), EDGE_SAMPLES.spec()],
+    params: &[SAMPLES.spec(), SEED.spec(), TOLERANCE.spec(), EDGE_SAMPLES.spec(), MAX_PARTS.spec()],
     build: MakeMetric { quantities: QUANTITIES, make },
 };
 
@@ -143,7 +153,7 @@ fn make(settings: &Settings) -> Result<Box<dyn Metric>, ModuleError> {
         seed: settings.get(&SEED)?.0,
         max_tolerance: settings.get(&TOLERANCE)?,
         n_edge_samples: settings.get(&EDGE_SAMPLES)? as usize,
-        ..DEFAULT
+        max_parts: settings.get(&MAX_PARTS)? as usize,
     };
     Ok(Box::new(HausdorffMetric { options }))
 }
@@ -240,8 +250,12 @@ fn warnings(found: &Hausdorff) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use mve_core::testing::Trial;
+    use serde_json::json;
+
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
+    use crate::mesh::fixtures::{mesh_of, tetrahedron, torus};
+    use crate::registry;
 
     #[test]
     fn two_squares_at_a_quarter_of_their_diagonal() {
@@ -267,5 +281,21 @@ mod tests {
             .compare(&tetrahedron(), &TriMesh::default(), Control::none())
             .unwrap_err();
         assert!(error.to_string().contains("simplified mesh has no faces"), "{error}");
+    }
+
+    #[test]
+    fn more_parts_bound_the_maximum_better() {
+        let (fine, coarse) = (torus(2.0, 0.5, 20), torus(2.02, 0.45, 13));
+        let gap = |max_parts: f64| {
+            let trial = Trial::of(registry().find("MeshComparer").unwrap().module);
+            let params = json!({ "Hausdorff": { "max_parts": max_parts, "tolerance": 1e-6 } });
+            let trial = trial.set("metric", params).input("original", fine.clone());
+            let outputs = trial.input("simplified", coarse.clone()).run().unwrap();
+            let measures = outputs["measures"].get::<Measures>().unwrap();
+            let of = |name| measures.0.iter().find(|measure| measure.name == name).unwrap().value;
+            of("max_upper_bound") - of("max")
+        };
+        let [none, many] = [gap(0.0), gap(1e6)];
+        assert!(none > 10.0 * many && many >= 0.0, "{none} {many}");
     }
 }

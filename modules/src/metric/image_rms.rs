@@ -17,7 +17,8 @@ use mve_core::{Control, Entry};
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::{Image, Images, Measure};
+use crate::data::{Images, Measure};
+use crate::picture::difference::{absolute_difference, sum_of_squares};
 use crate::picture::view::View;
 use crate::prelude::*;
 
@@ -81,7 +82,7 @@ impl Metric for ImageRmsMetric {
         let mut errors = Vec::with_capacity(pair.original.0.len());
         for (a, b) in pair.original.0.iter().zip(&pair.simplified.0) {
             control.at(1.0)?;
-            let difference = difference(a, b);
+            let difference = absolute_difference(a, b);
             errors.push(sum_of_squares(&difference));
             differences.push(difference);
         }
@@ -102,15 +103,6 @@ impl Metric for ImageRmsMetric {
             ..Comparison::default()
         })
     }
-}
-
-fn difference(a: &Image, b: &Image) -> Image {
-    let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b)).collect();
-    Image { bytes, ..a.clone() }
-}
-
-fn sum_of_squares(image: &Image) -> u64 {
-    image.bytes.iter().map(|&byte| u64::from(byte) * u64::from(byte)).sum()
 }
 
 #[cfg(test)]

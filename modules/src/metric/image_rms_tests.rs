@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::cost::EdgeLength;
-use crate::data::{Domain, LayerValues, PixelKind, VertexId};
+use crate::data::{Domain, Image, LayerValues, PixelKind, VertexId};
 use crate::geometry::simplify::collapse::{Boundary, SimplifyOptions, Stop, simplify};
 use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, textured};
 use crate::metric::pictures::tests::{check_contract, small};

@@ -1,19 +1,17 @@
 //! How similar pictures of the two meshes are: SSIM.
 //!
 //! See [`crate::picture::ssim`] for the index, and [`crate::metric::ImageRmsMetric`] for how
-//! pictures are taken and why. Pictures in color are compared by luminance, as Wang et al. do:
-//! the bytes of red, green and blue weighted as in ITU-R BT.601, rounded to a byte. Where hues
-//! differ and luminance does not, that sees nothing, so such pictures are compared by channel, too
-//! (`channel_axis` of scikit-image, `skimage.metrics.structural_similarity`).
+//! pictures are taken and why. [`crate::picture::difference`] says how pictures in color are
+//! compared.
 
 use mve_core::{Control, Entry};
 use rayon::prelude::*;
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::{Image, Images, Measure, PixelKind};
-use crate::picture::render::{luma, to_byte};
-use crate::picture::ssim::{Ssim, SsimError, ssim};
+use crate::data::{Images, Measure};
+use crate::picture::difference::{Similarity, similarity};
+use crate::picture::ssim::SsimError;
 use crate::picture::view::View;
 use crate::prelude::*;
 
@@ -60,15 +58,6 @@ pub struct ImageSsimMetric {
     pub view: View,
 }
 
-/// What is kept of a camera: the map as a picture, and the means.
-struct Index {
-    map: Image,
-    interior: f64,
-    whole: f64,
-    /// The mean over the channels, of pictures in color.
-    of_channels: Option<f64>,
-}
-
 impl Metric for ImageSsimMetric {
     fn bytes(&self, original: &TriMesh, simplified: &TriMesh) -> usize {
         // Of two pictures, on each thread: the map in full, twice in color, and a channel of each;
@@ -91,9 +80,9 @@ impl Metric for ImageSsimMetric {
         let (pair, warnings) = take_pair(view, original, simplified, before)?;
         let steps = control.part(0.5, 1.0).steps(pair.original.0.len());
         let both = pair.original.0.par_iter().zip(&pair.simplified.0);
-        let found: Result<Vec<Index>, MetricError> = both
+        let found: Result<Vec<Similarity>, MetricError> = both
             .map(|(a, b)| {
-                let index = compare(a, b, &control.part(0.5, 0.5))?;
+                let index = similarity(a, b, control.part(0.5, 0.5)).map_err(of_metric)?;
                 steps.step()?;
                 Ok(index)
             })
@@ -110,36 +99,16 @@ impl Metric for ImageSsimMetric {
     }
 }
 
-fn compare(a: &Image, b: &Image, control: &Control) -> Result<Index, MetricError> {
-    let size = [a.width, a.height];
-    let index = |a: &[u8], b: &[u8]| {
-        ssim(a, b, size, *control).map_err(|error| match error {
-            SsimError::Cancelled(cancelled) => cancelled.into(),
-            other => MetricError::Failed(other.to_string()),
-        })
-    };
-    // Pictures have at least 16 pixels a side, so there is an interior.
-    let inside = |found: &Ssim| found.interior.unwrap_or(f64::NAN);
-    let found = index(&luma(a), &luma(b))?;
-    let of_channels = match a.kind {
-        PixelKind::Gray => None,
-        PixelKind::Rgb => {
-            let channel = |image: &Image, k: usize| -> Vec<u8> {
-                image.bytes.chunks_exact(3).map(|pixel| pixel[k]).collect()
-            };
-            let of_channel = |k| Ok(inside(&index(&channel(a, k), &channel(b, k))?));
-            let [red, green, blue]: [Result<f64, MetricError>; 3] = [0, 1, 2].map(of_channel);
-            Some((red? + green? + blue?) / 3.0)
-        }
-    };
-    let (interior, whole) = (inside(&found), found.whole);
-    let bytes = found.map.into_iter().map(to_byte).collect();
-    let map = Image { bytes, kind: PixelKind::Gray, name: a.name.clone(), ..*a };
-    Ok(Index { map, interior, whole, of_channels })
+fn of_metric(error: SsimError) -> MetricError {
+    match error {
+        SsimError::Cancelled(cancelled) => cancelled.into(),
+        other => MetricError::Failed(other.to_string()),
+    }
 }
 
-fn scalars(found: &[Index]) -> Vec<Measure> {
-    let mean = |value: fn(&Index) -> f64| found.iter().map(value).sum::<f64>() / found.len() as f64;
+fn scalars(found: &[Similarity]) -> Vec<Measure> {
+    let mean =
+        |value: fn(&Similarity) -> f64| found.iter().map(value).sum::<f64>() / found.len() as f64;
     let index = mean(|index| index.interior);
     let mut scalars = vec![
         Measure::of(&SSIM, index),
@@ -177,40 +146,6 @@ mod tests {
         assert_eq!(found.scalars.len(), 3 + 24);
         let maps = &found.difference_images.0;
         assert!(maps.iter().flat_map(|map| &map.bytes).all(|&byte| byte == 255));
-    }
-
-    /// A picture of 32 by 24 pixels, by column and row.
-    fn color(pixel: impl Fn(u32, u32) -> [u32; 3]) -> Image {
-        let of_pixel = |k: u32| pixel(k % 32, k / 32).map(|value| (value % 256) as u8);
-        let bytes = (0..32 * 24).flat_map(of_pixel).collect();
-        Image { name: "a".to_owned(), width: 32, height: 24, kind: PixelKind::Rgb, bytes }
-    }
-
-    #[test]
-    fn pictures_in_color_have_the_indices_of_scikit_image() {
-        let a = color(|x, y| [x * 7 + y * 3, x * y, 200 - 5 * y]);
-        let b = color(|x, y| [x * 7 + y * 3 + x / 8 * 9, x * y + 13, 190 - 5 * y + x]);
-        let found = compare(&a, &b, &Control::none()).unwrap();
-        // scikit-image 0.26.0: structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
-        // use_sample_covariance=False, data_range=255), of (299 r + 587 g + 114 b + 500) // 1000,
-        // the mean of its full map, and with channel_axis=2.
-        assert!((found.interior - 0.800_768_647_650_929_6).abs() < 1e-12, "{}", found.interior);
-        assert!((found.whole - 0.792_933_811_900_994_7).abs() < 1e-12, "{}", found.whole);
-        let of_channels = found.of_channels.unwrap();
-        assert!((of_channels - 0.879_495_689_271_128_4).abs() < 1e-12, "{of_channels}");
-        assert_eq!((found.map.kind, found.map.bytes.len()), (PixelKind::Gray, 32 * 24));
-    }
-
-    #[test]
-    fn hues_of_one_luminance_differ_by_channel_alone() {
-        // 299 · 100 is 587 · 51 but for 37 thousandths: both are 30.
-        let (red, green) = (color(|_, _| [100, 0, 0]), color(|_, _| [0, 51, 0]));
-        let found = compare(&red, &green, &Control::none()).unwrap();
-        assert_eq!(found.interior, 1.0);
-        // Without variance only the means count: 6.5025 / (100² + 6.5025), 6.5025 / (51² + 6.5025)
-        // and 1.
-        let expected = (6.5025 / 10_006.502_5 + 6.5025 / 2_607.502_5 + 1.0) / 3.0;
-        assert!((found.of_channels.unwrap() - expected).abs() < 1e-9);
     }
 
     #[test]

@@ -4,8 +4,10 @@
 //! on either mesh and images, whichever of them it has. A new metric is a file with a
 //! `pub static METRIC`, and its name in the list below.
 
+mod nearest;
 mod perception;
 mod pictures;
+mod surface_sums;
 
 use thiserror::Error;
 
@@ -22,7 +24,9 @@ pub use crate::geometry::distance::hausdorff::MeshRole;
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =
-        METRIC in hausdorff, image_rms, image_ssim, msdm, msdm2;
+        METRIC in
+            area_ratio, attribute_deviation, dame, flip, fmpd, hausdorff, image_rms, image_ssim, msdm, msdm2,
+            normal_deviation, triangle_quality, vertex_shift, volume_difference;
 }
 
 /// All metrics, for the parameters of modules.

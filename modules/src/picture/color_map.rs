@@ -225,7 +225,7 @@ fn set_pixel(image: &mut Image, [x, y]: [usize; 2], color: [u8; 3]) {
 
 /// Round numbers within the range, each with its place from 0 to 1 and its label: four to eight
 /// multiples of 1, 2 or 5 times a power of ten. A range of length 0 has one in its middle.
-fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
+pub fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let span = 0.5 * high - 0.5 * low;
     let rough = span / 3.0;
     let power = rough.log10().floor();

@@ -35,7 +35,7 @@ fn modules_are_listed_and_described() {
     assert!(found.says("Simplificator").out.ends_with("3 modules; `mve modules ID` tells more\n"));
     folder.mve(&["modules", "hausdorff"]).succeeds().says("MeshComparer");
     let found = folder.mve(&["modules", "albedo"]).succeeds().says("Render");
-    let found = found.says("in metric.ImageRms, metric.ImageSsim\n");
+    let found = found.says("in metric.Flip, metric.ImageRms, metric.ImageSsim\n");
     found.says("in cost.ImageMse, cost.ImageSsim\n");
     let part = folder.mve(&["modules", "MeshComparer.ImageSsim"]).succeeds();
     let part =

@@ -16,5 +16,7 @@ mod items;
 mod lists;
 pub mod many;
 pub mod point_triangle;
+pub mod pointwise;
 mod polygon;
 pub mod sample;
+pub mod vertex_shift;

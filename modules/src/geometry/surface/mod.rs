@@ -2,6 +2,7 @@
 //! and split.
 
 pub mod components;
+pub mod field_statistics;
 pub mod folds;
 pub mod mesh_info;
 pub mod normals;
