@@ -1,10 +1,11 @@
-//! Modules that take a mesh and give a mesh.
+//! Modules that take a mesh and change it, or say what of it others are to change.
 
 mve_core::modules! { "filters":
     clean,
     color_map,
     crop,
     delete_faces,
+    field_math,
     fill_holes,
     flip_faces,
     merge,
@@ -13,6 +14,7 @@ mve_core::modules! { "filters":
     normalize,
     orient_faces,
     refit,
+    select,
     simplificator,
     smooth,
     split_components,
