@@ -1,6 +1,7 @@
 //! Modules that take a mesh and change it, or say what of it others are to change.
 
 mve_core::modules! { "filters":
+    ambient_occlusion,
     clean,
     color_map,
     crop,
@@ -14,11 +15,13 @@ mve_core::modules! { "filters":
     normalize,
     orient_faces,
     refit,
+    remesh,
     select,
     simplificator,
     smooth,
     split_components,
     subdivide,
+    transfer_attributes,
     transform,
     weld,
 }
