@@ -52,6 +52,11 @@ impl ModuleError {
         Self::Input { port: port.name.to_owned(), message: message.into() }
     }
 
+    /// The same of an optional one.
+    pub fn maybe_input<T>(port: &MaybeIn<T>, message: impl Into<String>) -> Self {
+        Self::Input { port: port.name.to_owned(), message: message.into() }
+    }
+
     /// An error about this parameter.
     pub fn param<T>(param: &Param<T>, message: impl Into<String>) -> Self {
         Self::Param { name: param.spec.name.to_owned(), message: message.into() }

@@ -35,6 +35,8 @@ pub fn registry() -> Registry {
 
 /// Words of other programs for what modules do here, and words that declarations have for it.
 pub static SYNONYMS: &[Synonym] = &[
+    ("bake", "nearest points"),
+    ("calculator", "formula"),
     ("clip", "cuts away"),
     ("decimate", "simplif"),
     ("decimation", "simplif"),
@@ -44,12 +46,12 @@ pub static SYNONYMS: &[Synonym] = &[
     ("export", "save"),
     ("image", "picture"),
     ("import", "load"),
+    ("isotropic", "even size"),
     ("lod", "simplif"),
     ("open", "load"),
     ("read", "load"),
     ("reduce", "simplif"),
     ("refine", "cuts every face"),
-    ("remesh", "simplif"),
     ("repair", "manifold"),
     ("rotate", "turns"),
     ("screenshot", "picture"),

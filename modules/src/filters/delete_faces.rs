@@ -1,50 +1,49 @@
-//! Deletes faces by the values of a field.
+//! Deletes the faces of a selection.
 
 use crate::geometry::edit::rebuild::{Isolated, with_faces};
+use crate::geometry::select::chosen::{CornerRule, chosen_faces};
 use crate::prelude::*;
 
 #[derive(Clone, Copy)]
 enum Corners {
     All,
     Any,
-    Mean,
+    Most,
 }
 
 impl Enumeration for Corners {
     const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("All", "All of its corners are in the range."),
+        ("All", "All of its corners are."),
         ("Any", "One of its corners is."),
-        ("Mean", "The mean of its corners is."),
+        ("Most", "Two of its corners are."),
     ];
-    const VALUES: &'static [Self] = &[Self::All, Self::Any, Self::Mean];
+    const VALUES: &'static [Self] = &[Self::All, Self::Any, Self::Most];
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum Which {
-    InRange,
-    OutOfRange,
+    Selected,
+    Others,
 }
 
 impl Enumeration for Which {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("InRange", "Faces in the range."),
-        ("OutOfRange", "All others, those whose value is not a number among them."),
-    ];
-    const VALUES: &'static [Self] = &[Self::InRange, Self::OutOfRange];
+    const NAMES: &'static [(&'static str, &'static str)] =
+        &[("Selected", "Faces of the selection."), ("Others", "All others.")];
+    const VALUES: &'static [Self] = &[Self::Selected, Self::Others];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
-const FIELD_IN: In<Field> = In::new("field", "One number for each vertex, corner or face of it.");
-const LOW: Param<Option<f64>> =
-    Param::maybe_number("low", "Lower end of the range, which belongs to it. Off: none.", None);
-const HIGH: Param<Option<f64>> =
-    Param::maybe_number("high", "Upper end of the range, which belongs to it. Off: none.", None);
+const SELECTION_IN: In<Field> = In::new(
+    "selection",
+    "Its faces, or the vertices or corners that decide of them: 1 for those that are chosen, 0 for \
+     others, as Select gives it.",
+);
 const CORNERS: Param<Corners> = Param::one_of(
     "corners",
-    "When a face is in the range, where the field is over vertices or corners.",
+    "When a face is chosen, where the selection is over vertices or corners.",
     "All",
 );
-const DELETE: Param<Which> = Param::one_of("delete", "What is deleted.", "InRange");
+const DELETE: Param<Which> = Param::one_of("delete", "What is deleted.", "Selected");
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The faces that are left, in their order and with their layers; vertices that lose all of \
@@ -54,37 +53,24 @@ const DELETED_OUT: Out<f64> = Out::number(Quantity::new("deleted", "Faces that w
 
 pub static MODULE: Module = Module {
     id: "DeleteFaces",
-    summary: "Deletes the faces on which a field is in a range, or all others.",
-    inputs: &[MESH_IN.spec(), FIELD_IN.spec()],
+    summary: "Deletes the faces of a selection, or all others.",
+    inputs: &[MESH_IN.spec(), SELECTION_IN.spec()],
     outputs: &[MESH_OUT.spec(), DELETED_OUT.spec()],
-    params: &[LOW.spec(), HIGH.spec(), CORNERS.spec(), DELETE.spec()],
+    params: &[CORNERS.spec(), DELETE.spec()],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let (mesh, field) = (io.get(MESH_IN)?, io.get(FIELD_IN)?);
-    field.check_fits(&mesh).map_err(|message| ModuleError::input(&FIELD_IN, message))?;
-    let low = io.param(LOW)?.unwrap_or(f64::NEG_INFINITY);
-    let high = io.param(HIGH)?.unwrap_or(f64::INFINITY);
-    if low > high {
-        let message = format!("the range from {low} to {high} holds nothing");
-        return Err(ModuleError::param(&LOW, message));
-    }
-    let is_in = |value: f64| low <= value && value <= high;
-    let corners = io.param(CORNERS)?;
-    let of_corners = |values: [f64; 3]| match corners {
-        Corners::All => values.iter().all(|value| is_in(*value)),
-        Corners::Any => values.iter().any(|value| is_in(*value)),
-        Corners::Mean => is_in(values.iter().sum::<f64>() / 3.0),
+    let (mesh, selection) = (io.get(MESH_IN)?, io.get(SELECTION_IN)?);
+    let rule = match io.param(CORNERS)? {
+        Corners::All => CornerRule::All,
+        Corners::Any => CornerRule::Any,
+        Corners::Most => CornerRule::Most,
     };
-    let is_face_in = |face: usize| match field.domain {
-        Domain::Face => is_in(field.values[face]),
-        Domain::Corner => of_corners([0, 1, 2].map(|k| field.values[3 * face + k])),
-        Domain::Vertex => of_corners(mesh.faces[face].map(|v| field.values[v.idx()])),
-    };
-    let deletes_in = io.param(DELETE)? == Which::InRange;
-    let is_kept = |face: usize| is_face_in(face) != deletes_in;
-    let found = with_faces(&mesh, is_kept, Isolated::Kept, io.control())?;
+    let is = chosen_faces(&selection, &mesh, rule)
+        .map_err(|message| ModuleError::input(&SELECTION_IN, message))?;
+    let deletes = io.param(DELETE)? == Which::Selected;
+    let found = with_faces(&mesh, |face| is[face] != deletes, Isolated::Kept, io.control())?;
     if found.faces.is_empty() && !mesh.faces.is_empty() {
         io.warn("nothing is left: all faces were deleted");
     }
@@ -101,9 +87,9 @@ mod tests {
     use crate::prelude::*;
 
     fn trial(domain: Domain, values: &[f64]) -> Trial {
-        let (name, unit) = ("height".to_owned(), String::new());
-        let field = Field { name, unit, domain, values: values.to_vec() };
-        Trial::of(&super::MODULE).input("mesh", tetrahedron()).input("field", field)
+        let (name, unit) = ("selection".to_owned(), String::new());
+        let selection = Field { name, unit, domain, values: values.to_vec() };
+        Trial::of(&super::MODULE).input("mesh", tetrahedron()).input("selection", selection)
     }
 
     fn left(trial: Trial) -> Vec<[u32; 3]> {
@@ -117,32 +103,28 @@ mod tests {
     }
 
     #[test]
-    fn values_of_faces_decide() {
-        let values = [0.0, 1.0, f64::NAN, 3.0];
+    fn chosen_faces_go_or_stay() {
         let run = |which: &str| {
-            left(trial(Domain::Face, &values).set("low", 1.0).set("high", 2.0).set("delete", which))
+            left(trial(Domain::Face, &[0.0, 1.0, f64::NAN, 0.0]).set("delete", which))
         };
-        assert_eq!(run("InRange"), [[0, 2, 1], [0, 3, 2], [1, 2, 3]]);
+        assert_eq!(run("Selected"), [[0, 2, 1], [0, 3, 2], [1, 2, 3]]);
         // Vertex 2 has no face then, and the last one takes its number.
-        assert_eq!(run("OutOfRange"), [[0, 1, 2]]);
+        assert_eq!(run("Others"), [[0, 1, 2]]);
     }
 
     #[test]
     fn corners_decide_as_they_are_told_to() {
-        // Face sums: 0 2 1 → 5, 0 1 3 → 1, 0 3 2 → 4, 1 2 3 → 5.
         let run = |corners: &str| {
-            let trial = trial(Domain::Vertex, &[0.0, 1.0, 4.0, 0.0]).set("low", 1.0);
-            left(trial.set("corners", corners)).len()
+            left(trial(Domain::Vertex, &[0.0, 1.0, 1.0, 0.0]).set("corners", corners)).len()
         };
-        assert_eq!((run("All"), run("Any"), run("Mean")), (4, 0, 1));
+        // The edge from 1 to 2 has two faces; the others have one of the two.
+        assert_eq!((run("All"), run("Any"), run("Most")), (4, 0, 2));
     }
 
     #[test]
     fn what_does_not_fit_is_said() {
         let message = trial(Domain::Face, &[0.0]).run().unwrap_err().to_string();
         assert!(message.contains("1 values"), "{message}");
-        let turned = trial(Domain::Face, &[0.0; 4]).set("low", 2.0).set("high", 1.0);
-        assert!(turned.run().unwrap_err().to_string().contains("holds nothing"));
-        assert!(trial(Domain::Face, &[0.0; 4]).log().unwrap()[0].contains("nothing is left"));
+        assert!(trial(Domain::Face, &[1.0; 4]).log().unwrap()[0].contains("nothing is left"));
     }
 }

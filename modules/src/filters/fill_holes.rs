@@ -1,8 +1,10 @@
 //! Closes holes of a surface.
 //!
-//! Unlike in MeshLab, the best of all triangulations of a hole is found. No vertices are added.
+//! Unlike in MeshLab, the best of all triangulations of a hole is found, and what is filled can go on
+//! as smoothly as the surface around it.
 
 use crate::geometry::edit::holes::{HoleWeight, fill_holes};
+use crate::geometry::remesh::patch::smooth_patches;
 use crate::prelude::*;
 
 impl Enumeration for HoleWeight {
@@ -17,6 +19,23 @@ impl Enumeration for HoleWeight {
     const VALUES: &'static [Self] = &[Self::Angle, Self::Area];
 }
 
+#[derive(Clone, Copy)]
+enum Fill {
+    Flat,
+    Smooth,
+}
+
+impl Enumeration for Fill {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Flat", "Triangles between the vertices of the border alone."),
+        (
+            "Smooth",
+            "As fine as the surface around the hole, and going on as smoothly (Liepa 2003).",
+        ),
+    ];
+    const VALUES: &'static [Self] = &[Self::Flat, Self::Smooth];
+}
+
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 const MAX_EDGES: Param<i64> = Param::integer(
     "max_edges",
@@ -29,6 +48,7 @@ const MAX_EDGES: Param<i64> = Param::integer(
 .unit("edges");
 const WEIGHT: Param<HoleWeight> =
     Param::one_of("weight", "Which triangles fill a hole best.", "Angle");
+const FILL: Param<Fill> = Param::one_of("fill", "How holes are filled.", "Flat");
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The mesh, its new faces behind its own and looking the same way. Corners of new faces have \
@@ -42,17 +62,22 @@ const LEFT_OUT: Out<f64> = Out::number(Quantity::new(
 
 pub static MODULE: Module = Module {
     id: "FillHoles",
-    summary: "Closes holes by triangles between the vertices of their borders.",
+    summary: "Closes holes, flat or as smoothly as the surface around them.",
     inputs: &[MESH_IN.spec()],
     outputs: &[MESH_OUT.spec(), FILLED_OUT.spec(), LEFT_OUT.spec()],
-    params: &[MAX_EDGES.spec(), WEIGHT.spec()],
+    params: &[MAX_EDGES.spec(), WEIGHT.spec(), FILL.spec()],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.get(MESH_IN)?;
     let (max_edges, weight) = (io.param(MAX_EDGES)? as usize, io.param(WEIGHT)?);
-    let found = fill_holes(&mesh, max_edges, weight, io.control())?;
+    let control = io.control();
+    let (end, fill) = match io.param(FILL)? {
+        Fill::Flat => (1.0, None),
+        Fill::Smooth => (0.5, Some(control.part(0.5, 1.0))),
+    };
+    let found = fill_holes(&mesh, max_edges, weight, control.part(0.0, end))?;
     if found.n_too_long > 0 {
         io.warn(format!("{} holes stay: they have more than {max_edges} edges", found.n_too_long));
     }
@@ -64,7 +89,17 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             found.n_unfillable
         ));
     }
-    io.put(MESH_OUT, found.mesh);
+    let filled = match fill {
+        None => found.mesh,
+        Some(part) => {
+            let patched = smooth_patches(found.mesh, mesh.faces.len(), part)?;
+            if !patched.is_solved {
+                io.warn("a hole is too large to be smoothed to the end; it is nearly smooth");
+            }
+            patched.mesh
+        }
+    };
+    io.put(MESH_OUT, filled);
     io.put(FILLED_OUT, found.n_filled as f64);
     io.put(LEFT_OUT, (found.n_too_long + found.n_unfillable) as f64);
     Ok(())

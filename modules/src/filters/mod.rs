@@ -1,10 +1,12 @@
-//! Modules that take a mesh and give a mesh.
+//! Modules that take a mesh and change it, or say what of it others are to change.
 
 mve_core::modules! { "filters":
+    ambient_occlusion,
     clean,
     color_map,
     crop,
     delete_faces,
+    field_math,
     fill_holes,
     flip_faces,
     merge,
@@ -13,10 +15,13 @@ mve_core::modules! { "filters":
     normalize,
     orient_faces,
     refit,
+    remesh,
+    select,
     simplificator,
     smooth,
     split_components,
     subdivide,
+    transfer_attributes,
     transform,
     weld,
 }

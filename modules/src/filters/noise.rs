@@ -1,6 +1,7 @@
 //! Moves vertices at random, to try how a method stands noise.
 
 use crate::geometry::relax::noise::{NoiseDirection, NoiseOptions, Spread, add_noise, mean_edge};
+use crate::geometry::select::chosen::chosen_vertices;
 use crate::geometry::surface::weld::finite_diagonal;
 use crate::prelude::*;
 
@@ -35,6 +36,10 @@ impl Enumeration for NoiseScale {
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
+const SELECTION_IN: MaybeIn<Field> = MaybeIn::new(
+    "selection",
+    "The vertices that move, or faces whose vertices do; all without a link.",
+);
 const SEED: Param<Seed> = Param::seed("seed", "What the random numbers start from.", 0);
 const AMPLITUDE: Param<f64> =
     Param::number("amplitude", "How far vertices move, as a part of the scale.", 0.1)
@@ -53,7 +58,7 @@ const MESH_OUT: Out<TriMesh> = Out::new(
 pub static MODULE: Module = Module {
     id: "Noise",
     summary: "Moves vertices at random, along their normals or in all directions.",
-    inputs: &[MESH_IN.spec()],
+    inputs: &[MESH_IN.spec(), SELECTION_IN.spec()],
     outputs: &[MESH_OUT.spec()],
     params: &[SEED.spec(), AMPLITUDE.spec(), SCALE.spec(), DIRECTION.spec(), SPREAD.spec()],
     run,
@@ -61,6 +66,8 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.take(MESH_IN)?;
+    let chosen = io.maybe(SELECTION_IN).map(|selection| chosen_vertices(&selection, &mesh));
+    let chosen = chosen.transpose().map_err(|why| ModuleError::maybe_input(&SELECTION_IN, why))?;
     let control = io.control();
     let scale = match io.param(SCALE)? {
         NoiseScale::Edge => mean_edge(&mesh, control.part(0.0, 0.4))?,
@@ -72,7 +79,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         direction: io.param(DIRECTION)?,
         spread: io.param(SPREAD)?,
     };
-    let mesh = add_noise(mesh, &options, control.part(0.4, 1.0))?;
+    let mesh = add_noise(mesh, &options, chosen.as_deref(), control.part(0.4, 1.0))?;
     io.put(MESH_OUT, mesh);
     Ok(())
 }
@@ -101,5 +108,10 @@ mod tests {
         }
         assert_ne!(heights(trial().set("seed", 1)), by_edge);
         assert_eq!(heights(trial().set("amplitude", 0.0)), [0.0; 3]);
+        let (name, unit) = ("s".to_owned(), String::new());
+        let values = vec![0.0, 1.0, 0.0];
+        let selection = Field { name, unit, domain: Domain::Vertex, values };
+        let expected = [0.0, by_edge[1], 0.0];
+        assert_eq!(heights(trial().input("selection", selection)), expected);
     }
 }

@@ -6,6 +6,7 @@ use mve_core::Condition;
 
 use crate::geometry::relax::smooth::{SmoothMethod, SmoothOptions, smooth};
 use crate::geometry::relax::weights::{Borders, EdgeWeight};
+use crate::geometry::select::chosen::chosen_vertices;
 use crate::prelude::*;
 
 #[derive(Clone, Copy)]
@@ -56,6 +57,10 @@ impl Enumeration for Borders {
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
+const SELECTION_IN: MaybeIn<Field> = MaybeIn::new(
+    "selection",
+    "The vertices that move, or faces whose vertices do; all without a link. The others hold them.",
+);
 const METHOD: Param<Method> = Param::one_of("method", "How vertices move.", "Taubin");
 const STEPS: Param<i64> =
     Param::integer("steps", "How many steps; 0 leaves the mesh as it is.", 10)
@@ -106,7 +111,7 @@ const MESH_OUT: Out<TriMesh> = Out::new(
 pub static MODULE: Module = Module {
     id: "Smooth",
     summary: "Smooths a surface: by Laplace, without shrinking (Taubin), or in long implicit steps.",
-    inputs: &[MESH_IN.spec()],
+    inputs: &[MESH_IN.spec(), SELECTION_IN.spec()],
     outputs: &[MESH_OUT.spec()],
     params: &[
         METHOD.spec(),
@@ -123,6 +128,8 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.take(MESH_IN)?;
+    let chosen = io.maybe(SELECTION_IN).map(|selection| chosen_vertices(&selection, &mesh));
+    let chosen = chosen.transpose().map_err(|why| ModuleError::maybe_input(&SELECTION_IN, why))?;
     let lambda = io.param(LAMBDA)?;
     let options = SmoothOptions {
         method: match io.param(METHOD)? {
@@ -135,9 +142,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         borders: io.param(BORDERS)?,
         keeps_volume: io.param(KEEP_VOLUME)?,
     };
-    let found = smooth(mesh, &options, io.control())?;
+    let found = smooth(mesh, &options, chosen.as_deref(), io.control())?;
     if !found.has_volume {
-        io.warn("the mesh bounds no volume that could be kept: it is open, turned or flat");
+        io.warn(match chosen {
+            None => "the mesh bounds no volume that could be kept: it is open, turned or flat",
+            Some(_) => "the volume was not kept: that would move what is not selected",
+        });
     }
     if !found.is_solved {
         io.warn("an implicit step was not solved to its end: a smaller strength helps");
@@ -173,6 +183,21 @@ mod tests {
         assert!(is_near(volume(implicit), 5.0_f64.powi(-3)));
         let kept = trial().set("method", "Laplace").set("lambda", 0.25).set("keep_volume", true);
         assert!(is_near(volume(kept), 1.0));
+    }
+
+    #[test]
+    fn only_what_is_selected_moves() {
+        let (name, unit) = ("s".to_owned(), String::new());
+        let values = vec![0.0, 0.0, 0.0, 1.0];
+        let selection = Field { name, unit, domain: Domain::Vertex, values };
+        let trial = Trial::of(&super::MODULE).input("mesh", tetrahedron());
+        let trial = trial.input("selection", selection).set("method", "Laplace").set("steps", 1);
+        let outputs = trial.set("lambda", 0.5).run().unwrap();
+        let mesh = outputs["mesh"].get::<TriMesh>().unwrap();
+        assert_eq!(mesh.positions[..3], tetrahedron().positions[..3]);
+        // Half way from (0, 0, 1) to the mean of the others.
+        let expected = glam::DVec3::new(1.0 / 6.0, 1.0 / 6.0, 0.5);
+        assert!(mesh.positions[3].distance(expected) < 1e-15);
     }
 
     #[test]

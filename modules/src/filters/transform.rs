@@ -5,10 +5,11 @@
 use glam::{DAffine3, DMat3, DVec3};
 use mve_core::Condition;
 
-use crate::geometry::edit::place::finite_bounds;
+use crate::geometry::edit::place::{bounds_of_points, finite_bounds};
 use crate::geometry::edit::transform::{
-    AxisOrder, matrix_from_text, transformed, turn_around, turn_by_angles,
+    AxisOrder, matrix_from_text, transformed, transformed_part, turn_around, turn_by_angles,
 };
+use crate::geometry::select::chosen::chosen_vertices;
 use crate::prelude::*;
 
 impl Enumeration for AxisOrder {
@@ -58,6 +59,11 @@ impl Enumeration for Pivot {
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
+const SELECTION_IN: MaybeIn<Field> = MaybeIn::new(
+    "selection",
+    "The vertices that move, or faces whose vertices do; all without a link. Normals are computed \
+     anew then.",
+);
 const SCALE: Param<f64> = Param::number("scale", "Factor of all lengths; below 0 it mirrors.", 1.0)
     .within((-1e9, 1e9))
     .usually((0.0, 10.0));
@@ -125,7 +131,7 @@ const fn axis(name: &'static str, doc: &'static str, default: f64) -> Param<f64>
 pub static MODULE: Module = Module {
     id: "Transform",
     summary: "Moves, turns, scales and mirrors a mesh, or applies a matrix to it.",
-    inputs: &[MESH_IN.spec()],
+    inputs: &[MESH_IN.spec(), SELECTION_IN.spec()],
     outputs: &[MESH_OUT.spec()],
     params: &[
         SCALE.spec(),
@@ -155,6 +161,8 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.take(MESH_IN)?;
+    let chosen = io.maybe(SELECTION_IN).map(|selection| chosen_vertices(&selection, &mesh));
+    let chosen = chosen.transpose().map_err(|why| ModuleError::maybe_input(&SELECTION_IN, why))?;
     let vector = |[x, y, z]: [Param<f64>; 3]| -> Result<DVec3, ModuleError> {
         Ok(DVec3::new(io.param(x)?, io.param(y)?, io.param(z)?))
     };
@@ -163,9 +171,13 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         Turn::Axis => turn_around(vector([AXIS_X, AXIS_Y, AXIS_Z])?, io.param(ANGLE)?)
             .ok_or_else(|| ModuleError::param(&AXIS_X, "the axis (0, 0, 0) has no direction"))?,
     };
+    let bounds = || match &chosen {
+        None => finite_bounds(&mesh),
+        Some(chosen) => bounds_of_points(&mesh, chosen),
+    };
     let pivot = match io.param(PIVOT)? {
         Pivot::Origin => DVec3::ZERO,
-        Pivot::Box => finite_bounds(&mesh).map_or(DVec3::ZERO, |(low, high)| low.midpoint(high)),
+        Pivot::Box => bounds().map_or(DVec3::ZERO, |(low, high)| low.midpoint(high)),
         Pivot::Point => vector([PIVOT_X, PIVOT_Y, PIVOT_Z])?,
     };
     let scale = io.param(SCALE)? * vector([SCALE_X, SCALE_Y, SCALE_Z])?;
@@ -182,7 +194,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     if map.matrix3.determinant() == 0.0 {
         io.warn("the map flattens the mesh: directions and volume are lost");
     }
-    let mesh = transformed(mesh, &map, io.control())?;
+    let mesh = match chosen {
+        None => transformed(mesh, &map, io.control())?,
+        Some(chosen) => transformed_part(mesh, &map, &chosen, io.control())?,
+    };
     io.put(MESH_OUT, mesh);
     Ok(())
 }
@@ -222,6 +237,22 @@ mod tests {
         assert_eq!(by("Point"), DVec3::new(-1.0, -2.0, 3.0));
         let around = trial().set("turn", "Axis").set("angle", 180.0).set("pivot", "Point");
         assert_eq!(first(around.set("pivot_x", 1.0)), DVec3::new(1.0, -2.0, 3.0));
+    }
+
+    #[test]
+    fn only_what_is_selected_moves_around_its_own_middle() {
+        let mut mesh = cube(DVec3::ZERO);
+        mesh.positions[7].z = 2.0;
+        let values = mesh.positions.iter().map(|p| f64::from(p.z > 0.5)).collect();
+        let (name, unit) = ("s".to_owned(), String::new());
+        let selection = Field { name, unit, domain: Domain::Vertex, values };
+        let trial = Trial::of(&super::MODULE).input("mesh", mesh).input("selection", selection);
+        let outputs = trial.set("pivot", "Box").set("scale", 0.5).run().unwrap();
+        let found = outputs["mesh"].get::<TriMesh>().unwrap();
+        assert_eq!(found.positions[..4], cube(DVec3::ZERO).positions[..4]);
+        // The middle of what is selected is (1/2, 1/2, 3/2).
+        assert_eq!(found.positions[4], DVec3::new(0.25, 0.25, 1.25));
+        assert_eq!(found.positions[7], DVec3::new(0.75, 0.75, 1.75));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Makes a cylinder.
 
+use crate::geometry::generate::texcoords::cylinder_texcoords;
 use crate::geometry::generate::{CylinderOptions, cylinder};
 use crate::prelude::*;
 
@@ -20,6 +21,8 @@ const CAPPED: Param<bool> = Param::flag(
     "Whether both ends are closed, each by a fan of triangles; else it is a tube.",
     DEFAULT.is_capped,
 );
+const TEXCOORDS: Param<bool> =
+    Param::flag("texcoords", "Whether corners get texture coordinates, from 0 to 1.", false);
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The cylinder around the origin and z: manifold, closed if it is capped; s segments and h \
@@ -35,7 +38,14 @@ pub static MODULE: Module = Module {
     summary: "Makes a cylinder around z, closed or open at its ends.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
-    params: &[RADIUS.spec(), HEIGHT.spec(), SEGMENTS.spec(), HEIGHT_SEGMENTS.spec(), CAPPED.spec()],
+    params: &[
+        RADIUS.spec(),
+        HEIGHT.spec(),
+        SEGMENTS.spec(),
+        HEIGHT_SEGMENTS.spec(),
+        CAPPED.spec(),
+        TEXCOORDS.spec(),
+    ],
     run,
 };
 
@@ -49,7 +59,11 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     let n_faces = 2 * options.segments as usize * (options.height_segments as usize + 1);
     io.reserve(n_faces * TriMesh::BYTES_A_FACE)?;
-    io.put(MESH_OUT, cylinder(&options));
+    let mut mesh = cylinder(&options);
+    if io.param(TEXCOORDS)? {
+        cylinder_texcoords(&mut mesh, &options, io.control())?;
+    }
+    io.put(MESH_OUT, mesh);
     Ok(())
 }
 

@@ -7,6 +7,7 @@ mve_core::modules! { "generate":
    plane,
    sphere,
    surface,
+   terrain,
    torus,
    vase,
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::geometry::generate::texcoords::plane_texcoords;
 use crate::geometry::generate::{PlaneOptions, plane};
 use crate::prelude::*;
 
@@ -13,6 +14,8 @@ const SEGMENTS_X: Param<i64> =
     segments("segments_x", "Squares along x.", DEFAULT.segments[0] as i64);
 const SEGMENTS_Y: Param<i64> =
     segments("segments_y", "Squares along y.", DEFAULT.segments[1] as i64);
+const TEXCOORDS: Param<bool> =
+    Param::flag("texcoords", "Whether corners get texture coordinates, from 0 to 1.", false);
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The rectangle around the origin in the xy plane, which looks along z; m by n squares give \
@@ -32,7 +35,7 @@ pub static MODULE: Module = Module {
     summary: "Makes a flat rectangle, a grid of triangles.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
-    params: &[SIZE_X.spec(), SIZE_Y.spec(), SEGMENTS_X.spec(), SEGMENTS_Y.spec()],
+    params: &[SIZE_X.spec(), SIZE_Y.spec(), SEGMENTS_X.spec(), SEGMENTS_Y.spec(), TEXCOORDS.spec()],
     run,
 };
 
@@ -40,7 +43,12 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let size = DVec2::new(io.param(SIZE_X)?, io.param(SIZE_Y)?);
     let segments = [io.param(SEGMENTS_X)? as u32, io.param(SEGMENTS_Y)? as u32];
     io.reserve(2 * segments[0] as usize * segments[1] as usize * TriMesh::BYTES_A_FACE)?;
-    io.put(MESH_OUT, plane(&PlaneOptions { size, segments }));
+    let options = PlaneOptions { size, segments };
+    let mut mesh = plane(&options);
+    if io.param(TEXCOORDS)? {
+        plane_texcoords(&mut mesh, &options, io.control())?;
+    }
+    io.put(MESH_OUT, mesh);
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use mve_core::Condition;
 
 use crate::geometry::generate::sphere::{RINGS, SEGMENTS, SUBDIVISIONS, ico_sphere, uv_sphere};
+use crate::geometry::generate::texcoords::sphere_texcoords;
 use crate::prelude::*;
 
 #[derive(Clone, Copy)]
@@ -45,6 +46,8 @@ const RINGS_PARAM: Param<i64> = Param::integer(
 .between(RINGS)
 .mostly((2, 128))
 .only_where(Condition::Is { param: "layout", value: "Uv" });
+const TEXCOORDS: Param<bool> =
+    Param::flag("texcoords", "Whether corners get texture coordinates, from 0 to 1.", false);
 const MESH_OUT: Out<TriMesh> =
     Out::new("mesh", "The sphere around the origin: closed and manifold, within the round one.");
 
@@ -59,13 +62,14 @@ pub static MODULE: Module = Module {
         SUBDIVISIONS_PARAM.spec(),
         SEGMENTS_PARAM.spec(),
         RINGS_PARAM.spec(),
+        TEXCOORDS.spec(),
     ],
     run,
 };
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let radius = io.param(RADIUS)?;
-    let mesh = match io.param(LAYOUT)? {
+    let mut mesh = match io.param(LAYOUT)? {
         Layout::Ico => {
             let subdivisions = io.param(SUBDIVISIONS_PARAM)? as u32;
             // The last subdivision holds the coarser mesh and lists over it.
@@ -78,6 +82,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             uv_sphere(radius, s, rings)
         }
     };
+    if io.param(TEXCOORDS)? {
+        sphere_texcoords(&mut mesh, io.control())?;
+    }
     io.put(MESH_OUT, mesh);
     Ok(())
 }

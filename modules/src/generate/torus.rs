@@ -1,5 +1,6 @@
 //! Makes a torus.
 
+use crate::geometry::generate::texcoords::torus_texcoords;
 use crate::geometry::generate::{TorusOptions, torus};
 use crate::prelude::*;
 
@@ -19,6 +20,8 @@ const TUBE_SEGMENTS: Param<i64> =
     Param::integer("tube_segments", "Steps around the tube.", DEFAULT.tube_segments as i64)
         .between(TorusOptions::SEGMENTS)
         .mostly((3, 128));
+const TEXCOORDS: Param<bool> =
+    Param::flag("texcoords", "Whether corners get texture coordinates, from 0 to 1.", false);
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
     "The torus around the origin and z: closed and manifold; s segments and t of the tube give \
@@ -34,7 +37,13 @@ pub static MODULE: Module = Module {
     summary: "Makes a torus around z.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
-    params: &[RADIUS.spec(), TUBE_RADIUS.spec(), SEGMENTS.spec(), TUBE_SEGMENTS.spec()],
+    params: &[
+        RADIUS.spec(),
+        TUBE_RADIUS.spec(),
+        SEGMENTS.spec(),
+        TUBE_SEGMENTS.spec(),
+        TEXCOORDS.spec(),
+    ],
     run,
 };
 
@@ -50,7 +59,11 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     let n_faces = 2 * options.segments as usize * options.tube_segments as usize;
     io.reserve(n_faces * TriMesh::BYTES_A_FACE)?;
-    io.put(MESH_OUT, torus(&options));
+    let mut mesh = torus(&options);
+    if io.param(TEXCOORDS)? {
+        torus_texcoords(&mut mesh, &options, io.control())?;
+    }
+    io.put(MESH_OUT, mesh);
     Ok(())
 }
 

@@ -3,8 +3,13 @@
 pub mod curvature;
 pub mod distance;
 pub mod edit;
+pub mod fields;
 pub mod generate;
 pub mod perception;
 pub mod relax;
+pub mod remesh;
+pub mod select;
 pub mod simplify;
 pub mod surface;
+pub mod transfer;
+pub mod visibility;

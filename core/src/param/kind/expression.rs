@@ -44,6 +44,7 @@ enum Term {
     Both(Operator, Box<(Term, Term)>),
     Call(fn(f64) -> f64, Box<Term>),
     CallBoth(fn(f64, f64) -> f64, Box<(Term, Term)>),
+    CallThree(fn(f64, f64, f64) -> f64, Box<[Term; 3]>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,10 +87,13 @@ impl Operator {
 enum Function {
     One(fn(f64) -> f64),
     Two(fn(f64, f64) -> f64),
+    Three(fn(f64, f64, f64) -> f64),
 }
 
-/// The functions, by name. Angles are in radians; `log` is the natural logarithm.
-const FUNCTIONS: [(&str, Function); 12] = [
+/// The functions, by name. Angles are in radians; `log` is the natural logarithm. `step(edge, x)` is
+/// 0 below the edge and 1 from there on, `clamp(x, low, high)` the nearest number of the range, and
+/// `if(test, then, else)` the last of them where the first is 0.
+const FUNCTIONS: [(&str, Function); 18] = [
     ("sqrt", Function::One(f64::sqrt)),
     ("abs", Function::One(f64::abs)),
     ("min", Function::Two(f64::min)),
@@ -102,7 +106,18 @@ const FUNCTIONS: [(&str, Function); 12] = [
     ("floor", Function::One(f64::floor)),
     ("ceil", Function::One(f64::ceil)),
     ("round", Function::One(f64::round)),
+    ("sign", Function::One(|x| if x == 0.0 || x.is_nan() { x } else { x.signum() })),
+    ("pow", Function::Two(f64::powf)),
+    ("atan2", Function::Two(f64::atan2)),
+    ("step", Function::Two(|edge, x| f64::from(x >= edge))),
+    ("clamp", Function::Three(clamp)),
+    ("if", Function::Three(|test, then, other| if test == 0.0 { other } else { then })),
 ];
+
+/// Unlike that of the standard library it takes any range; what is not a number stays so.
+fn clamp(x: f64, low: f64, high: f64) -> f64 {
+    if x.is_nan() { x } else { x.max(low).min(high) }
+}
 
 /// The name of the number.
 const PI: &str = "pi";
@@ -124,6 +139,11 @@ impl Expression {
     /// Its value where the declared variables have these values; a missing one is not a number.
     pub fn eval(&self, variables: &[f64]) -> f64 {
         self.root.eval(variables)
+    }
+
+    /// Whether the value depends on the variable at this place of the declared ones.
+    pub fn names(&self, place: usize) -> bool {
+        self.root.names(place)
     }
 
     /// Whether a name means something in every formula, so that no variable can have it.
@@ -150,6 +170,22 @@ impl Term {
             Self::CallBoth(function, terms) => {
                 function(terms.0.eval(variables), terms.1.eval(variables))
             }
+            Self::CallThree(function, terms) => {
+                let [a, b, c] = [0, 1, 2].map(|k: usize| terms[k].eval(variables));
+                function(a, b, c)
+            }
+        }
+    }
+
+    fn names(&self, place: usize) -> bool {
+        match self {
+            Self::Number(_) => false,
+            Self::Variable(own) => *own == place,
+            Self::Negative(term) | Self::Call(_, term) => term.names(place),
+            Self::Both(_, terms) | Self::CallBoth(_, terms) => {
+                terms.0.names(place) || terms.1.names(place)
+            }
+            Self::CallThree(_, terms) => terms.iter().any(|term| term.names(place)),
         }
     }
 }
@@ -332,6 +368,12 @@ impl Reader<'_> {
                 self.expect(',', &format!("between the two values of {name}"))?;
                 Term::CallBoth(function, Box::new((first, self.comparison()?)))
             }
+            Function::Three(function) => {
+                self.expect(',', &format!("behind the first value of {name}"))?;
+                let second = self.comparison()?;
+                self.expect(',', &format!("behind the second value of {name}"))?;
+                Term::CallThree(function, Box::new([first, second, self.comparison()?]))
+            }
         };
         self.expect(')', &format!("behind the values of {name}"))?;
         Ok(term)
@@ -432,6 +474,10 @@ mod tests {
             ("1 + 1 != 2", 0.0),
             ("x >= 3", 1.0),
             ("1 < 0.5", 0.0),
+            ("pow(x, 2) + atan2(0, 1)", 9.0),
+            ("step(3, x) + 10 * step(3.5, x)", 1.0),
+            ("clamp(x, 0, 1) + clamp(-x, 0, 1) + clamp(height, 0, 1)", 1.5),
+            ("if(x > 2, height, 1 / 0) + sign(-x) + sign(0)", -0.5),
         ];
         for (text, expected) in cases {
             assert_eq!(value(text), expected, "{text}");
@@ -439,6 +485,10 @@ mod tests {
         assert!(value("sqrt(-1)").is_nan());
         assert_eq!(value("1 / 0"), f64::INFINITY);
         assert!(Expression::compile("x", XY).unwrap().eval(&[]).is_nan());
+        let names = |text| [0, 1].map(|place| Expression::compile(text, XY).unwrap().names(place));
+        assert_eq!(names("if(1, 2, -(x + 1))"), [true, false]);
+        assert_eq!(names("max(1, sqrt(height))"), [false, true]);
+        assert!(value("clamp(0 / 0, 0, 1)").is_nan());
     }
 
     #[test]

@@ -22,6 +22,18 @@ pub enum Region {
     Plane(DVec3, DVec3),
 }
 
+impl Region {
+    /// Whether a point lies in it; one that is not finite does not.
+    pub fn contains(&self, point: DVec3) -> bool {
+        let is_in = match *self {
+            Self::Box(low, high) => point.cmpge(low).all() && point.cmple(high).all(),
+            Self::Sphere(center, radius) => point.distance(center) <= radius,
+            Self::Plane(origin, normal) => (point - origin).dot(normal) >= 0.0,
+        };
+        is_in && point.is_finite()
+    }
+}
+
 /// What happens to faces at the border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtBorder {

@@ -92,6 +92,14 @@ pub fn parts(
     })
 }
 
+/// The parts that hang together over edges, ranked by their number of faces.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn parts_by_edges(mesh: &TriMesh, control: Control) -> Result<Parts, Cancelled> {
+    parts(mesh, Connection::Edge, Largeness::Faces, control)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

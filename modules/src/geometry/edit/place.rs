@@ -52,6 +52,15 @@ pub fn finite_bounds(mesh: &TriMesh) -> Option<(DVec3, DVec3)> {
     Some(points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p))))
 }
 
+/// The box around the finite ones of some vertices; `None` without any.
+pub fn bounds_of_points(mesh: &TriMesh, chosen: &[bool]) -> Option<(DVec3, DVec3)> {
+    let points = mesh.positions.iter().zip(chosen).filter(|(p, is)| **is && p.is_finite());
+    points.fold(None, |bounds, (&p, _)| {
+        let (low, high) = bounds.unwrap_or((p, p));
+        Some((low.min(p), high.max(p)))
+    })
+}
+
 fn finite_points(mesh: &TriMesh) -> Vec<DVec3> {
     let used = mesh.faces.iter().flatten().map(|v| mesh.positions[v.idx()]);
     let mut points: Vec<DVec3> = used.filter(|p| p.is_finite()).collect();

@@ -3,7 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, Layer, LayerValues, TriMesh};
+use crate::data::{Domain, Layer, LayerValues, TriMesh, VertexId};
+use crate::geometry::relax::shading::renew_normals;
 
 /// Layers of directions along the surface, which go with it as its edges do.
 const TANGENTS: [&str; 2] = ["principal_max", "principal_min"];
@@ -130,7 +131,7 @@ pub fn transformed(
         }
     }
     if determinant < 0.0 {
-        turn_over(&mut mesh, control.part(0.8, 1.0))?;
+        turn_over(&mut mesh, |_| true, control.part(0.8, 1.0))?;
     }
     Ok(mesh)
 }
@@ -141,14 +142,62 @@ fn direction(vector: DVec3) -> Option<DVec3> {
     if largest > 0.0 && vector.is_finite() { (vector / largest).try_normalize() } else { None }
 }
 
-/// Turns every face over, as `(a, c, b)`; what layers say of corners goes along, and normals stay.
-fn turn_over(mesh: &mut TriMesh, control: Control) -> Result<(), Cancelled> {
-    mesh.faces.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+/// Applies a map to the chosen vertices alone. Faces that it moves as a whole are turned over where
+/// it mirrors; normals are computed anew.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn transformed_part(
+    mut mesh: TriMesh,
+    affine: &DAffine3,
+    chosen: &[bool],
+    control: Control,
+) -> Result<TriMesh, Cancelled> {
+    control.at(0.0)?;
+    for (position, _) in mesh.positions.iter_mut().zip(chosen).filter(|(_, is)| **is) {
+        *position = affine.transform_point3(*position);
+    }
+    if affine.matrix3.determinant() < 0.0 {
+        let is_whole = |face: &[_; 3]| face.iter().all(|v: &VertexId| chosen[v.idx()]);
+        let faces: Vec<bool> = mesh.faces.iter().map(is_whole).collect();
+        turn_over(&mut mesh, |face| faces[face], control.part(0.0, 0.5))?;
+    }
+    renew_normals(&mut mesh, control.part(0.5, 1.0))?;
+    Ok(mesh)
+}
+
+/// Turns faces over, as `(a, c, b)`; what layers say of corners goes along, and normals stay.
+fn turn_over(
+    mesh: &mut TriMesh,
+    is_turned: impl Fn(usize) -> bool,
+    control: Control,
+) -> Result<(), Cancelled> {
+    let turned = |place: &usize| is_turned(*place);
+    for place in (0..mesh.faces.len()).filter(turned) {
+        mesh.faces[place].swap(1, 2);
+    }
     for layer in mesh.layers.iter_mut().filter(|layer| layer.domain == Domain::Corner) {
         control.at(0.5)?;
-        layer.index.chunks_exact_mut(3).for_each(|corners| corners.swap(1, 2));
+        let corners = layer.index.chunks_exact_mut(3).enumerate();
+        corners.filter(|(place, _)| turned(place)).for_each(|(_, corners)| corners.swap(1, 2));
     }
     Ok(())
+}
+
+/// Reverses the orientation of the chosen faces, as [`flipped`] does of all; normals are computed
+/// anew.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn flipped_part(
+    mut mesh: TriMesh,
+    chosen: &[bool],
+    control: Control,
+) -> Result<TriMesh, Cancelled> {
+    control.at(0.0)?;
+    turn_over(&mut mesh, |face| chosen[face], control.part(0.0, 0.5))?;
+    renew_normals(&mut mesh, control.part(0.5, 1.0))?;
+    Ok(mesh)
 }
 
 /// Reverses the orientation of every face: `(a, b, c)` becomes `(a, c, b)`, and normals point the
@@ -158,7 +207,7 @@ fn turn_over(mesh: &mut TriMesh, control: Control) -> Result<(), Cancelled> {
 /// [`Cancelled`] when `control` says so.
 pub fn flipped(mut mesh: TriMesh, control: Control) -> Result<TriMesh, Cancelled> {
     control.at(0.0)?;
-    turn_over(&mut mesh, control)?;
+    turn_over(&mut mesh, |_| true, control)?;
     for layer in mesh.layers.iter_mut().filter(|layer| layer.name == Layer::NORMAL) {
         if let LayerValues::Vec3(values) = &mut layer.values {
             values.iter_mut().for_each(|normal| *normal = -*normal);

@@ -9,6 +9,8 @@ pub mod plane;
 pub mod sphere;
 pub mod subdivided_box;
 pub mod surface;
+pub mod terrain;
+pub mod texcoords;
 pub mod torus;
 pub mod vase;
 

@@ -105,13 +105,15 @@ pub fn mean_edge(mesh: &TriMesh, control: Control) -> Result<f64, Cancelled> {
 }
 
 /// Moves the vertices; faces and layers stay, and normals are computed anew. A vertex without a
-/// normal, or that is not finite, stays where it is to move along its normal. O(n).
+/// normal, or that is not finite, stays where it is to move along its normal, as does one that is
+/// not among `chosen` where that is given. O(n).
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.
 pub fn add_noise(
     mut mesh: TriMesh,
     options: &NoiseOptions,
+    chosen: Option<&[bool]>,
     control: Control,
 ) -> Result<TriMesh, Cancelled> {
     let normals = match options.direction {
@@ -123,6 +125,9 @@ pub fn add_noise(
     let n_vertices = mesh.positions.len();
     for (vertex, position) in mesh.positions.iter_mut().enumerate() {
         control.part(0.4, 0.7).item(vertex, n_vertices)?;
+        if chosen.is_some_and(|chosen| !chosen[vertex]) {
+            continue;
+        }
         let mut random = Random::at(options.seed, *position);
         let way = match (options.spread, normals.get(vertex)) {
             (Spread::Uniform, Some(normal)) => random.uniform() * *normal,
@@ -155,7 +160,7 @@ mod tests {
     };
 
     fn noisy(mesh: &TriMesh, options: NoiseOptions) -> TriMesh {
-        add_noise(mesh.clone(), &options, Control::none()).unwrap()
+        add_noise(mesh.clone(), &options, None, Control::none()).unwrap()
     }
 
     /// How far each vertex moved, over the amplitude.

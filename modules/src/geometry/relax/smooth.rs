@@ -72,21 +72,23 @@ const RESIDUAL: f64 = 1e-10;
 const MAX_ROUNDS: usize = 2000;
 
 /// Moves the vertices of a mesh; faces and layers stay, and normals are computed anew. Vertices
-/// without a neighbor, and those that are not finite, stay where they are. O(n) a step, and O(n) a
-/// round of an implicit one.
+/// without a neighbor, and those that are not finite, stay where they are, as do those that are not
+/// among `chosen` where that is given; then the volume is not kept. O(n) a step, and O(n) a round of
+/// an implicit one.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.
 pub fn smooth(
     mut mesh: TriMesh,
     options: &SmoothOptions,
+    chosen: Option<&[bool]>,
     control: Control,
 ) -> Result<Smoothed, Cancelled> {
     let adjacency = Adjacency::new(&mesh, control.part(0.0, 0.1))?;
-    let pattern = Pattern::of(&mesh, &adjacency, options.borders);
+    let pattern = Pattern::of(&mesh, &adjacency, options.borders, chosen);
     let edges = 0..adjacency.edges().len() as u32;
     let is_closed = edges.map(EdgeId).all(|e| adjacency.winding(&mesh, e) == 0);
-    let before = Body::of(&mesh).filter(|_| is_closed);
+    let before = Body::of(&mesh).filter(|_| is_closed && chosen.is_none());
     let has_volume = before.is_some() || !options.keeps_volume;
     let mut is_solved = true;
     let steps = control.part(0.1, 0.9);

@@ -17,7 +17,7 @@ const LAPLACE: SmoothOptions = SmoothOptions {
 };
 
 fn smoothed(mesh: &TriMesh, options: SmoothOptions) -> TriMesh {
-    smooth(mesh.clone(), &options, Control::none()).unwrap().mesh
+    smooth(mesh.clone(), &options, None, Control::none()).unwrap().mesh
 }
 
 /// A pyramid over the unit square without its bottom, with its top at height 1.
@@ -57,7 +57,7 @@ fn an_implicit_step_by_hand() {
     for weight in [EdgeWeight::Uniform, EdgeWeight::Cotangent] {
         let method = SmoothMethod::Implicit { lambda: 3.0 };
         let options = SmoothOptions { method, weight, borders: Borders::Fixed, ..LAPLACE };
-        let found = smooth(tent(), &options, Control::none()).unwrap();
+        let found = smooth(tent(), &options, None, Control::none()).unwrap();
         assert!(found.is_solved && (found.mesh.positions[4].z - 0.25).abs() < 1e-12);
         let two = smoothed(&tent(), SmoothOptions { steps: 2, ..options });
         assert!((two.positions[4].z - 0.0625).abs() < 1e-12);
@@ -73,10 +73,10 @@ fn an_implicit_step_solves_its_equation() {
     for borders in [Borders::Free, Borders::Fixed, Borders::Curve] {
         let method = SmoothMethod::Implicit { lambda: 20.0 };
         let options = SmoothOptions { method, borders, ..LAPLACE };
-        let found = smooth(mesh.clone(), &options, Control::none()).unwrap();
+        let found = smooth(mesh.clone(), &options, None, Control::none()).unwrap();
         assert!(found.is_solved);
         let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
-        let pattern = Pattern::of(&mesh, &adjacency, borders);
+        let pattern = Pattern::of(&mesh, &adjacency, borders, None);
         let weights = pattern.weights(&mesh, &adjacency, EdgeWeight::Uniform);
         let ways = weights.laplacian(&found.mesh.positions);
         for (v, way) in ways.iter().enumerate() {
@@ -120,7 +120,7 @@ fn noise_goes_and_the_volume_stays() {
     ];
     for method in methods {
         let options = SmoothOptions { method, steps: 10, keeps_volume: true, ..LAPLACE };
-        let found = smooth(rough.clone(), &options, Control::none()).unwrap();
+        let found = smooth(rough.clone(), &options, None, Control::none()).unwrap();
         let volume = found.mesh.signed_volume();
         assert!(found.has_volume && (volume / rough.signed_volume() - 1.0).abs() < 1e-12);
         assert!(roughness(&found.mesh) < 0.5 * roughness(&rough), "{method:?}");
@@ -138,7 +138,7 @@ fn an_implicit_step_smooths_the_bunny() {
     for weight in [EdgeWeight::Uniform, EdgeWeight::Cotangent] {
         let method = SmoothMethod::Implicit { lambda: 20.0 };
         let options = SmoothOptions { method, weight, borders: Borders::Fixed, ..LAPLACE };
-        let found = smooth(mesh.clone(), &options, Control::none()).unwrap();
+        let found = smooth(mesh.clone(), &options, None, Control::none()).unwrap();
         assert!(found.is_solved && found.mesh.area() < 0.99 * mesh.area(), "{weight:?}");
     }
 }
@@ -146,7 +146,7 @@ fn an_implicit_step_smooths_the_bunny() {
 #[test]
 fn an_open_mesh_has_no_volume_to_keep() {
     let options = SmoothOptions { keeps_volume: true, ..LAPLACE };
-    assert!(!smooth(tent(), &options, Control::none()).unwrap().has_volume);
+    assert!(!smooth(tent(), &options, None, Control::none()).unwrap().has_volume);
 }
 
 proptest! {

@@ -49,8 +49,14 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Borders are edges of one face, or of more than two.
-    pub fn of(mesh: &TriMesh, adjacency: &Adjacency, borders: Borders) -> Self {
+    /// Borders are edges of one face, or of more than two. Only vertices among `chosen` move, where
+    /// that is given.
+    pub fn of(
+        mesh: &TriMesh,
+        adjacency: &Adjacency,
+        borders: Borders,
+        chosen: Option<&[bool]>,
+    ) -> Self {
         let edges = adjacency.edges();
         let is_border: Vec<bool> = (0..edges.len() as u32)
             .map(|edge| adjacency.sides_of(EdgeId(edge)).len() != 2)
@@ -62,7 +68,10 @@ impl Pattern {
         let is_finite: Vec<bool> = mesh.positions.iter().map(|p| p.is_finite()).collect();
         let stays = |at: &bool| *at && borders == Borders::Fixed;
         let both = is_finite.iter().zip(&is_on_border);
-        let moves = both.map(|(is_finite, at)| *is_finite && !stays(at)).collect();
+        let mut moves: Vec<bool> = both.map(|(is_finite, at)| *is_finite && !stays(at)).collect();
+        if let Some(chosen) = chosen {
+            moves.iter_mut().zip(chosen).for_each(|(moves, is)| *moves &= *is);
+        }
         if borders != Borders::Curve {
             is_on_border.fill(false);
         }

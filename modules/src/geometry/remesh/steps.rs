@@ -1,0 +1,219 @@
+//! The steps of a round: long edges are split, short ones collapse, edges are flipped.
+//!
+//! Edges come up by their length, equal ones by their vertices, so that the result depends on the
+//! mesh alone.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::DVec3;
+use mve_core::{Cancelled, Control};
+
+use super::mesh::{Kind, WorkMesh};
+
+/// Edges between two looks whether the work was cancelled.
+const STRIDE: usize = 1 << 10;
+
+/// An edge in a queue, by the bits of its squared length, which have the order of the numbers.
+type Entry = (u64, [u32; 2]);
+
+fn entry(mesh: &WorkMesh, [a, b]: [u32; 2]) -> Entry {
+    let edge = [a.min(b), a.max(b)];
+    (mesh.length_sq(edge).to_bits(), edge)
+}
+
+/// All edges, each once, by their vertices.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn edges(mesh: &WorkMesh, control: &Control) -> Result<Vec<[u32; 2]>, Cancelled> {
+    let mut edges = Vec::with_capacity(3 * mesh.faces.len() / 2);
+    let mut neighbors = Vec::new();
+    for v in 0..mesh.around.len() as u32 {
+        control.item(v as usize, usize::MAX)?;
+        mesh.neighbors(v, &mut neighbors);
+        edges.extend(neighbors.iter().filter(|w| **w > v).map(|&w| [v, w]));
+    }
+    Ok(edges)
+}
+
+/// Splits edges longer than `longest` in their middle, the longest first.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn split_long(
+    mesh: &mut WorkMesh,
+    longest: f64,
+    control: Control,
+) -> Result<(), Cancelled> {
+    let is_long = |mesh: &WorkMesh, edge: [u32; 2]| mesh.length_sq(edge) > longest * longest;
+    let long = edges(mesh, &control)?.into_iter().filter(|&edge| is_long(mesh, edge));
+    let mut queue: BinaryHeap<Entry> = long.map(|edge| entry(mesh, edge)).collect();
+    let (mut n_done, mut neighbors) = (0_usize, Vec::new());
+    while let Some((_, edge)) = queue.pop() {
+        if n_done.is_multiple_of(STRIDE) {
+            control.at(n_done as f64 / (n_done + queue.len() + 1) as f64)?;
+        }
+        n_done += 1;
+        // Longer edges were split before, unless they may not be.
+        if !mesh.has_edge(edge) || !mesh.may_split(edge) {
+            continue;
+        }
+        let middle = mesh.split(edge);
+        mesh.neighbors(middle, &mut neighbors);
+        let long = neighbors.iter().map(|&v| [v, middle]).filter(|&edge| is_long(mesh, edge));
+        queue.extend(long.map(|edge| entry(mesh, edge)));
+    }
+    Ok(())
+}
+
+/// Collapses edges shorter than `shortest`, the shortest first, where no edge becomes longer than
+/// `longest`, no face turns, and lines and the topology stay.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn collapse_short(
+    mesh: &mut WorkMesh,
+    [shortest, longest]: [f64; 2],
+    control: Control,
+) -> Result<(), Cancelled> {
+    let is_short = |mesh: &WorkMesh, edge: [u32; 2]| mesh.length_sq(edge) < shortest * shortest;
+    let short = edges(mesh, &control)?.into_iter().filter(|&edge| is_short(mesh, edge));
+    let mut queue: BinaryHeap<Reverse<Entry>> =
+        short.map(|edge| Reverse(entry(mesh, edge))).collect();
+    let (mut n_done, mut neighbors) = (0_usize, Vec::new());
+    while let Some(Reverse(first)) = queue.pop() {
+        if n_done.is_multiple_of(STRIDE) {
+            control.at(n_done as f64 / (n_done + queue.len() + 1) as f64)?;
+        }
+        n_done += 1;
+        let edge = first.1;
+        // One that has moved is in the queue again.
+        if !mesh.has_edge(edge) || entry(mesh, edge) != first {
+            continue;
+        }
+        let Some((gone, kept, place)) = collapse_of(mesh, edge, longest) else { continue };
+        mesh.collapse(gone, kept, place);
+        mesh.neighbors(kept, &mut neighbors);
+        let short = neighbors.iter().map(|&v| [v, kept]).filter(|&edge| is_short(mesh, edge));
+        queue.extend(short.map(|edge| Reverse(entry(mesh, edge))));
+    }
+    Ok(())
+}
+
+/// Which end of an edge goes, which stays, and where, if it may collapse.
+fn collapse_of(mesh: &WorkMesh, [a, b]: [u32; 2], longest: f64) -> Option<(u32, u32, DVec3)> {
+    use Kind::{Border, Fixed, Free, Line};
+    let (one, two) = (mesh.points[a as usize], mesh.points[b as usize]);
+    let middle = one.midpoint(two);
+    let n_sides = mesh.sides([a, b]).count();
+    let is_line = mesh.is_line([a, b]);
+    let along = match n_sides {
+        1 => Border,
+        _ => Line,
+    };
+    let ways: &[(u32, u32, DVec3)] = match (mesh.kinds[a as usize], mesh.kinds[b as usize]) {
+        _ if n_sides > 2 => &[],
+        (Free, Free) => &[(b, a, middle), (b, a, one), (a, b, two)],
+        (Free, _) => &[(a, b, two)],
+        (_, Free) => &[(b, a, one)],
+        (first, second) if is_line && first == along && second == along => {
+            &[(b, a, middle), (b, a, one), (a, b, two)]
+        }
+        (first, Fixed) if is_line && first == along => &[(a, b, two)],
+        (Fixed, second) if is_line && second == along => &[(b, a, one)],
+        _ => &[],
+    };
+    ways.iter().copied().find(|way| may_collapse(mesh, *way, longest))
+}
+
+fn may_collapse(mesh: &WorkMesh, (gone, kept, place): (u32, u32, DVec3), longest: f64) -> bool {
+    // A line from the vertex that goes to an apex would fold onto the one that stays.
+    let folds = mesh
+        .sides([gone, kept])
+        .any(|(face, k)| mesh.is_line([gone, mesh.faces[face as usize][(k + 2) % 3]]));
+    if folds || !mesh.keeps_topology(gone, kept) {
+        return false;
+    }
+    let is_near = |v: u32| mesh.points[v as usize].distance_squared(place) <= longest * longest;
+    let moves = place != mesh.points[kept as usize];
+    let all_near = |v: u32| {
+        let faces = mesh.around[v as usize].iter();
+        faces.flat_map(|&face| mesh.faces[face as usize]).all(is_near)
+    };
+    let keeps = |v: u32, other: u32| {
+        mesh.keeps_sides(v, place, |corners: [u32; 3]| corners.contains(&other))
+    };
+    all_near(gone)
+        && (!moves || all_near(kept))
+        && keeps(gone, kept)
+        && (!moves || keeps(kept, gone))
+}
+
+/// Flips edges where the numbers of neighbors come closer to six within the surface and on lines
+/// and four at borders, one pass.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn flip(mesh: &mut WorkMesh, control: Control) -> Result<usize, Cancelled> {
+    let edges = edges(mesh, &control)?;
+    let mut n_flipped = 0;
+    for (place, &edge) in edges.iter().enumerate() {
+        if place.is_multiple_of(STRIDE) {
+            control.at(place as f64 / edges.len() as f64)?;
+        }
+        let Some(sides) = mesh.flippable(edge) else { continue };
+        if evens_valences(mesh, edge, sides) && is_gentle(mesh, edge, sides) {
+            mesh.flip(sides);
+            n_flipped += 1;
+        }
+    }
+    Ok(n_flipped)
+}
+
+fn apexes(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [u32; 2] {
+    sides.map(|(face, k)| mesh.faces[face as usize][(k + 2) % 3])
+}
+
+fn evens_valences(mesh: &WorkMesh, [a, b]: [u32; 2], sides: [(u32, usize); 2]) -> bool {
+    let excess = |v: u32, change: i64| -> i64 {
+        let n_faces = mesh.around[v as usize].len() as i64 + change;
+        match mesh.kinds[v as usize] {
+            Kind::Free | Kind::Line => (n_faces - 6).pow(2),
+            // One neighbor more than faces.
+            Kind::Border => (n_faces - 3).pow(2),
+            Kind::Fixed => 0,
+        }
+    };
+    let [c, d] = apexes(mesh, sides);
+    let sum = |ends: i64, others: i64| {
+        excess(a, ends) + excess(b, ends) + excess(c, others) + excess(d, others)
+    };
+    sum(-1, 1) < sum(0, 0)
+}
+
+/// Whether the two new faces look the way of the old ones, within 45°, and are no slivers.
+fn is_gentle(mesh: &WorkMesh, edge: [u32; 2], sides: [(u32, usize); 2]) -> bool {
+    let [c, d] = apexes(mesh, sides);
+    let (face, k) = sides[0];
+    let corners = mesh.faces[face as usize];
+    let (from, to) = (corners[k], corners[(k + 1) % 3]);
+    debug_assert!(edge.contains(&from) && edge.contains(&to));
+    let normal = |v: [u32; 3]| {
+        let [a, b, c] = v.map(|v| mesh.points[v as usize]);
+        let longest_sq =
+            a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let normal = (b - a).cross(c - a);
+        // A height below a twentieth of the longest side.
+        if normal.length() < 0.05 * longest_sq { DVec3::ZERO } else { normal.normalize_or_zero() }
+    };
+    let old = sides.map(|(face, _)| mesh.normal(face).normalize_or_zero());
+    let new = [normal([from, d, c]), normal([d, to, c])];
+    new.iter().all(|new| {
+        *new != DVec3::ZERO
+            && old.iter().all(|old| *old == DVec3::ZERO || old.dot(*new) > SAME_SIDE)
+    })
+}
+
+/// cos 45°.
+const SAME_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
