@@ -37,6 +37,11 @@ impl Polygons {
         self.starts.as_ref().map_or(self.corners.len() / 3, Vec::len)
     }
 
+    /// How many corners all of them have.
+    pub fn n_corners(&self) -> usize {
+        self.corners.len()
+    }
+
     /// Makes room for so many triangles.
     pub fn reserve(&mut self, n: usize) {
         self.corners.reserve(3 * n);
