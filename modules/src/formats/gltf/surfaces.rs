@@ -189,12 +189,57 @@ fn slot(texture: &Texture) -> Option<(bool, &'static str)> {
 /// The kind and the bytes of a picture's file, as one of the two kinds that the format has.
 fn encoded(image: &TextureImage) -> Option<(&'static str, Cow<'_, [u8]>)> {
     match image.encoded() {
-        Some(bytes) if bytes.starts_with(b"\x89PNG") => Some(("image/png", bytes.into())),
+        Some(bytes) if bytes.starts_with(b"\x89PNG") => Some(("image/png", without_colors(bytes))),
         Some(bytes) if bytes.starts_with(b"\xff\xd8") => Some(("image/jpeg", bytes.into())),
         _ => {
             let mut bytes = Vec::new();
             write_png(image.pixels()?, &mut bytes, Control::none()).ok()?;
             Some(("image/png", bytes.into()))
+        }
+    }
+}
+
+/// A PNG file without what it says of color spaces, sizes of pixels and motion: the format takes all
+/// pictures of colors for sRGB, and its validator warns of files that say anything else. The pixels
+/// stay as they are.
+fn without_colors(bytes: &[u8]) -> Cow<'_, [u8]> {
+    const UNWANTED: [&[u8; 4]; 8] =
+        [b"cHRM", b"gAMA", b"iCCP", b"sRGB", b"pHYs", b"acTL", b"fcTL", b"fdAT"];
+    let (Some(head), mut rest) = (bytes.get(..8), bytes.get(8..).unwrap_or_default()) else {
+        return bytes.into();
+    };
+    let mut kept = head.to_vec();
+    while let Some((length, kind)) =
+        rest.first_chunk::<4>().zip(rest.get(4..).and_then(|rest| rest.first_chunk::<4>()))
+    {
+        // Length, kind, content and a check sum.
+        let n = (u32::from_be_bytes(*length) as usize).saturating_add(12);
+        let Some((chunk, behind)) = rest.split_at_checked(n) else { break };
+        if !UNWANTED.contains(&kind) {
+            kept.extend(chunk);
+        }
+        rest = behind;
+    }
+    kept.extend(rest);
+    if kept.len() == bytes.len() { bytes.into() } else { kept.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_picture_says_of_its_colors_is_left_out_and_its_pixels_stay() {
+        let image = crate::data::Image::filled("a", [3, 2], crate::data::PixelKind::Rgb, 77);
+        let mut plain = Vec::new();
+        write_png(&image, &mut plain, Control::none()).unwrap();
+        assert_eq!(*without_colors(&plain), plain);
+        // Behind the head of 8 bytes and the first chunk of 25: a gamma of 1/2.2.
+        let gamma = [&[0, 0, 0, 4][..], b"gAMA", &[0, 0, 0xb1, 0x8f, 0x0b, 0xfc, 0x61, 0x05]];
+        let colored = [&plain[..33], &gamma.concat(), &plain[33..]].concat();
+        assert_eq!(*without_colors(&colored), plain);
+        for n in 0..colored.len() {
+            without_colors(&colored[..n]);
         }
     }
 }

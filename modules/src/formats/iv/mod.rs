@@ -7,7 +7,8 @@
 //!
 //! Read are face sets and triangle strips, indexed or not, where transforms put them, with materials,
 //! colors, normals and texture coordinates by any binding, and the pictures of textures. A switch
-//! gives the child that it names, a level of detail its first. All else is stepped over by its
+//! gives the child that it names, a level of detail its first. Where a transform mirrors, faces are
+//! turned, so that what was outside stays outside. All else is stepped over by its
 //! braces and named in a warning.
 
 mod corners;

@@ -255,7 +255,7 @@ impl<'a> Parser<'a> {
                     Node::Texcoords(vectors.into_iter().map(DVec2::from).collect())
                 }
                 b"orderedRGBA" => {
-                    let colors = me.packed_colors()?;
+                    let colors = me.packed_colors(true)?;
                     Node::Material { about: Material::default(), colors }
                 }
                 b"materialBinding" => Node::MaterialBinding(me.binding_word()?),

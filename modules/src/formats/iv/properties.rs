@@ -18,8 +18,9 @@ pub(super) fn material(values: &mut Values) -> Result<Node, ReadError> {
             b"emissiveColor" => "Ke",
             b"shininess" => "Ns",
             b"transparency" => "d",
-            b"orderedRGBA" => {
-                colors = me.packed_colors()?;
+            // Version 2.0 has red in the lowest byte, 2.1 in the highest.
+            b"orderedRGBA" | b"rgba" => {
+                colors = me.packed_colors(field == b"orderedRGBA")?;
                 return Ok(true);
             }
             _ => return Ok(false),

@@ -165,8 +165,8 @@ impl<'a> Values<'a> {
         Ok(binding)
     }
 
-    /// Colors as numbers of four bytes, opacity the last.
-    pub fn packed_colors(&mut self) -> Result<Vec<DVec3>, ReadError> {
+    /// Colors as numbers of four bytes, red the highest or the lowest of them.
+    pub fn packed_colors(&mut self, is_red_first: bool) -> Result<Vec<DVec3>, ReadError> {
         let is_list = self.lexer.take_mark(b'[');
         let mut colors = Vec::new();
         loop {
@@ -178,7 +178,10 @@ impl<'a> Values<'a> {
             }
             let number = self.lexer.whole()?;
             let byte = |shift: u32| (number >> shift & 255) as f64 / 255.0;
-            colors.push(DVec3::new(byte(24), byte(16), byte(8)));
+            colors.push(match is_red_first {
+                true => DVec3::new(byte(24), byte(16), byte(8)),
+                false => DVec3::new(byte(0), byte(8), byte(16)),
+            });
             if !is_list {
                 return Ok(colors);
             }

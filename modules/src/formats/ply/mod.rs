@@ -6,9 +6,11 @@
 //! MeshLab, VTK and Blender read them.
 
 mod file;
+mod fixed;
 mod header;
 mod read;
 mod save;
+mod source;
 mod write;
 
 pub use file::{companions, load};

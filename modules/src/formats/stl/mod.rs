@@ -7,6 +7,7 @@
 
 mod read;
 mod save;
+mod weld;
 mod write;
 
 pub use read::read_stl;
