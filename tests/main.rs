@@ -8,4 +8,5 @@ mod filters;
 mod fuzz;
 mod maps;
 mod metric_of_itself;
+mod other_programs;
 mod tidy;

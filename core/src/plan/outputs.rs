@@ -23,8 +23,7 @@ pub(super) struct Name {
     param: String,
     /// The name, with [`STEP`] where the id of the step goes.
     pub text: String,
-    extensions: &'static [&'static str],
-    also_writes: &'static [&'static str],
+    spec: OutputFileSpec,
 }
 
 /// The names of all output files.
@@ -56,11 +55,10 @@ pub(super) fn names<'a>(
     for node in writers {
         for (param, spec, written) in node.settings.files(node.info.module.params) {
             let Some(spec) = spec.output_file() else { continue };
-            let OutputFileSpec { extensions, also_writes } = spec;
             match expand(written, map, &find, options.repeat) {
                 Ok(text) => {
                     let node = node.name.clone();
-                    names.push(Name { node, param, text, extensions, also_writes });
+                    names.push(Name { node, param, text, spec });
                 }
                 Err(message) => {
                     problems.push(Problem::error(message).at(&node.name).port(&param));
@@ -197,10 +195,10 @@ pub(super) fn fill(
             )));
             continue;
         };
-        if let Some(why) = wrong_ending(&path, name.extensions) {
+        if let Some(why) = wrong_ending(&path, name.spec.extensions) {
             problems.push(problem(format!("\"{text}\" {why}")));
         }
-        let beside = name.also_writes.iter().map(|ending| beside(&path, ending));
+        let beside = name.spec.beside(&path).iter().map(|ending| beside(&path, ending));
         let all: Vec<PathBuf> = std::iter::once(path.clone()).chain(beside).collect();
         let mut clashes = Vec::new();
         for written in &all {

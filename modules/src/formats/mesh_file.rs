@@ -1,13 +1,17 @@
-//! Mesh files of any format that mve reads, told apart by how they begin.
+//! Mesh files of any format: read by how they begin, written by how their names end.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use mve_core::{Control, ModuleError};
 
+use super::gltf::{self, Vertices};
 use super::obj::{self, FileScope};
 use super::plain_file::{load_with, read_beginning};
+use super::ply::{Encoding, PlyOptions, Precision};
+use super::stl::StlEncoding;
 use super::warnings::Warning;
-use super::{off, ply, stl};
+use super::{iv, off, ply, stl};
 use crate::data::TriMesh;
 
 /// Bytes at the beginning of a file that say what it is.
@@ -20,6 +24,8 @@ enum Format {
     Ply,
     Stl,
     Off,
+    Gltf,
+    Iv,
 }
 
 impl Format {
@@ -35,6 +41,13 @@ impl Format {
         let is_text = !bytes.contains(&0);
         match word {
             b"ply" => Self::Ply,
+            _ if ["#Inventor V", "#VRML V"]
+                .iter()
+                .any(|head| bytes.starts_with(head.as_bytes())) =>
+            {
+                Self::Iv
+            }
+            _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => Self::Gltf,
             _ if word.ends_with(b"OFF") && word.len() <= 8 => Self::Off,
             _ if word.eq_ignore_ascii_case(b"solid") || !is_text => Self::Stl,
             _ => Self::Obj,
@@ -59,6 +72,8 @@ pub fn load(
         Some(Format::Ply) => ply::load(path, scope, control),
         Some(Format::Stl) => load_with(path, control, stl::read_stl),
         Some(Format::Off) => load_with(path, control, off::read_off),
+        Some(Format::Gltf) => gltf::load(path, scope, Vertices::Welded, control),
+        Some(Format::Iv) => iv::load(path, scope, control),
         // What cannot be read says so here.
         Some(Format::Obj) | None => {
             obj::load_within(path, scope, control).map_err(|error| error.about(path))
@@ -71,6 +86,40 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
     match Format::of_file(path) {
         Some(Format::Obj) => obj::companions(path),
         Some(Format::Ply) => ply::companions(path),
+        Some(Format::Gltf) => gltf::companions(path),
+        Some(Format::Iv) => iv::companions(path),
         Some(Format::Stl | Format::Off) | None => Vec::new(),
+    }
+}
+
+/// The endings of files that are written.
+pub const WRITTEN: [&str; 6] = ["obj", "ply", "stl", "off", "glb", "iv"];
+
+/// Saves a mesh as its saver does without parameters, by the ending of the file's name; what is
+/// changed or left out comes back in sentences.
+///
+/// # Errors
+/// With the path, where its ending is none of [`WRITTEN`], or as of the saver; that `control` ended
+/// the work.
+pub fn save(mesh: Arc<TriMesh>, path: &Path, control: Control) -> Result<Vec<String>, ModuleError> {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match ending.to_str() {
+        Some("obj") => {
+            obj::save(&mesh, path, control)?;
+            Ok(obj::textures_not_there(&mesh, path, ""))
+        }
+        Some("ply") => {
+            let options = PlyOptions { encoding: Encoding::Binary, precision: Precision::Float };
+            ply::save(mesh, None, options, path, control)
+        }
+        Some("stl") => stl::save(&mesh, StlEncoding::Binary, path, control),
+        Some("off") => off::save(&mesh, path, control),
+        Some("glb") => gltf::save(&mesh, path, control),
+        Some("iv") => iv::save(&mesh, path, control),
+        _ => {
+            let known = WRITTEN.map(|ending| format!(".{ending}")).join(", ");
+            let message = format!("its ending says no format; end it in one of {known}");
+            Err(ModuleError::io(path, message))
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! File formats, without ports: what reads them from bytes and writes them.
 
 mod file_error;
+pub mod gltf;
+pub mod iv;
 pub mod mesh_file;
 pub mod obj;
 pub mod off;
@@ -9,6 +11,7 @@ pub mod ply;
 pub mod png;
 mod polygon;
 mod raw_mesh;
+mod rounding;
 mod save;
 pub mod stl;
 pub mod table;

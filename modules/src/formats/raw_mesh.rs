@@ -24,6 +24,8 @@ pub(super) struct RawMesh {
     pub corner_texcoords: Vec<DVec2>,
     /// Names and values of other numbers of faces.
     pub face_numbers: Vec<(String, Vec<f64>)>,
+    /// Values of the corners of all polygons, each by its number in a list.
+    pub corner_layers: Vec<CornerLayer>,
     /// The material of each face, by number.
     pub face_materials: Vec<u32>,
     pub materials: Vec<Material>,
@@ -31,12 +33,42 @@ pub(super) struct RawMesh {
     left_out: LeftOut,
 }
 
+/// Values of corners.
+pub(super) struct CornerLayer {
+    pub name: &'static str,
+    pub values: LayerValues,
+    /// Which value each corner has; those behind the end have none.
+    pub index: Vec<u32>,
+    /// Whether they were said for whole faces.
+    pub is_of_faces: bool,
+}
+
 /// Faces that cannot be read.
 #[derive(Default)]
-struct LeftOut {
+pub(super) struct LeftOut {
     n: usize,
     /// Where the first is, and what is wrong with it.
     first: Option<(String, String)>,
+}
+
+impl LeftOut {
+    /// Counts one.
+    #[cold]
+    pub fn add(&mut self, place: impl FnOnce() -> String, fault: impl FnOnce() -> String) {
+        self.n += 1;
+        self.first.get_or_insert_with(|| (place(), fault()));
+    }
+
+    /// Warns of them; an error where no face is left.
+    pub fn tell(&self, n_faces: usize, warnings: &mut Warnings) -> Result<(), ReadError> {
+        let Self { n, first: Some((place, fault)) } = self else { return Ok(()) };
+        let more = if *n > 1 { format!(" (and {} more like it)", n - 1) } else { String::new() };
+        if n_faces == 0 {
+            return Err(ReadError::Wrong(format!("{place}: {fault}{more}; no face is left")));
+        }
+        warnings.add_general(format!("{place}: {fault}; the face is left out{more}"));
+        Ok(())
+    }
 }
 
 impl RawMesh {
@@ -50,19 +82,7 @@ impl RawMesh {
     /// Counts a face that is left out.
     #[cold]
     pub fn leave_out(&mut self, place: impl FnOnce() -> String, fault: impl FnOnce() -> String) {
-        self.left_out.n += 1;
-        self.left_out.first.get_or_insert_with(|| (place(), fault()));
-    }
-
-    /// Warns of faces that are left out.
-    fn tell_left_out(&mut self) -> Result<(), ReadError> {
-        let LeftOut { n, first: Some((place, fault)) } = &self.left_out else { return Ok(()) };
-        let more = if *n > 1 { format!(" (and {} more like it)", n - 1) } else { String::new() };
-        if self.polygons.len() == 0 {
-            return Err(ReadError::Wrong(format!("{place}: {fault}{more}; no face is left")));
-        }
-        self.warnings.add_general(format!("{place}: {fault}; the face is left out{more}"));
-        Ok(())
+        self.left_out.add(place, fault);
     }
 
     /// The mesh and the warnings.
@@ -71,12 +91,13 @@ impl RawMesh {
     /// Where a face has a vertex that is nowhere, where all faces are left out, or when `control`
     /// says so.
     pub fn finish(mut self, control: Control) -> Result<(TriMesh, Vec<Warning>), ReadError> {
-        self.tell_left_out()?;
+        self.left_out.tell(self.polygons.len(), &mut self.warnings)?;
         if self.positions.len() >= u32::MAX as usize / 3 {
             return Err(ReadError::Wrong("more than 1.4 billion vertices; split the file".into()));
         }
         let cut = self.polygons.cut(&self.positions, &mut self.warnings, control)?;
         let n_corners = 3 * cut.faces.len() as u64;
+        let cut_corners = cut.corners;
         if n_corners >= u64::from(u32::MAX) {
             return Err(ReadError::Wrong("more than 1.4 billion faces; split the file".into()));
         }
@@ -89,7 +110,7 @@ impl RawMesh {
             mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
         };
         if !self.corner_texcoords.is_empty() {
-            let sources = cut.corners.unwrap_or_else(|| (0..n_corners as u32).collect());
+            let sources = cut_corners.clone().unwrap_or_else(|| (0..n_corners as u32).collect());
             let has = |at: u32| self.corner_texcoords[at as usize].is_finite();
             let index = sources.into_iter().map(|at| if has(at) { at } else { NO_VALUE }).collect();
             let (values, index) = joined(self.corner_texcoords, index);
@@ -121,6 +142,20 @@ impl RawMesh {
         for (name, values) in self.face_numbers {
             put(&name, Domain::Face, LayerValues::Number(values), of_faces());
         }
+        for layer in self.corner_layers.into_iter().filter(|layer| !layer.index.is_empty()) {
+            let CornerLayer { name, values, index, is_of_faces } = layer;
+            let value = |at: usize| index.get(at).copied().unwrap_or(NO_VALUE);
+            let of_corners: Vec<u32> = match &cut_corners {
+                Some(sources) => sources.iter().map(|at| value(*at as usize)).collect(),
+                None => (0..n_corners as usize).map(value).collect(),
+            };
+            let is_pair = matches!(values, LayerValues::Vec2(_));
+            let (domain, index) = match is_pair {
+                true => (Domain::Corner, of_corners),
+                false => smallest_domain(&mesh, of_corners, is_of_faces),
+            };
+            mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
+        }
         if mesh.layer(Layer::TEXCOORD).is_none() && !self.texcoords.is_empty() {
             let index = mesh.faces.iter().flatten().map(|v| v.0).collect();
             let values = LayerValues::Vec2(self.texcoords);
@@ -130,6 +165,26 @@ impl RawMesh {
         mesh.materials = self.materials;
         Ok((mesh, self.warnings.into_list()))
     }
+}
+
+/// Values of corners as those of vertices, if each vertex has one, or of faces.
+fn smallest_domain(mesh: &TriMesh, index: Vec<u32>, is_of_faces: bool) -> (Domain, Vec<u32>) {
+    let of_faces = || {
+        let faces = index.as_chunks::<3>().0;
+        let is_single = faces.iter().all(|[a, b, c]| a == b && b == c);
+        is_single.then(|| faces.iter().map(|[a, ..]| *a).collect())
+    };
+    if is_of_faces && let Some(index) = of_faces() {
+        return (Domain::Face, index);
+    }
+    let mut of_vertices = vec![None; mesh.positions.len()];
+    let corners = mesh.faces.iter().flatten().zip(&index);
+    let is_single =
+        corners.into_iter().all(|(v, at)| *of_vertices[v.idx()].get_or_insert(*at) == *at);
+    if !is_single {
+        return (Domain::Corner, index);
+    }
+    (Domain::Vertex, of_vertices.into_iter().map(|at| at.unwrap_or(NO_VALUE)).collect())
 }
 
 /// Gives corners of equal values one number, so that no seam runs between them.
@@ -147,7 +202,7 @@ fn joined(values: Vec<DVec2>, mut index: Vec<u32>) -> (Vec<DVec2>, Vec<u32>) {
 }
 
 /// Refuses faces at points that are nowhere; other such points are set to 0.
-fn settle_points(
+pub(super) fn settle_points(
     positions: &mut [DVec3],
     faces: &[[VertexId; 3]],
     warnings: &mut Warnings,

@@ -8,14 +8,14 @@ use crate::prelude::*;
 
 const PATH: Param<PathBuf> = Param::input_file(
     "path",
-    "The file: OBJ, PLY, STL or OFF, packed by gzip or not. What it is is seen from how it begins, \
-     not from its name.",
-    &["obj", "ply", "stl", "off", "gz"],
+    "The file: OBJ, PLY, STL, OFF, glTF or Open Inventor, packed by gzip or not. What it is is seen \
+     from how it begins, not from its name.",
+    &["obj", "ply", "stl", "off", "gltf", "glb", "iv", "wrl", "gz"],
 )
 .also_reads(mesh_file::companions);
 const ALLOW_OUTSIDE: Param<bool> = Param::flag(
     "allow_outside",
-    "Also read material files and textures that lie outside of the folder of the file. A file of a \
+    "Also read material files, buffers and textures that lie outside of the folder of the file. A file of a \
      stranger can name any file of this machine.",
     false,
 );
@@ -24,7 +24,7 @@ const MESH_OUT: Out<TriMesh> =
 
 pub static MODULE: Module = Module {
     id: "MeshLoader",
-    summary: "Loads a mesh from an OBJ, PLY, STL or OFF file, whatever its name.",
+    summary: "Loads a mesh from an OBJ, PLY, STL, OFF, glTF or Open Inventor file, whatever its name.",
     inputs: &[],
     outputs: &[MESH_OUT.spec()],
     params: &[PATH.spec(), ALLOW_OUTSIDE.spec()],
@@ -51,13 +51,13 @@ mod tests {
     use mve_core::testing::Trial;
 
     use super::*;
-    use crate::formats::{obj, off, ply, stl};
+    use crate::formats::{gltf, iv, obj, off, ply, stl};
     use crate::mesh::fixtures::tetrahedron;
 
     #[test]
     fn the_beginning_says_what_a_file_is() {
         let (mesh, control) = (tetrahedron(), Control::none());
-        let mut files: Vec<Vec<u8>> = vec![Vec::new(); 6];
+        let mut files: Vec<Vec<u8>> = vec![Vec::new(); 8];
         obj::write_obj(&mesh, &mut files[0], None).unwrap();
         for (at, encoding) in [(1, ply::Encoding::Binary), (2, ply::Encoding::Ascii)] {
             let options = ply::PlyOptions { encoding, precision: ply::Precision::Double };
@@ -66,6 +66,8 @@ mod tests {
         stl::write_stl(&mesh, stl::StlEncoding::Binary, &mut files[3], control).unwrap();
         stl::write_stl(&mesh, stl::StlEncoding::Ascii, &mut files[4], control).unwrap();
         off::write_off(&mesh, &mut files[5], control).unwrap();
+        gltf::write_glb(&mesh, &mut files[6], control).unwrap();
+        iv::write_iv(&mesh, &[], &mut files[7], control).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("misnamed.obj");
         let commented = [b"# a comment\n\n".as_slice(), &files[5]].concat();

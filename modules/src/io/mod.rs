@@ -3,7 +3,12 @@
 mve_core::modules! { "io":
     file_loader,
     file_saver,
+    gltf_loader,
+    gltf_saver,
+    iv_loader,
+    iv_saver,
     mesh_loader,
+    mesh_saver,
     obj_loader,
     obj_saver,
     off_loader,

@@ -1,6 +1,5 @@
 //! Saves a mesh as a Wavefront OBJ file with its materials and textures.
 
-use crate::data::{name_to_file, shown_name};
 use crate::formats::obj;
 use crate::prelude::*;
 
@@ -36,15 +35,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         "" => obj::save(&mesh, &path, io.control())?,
         folder => obj::save_naming(&mesh, &path, folder, io.control())?,
     }
-    let folder = path.parent().map(|folder| folder.join(named)).unwrap_or_default();
-    for texture in mesh.materials.iter().flat_map(|material| &material.textures) {
-        let name = shown_name(&texture.name);
-        if texture.image.is_none() {
-            io.warn(format!("texture {name} was not read, so it is not saved beside the mesh"));
-        } else if !named.is_empty() && !folder.join(name_to_file(&texture.name)).is_file() {
-            io.warn(format!("texture {name} does not lie in {named}, seen from the file"));
-        }
-    }
+    let warnings = obj::textures_not_there(&mesh, &path, named);
+    warnings.iter().for_each(|warning| io.warn(warning));
     Ok(())
 }
 

@@ -1,7 +1,6 @@
 //! Saves a mesh as an OFF file.
 
-use crate::formats::off::write_off;
-use crate::formats::save_atomic;
+use crate::formats::off;
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
@@ -18,10 +17,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    for name in [Layer::NORMAL, Layer::TEXCOORD, Layer::MATERIAL] {
-        if mesh.layer(name).is_some() {
-            io.warn(format!("the layer \"{name}\" has no place in the file and is left out"));
-        }
-    }
-    Ok(save_atomic(&path, |out| write_off(&mesh, out, io.control()))?)
+    let warnings = off::save(&mesh, &path, io.control())?;
+    warnings.iter().for_each(|warning| io.warn(warning));
+    Ok(())
 }

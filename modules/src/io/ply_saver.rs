@@ -1,15 +1,6 @@
 //! Saves a mesh as a PLY file, with colors and a field, to look at it in other programs.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use glam::DVec3;
-
-use crate::data::{LayerValues, TextureRole};
-use crate::formats::obj;
-use crate::formats::ply::{Encoding, PlyOptions, Precision, write_ply};
-use crate::formats::save_atomic;
-use crate::geometry::surface::split::split_corners;
+use crate::formats::ply::{self, Encoding, PlyOptions, Precision};
 use crate::prelude::*;
 
 impl Enumeration for Encoding {
@@ -57,77 +48,9 @@ pub static MODULE: Module = Module {
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, field, path) = (io.get(MESH_IN)?, io.maybe(FIELD_IN), io.param(PATH)?);
     let options = PlyOptions { encoding: io.param(ENCODING)?, precision: io.param(PRECISION)? };
-    let (mesh, field) = with_values_over_vertices(io, mesh, field);
-    let is_bright = |color: &DVec3| color.min_element() < 0.0 || color.max_element() > 1.0;
-    if let Some(LayerValues::Vec3(colors)) = mesh.layer(Layer::COLOR).map(|layer| &layer.values)
-        && colors.iter().any(is_bright)
-    {
-        io.warn("colors outside 0 to 1 are cut to that range");
-    }
-    // A float has 24 bits: it tells points apart that are 2⁻²⁴ of their coordinates away.
-    let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let rounding = farthest * 2f64.powi(-24);
-    if options.precision == Precision::Float && rounding > 1e-5 * mesh.diagonal() {
-        io.warn(format!(
-            "floats round positions by up to {rounding:.3e}, which is {:.1e} of the mesh's \
-             diagonal; set precision to Double, or move the mesh to the origin",
-            rounding / mesh.diagonal()
-        ));
-    }
-    let mesh = with_pictures(mesh, &path, io)?;
-    let write = |out: &mut dyn std::io::Write| {
-        write_ply(&mesh, field.as_deref(), options, out, io.control())
-    };
-    Ok(save_atomic(&path, write)?)
-}
-
-/// Saves the pictures of base colors beside the file, and names them there.
-fn with_pictures(mesh: Arc<TriMesh>, path: &Path, io: &Io) -> Result<Arc<TriMesh>, ModuleError> {
-    if mesh.materials.is_empty() {
-        return Ok(mesh);
-    }
-    let mut colors = mesh.materials.clone();
-    for material in &mut colors {
-        material.textures.retain(|texture| texture.role == TextureRole::BaseColor);
-    }
-    if colors != mesh.materials || colors.iter().any(|material| !material.statements.is_empty()) {
-        io.warn("of materials PLY has a place for the picture of the base color alone");
-    }
-    let materials = obj::save_pictures(&colors, path, io.control())?;
-    Ok(Arc::new(TriMesh { materials, ..(*mesh).clone() }))
-}
-
-/// Splits vertices that have several normals or colors, and says so.
-fn with_values_over_vertices(
-    io: &Io,
-    mesh: Arc<TriMesh>,
-    field: Option<Arc<Field>>,
-) -> (Arc<TriMesh>, Option<Arc<Field>>) {
-    let is_over_corners =
-        |name: &&str| mesh.layer(name).is_some_and(|layer| layer.domain == Domain::Corner);
-    let names: Vec<&str> =
-        [Layer::NORMAL, Layer::COLOR].into_iter().filter(is_over_corners).collect();
-    // What does not fit the mesh is refused later.
-    let fits = field.as_ref().is_none_or(|field| field.check_fits(&mesh).is_ok());
-    if names.is_empty() || !fits || mesh.check().is_err() {
-        return (mesh, field);
-    }
-    let split = split_corners(&mesh, &names);
-    let (n_before, n_after) = (mesh.positions.len(), split.mesh.positions.len());
-    if n_after > n_before {
-        io.warn(format!(
-            "{n_after} vertices are written for {n_before}, since vertices have several values of {}",
-            names.join(" and ")
-        ));
-    }
-    let field = field.map(|field| match field.domain {
-        Domain::Vertex => {
-            let values = split.sources.iter().map(|&v| field.values[v as usize]).collect();
-            Arc::new(Field { values, ..(*field).clone() })
-        }
-        _ => field,
-    });
-    (Arc::new(split.mesh), field)
+    let warnings = ply::save(mesh, field, options, &path, io.control())?;
+    warnings.iter().for_each(|warning| io.warn(warning));
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Saves the triangles of a mesh as an STL file.
 
-use crate::formats::save_atomic;
-use crate::formats::stl::{StlEncoding, write_stl};
+use crate::formats::stl::{self, StlEncoding};
 use crate::prelude::*;
 
 impl Enumeration for StlEncoding {
@@ -26,15 +25,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path, encoding) = (io.get(MESH_IN)?, io.param(PATH)?, io.param(ENCODING)?);
-    // A float has 24 bits: it tells points apart that are 2⁻²⁴ of their coordinates away.
-    let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let rounding = farthest * 2f64.powi(-24);
-    if rounding > 1e-5 * mesh.diagonal() {
-        io.warn(format!(
-            "STL has floats, which round positions by up to {rounding:.3e}, {:.1e} of the mesh's \
-             diagonal; move the mesh to the origin, or save it as PLY with Double",
-            rounding / mesh.diagonal()
-        ));
-    }
-    Ok(save_atomic(&path, |out| write_stl(&mesh, encoding, out, io.control()))?)
+    let warnings = stl::save(&mesh, encoding, &path, io.control())?;
+    warnings.iter().for_each(|warning| io.warn(warning));
+    Ok(())
 }

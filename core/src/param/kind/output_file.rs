@@ -1,6 +1,6 @@
 //! Files that are written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value as Json, json};
 
@@ -16,6 +16,17 @@ pub struct OutputFileSpec {
     /// What is written beside it: the extension of a file; or, where it ends in `/`, what follows
     /// the stem in the name of a folder for any files, into which nothing else may write.
     pub also_writes: &'static [&'static str],
+    /// The extensions of the file with which that is written; none where it is with all.
+    pub also_writes_of: &'static [&'static str],
+}
+
+impl OutputFileSpec {
+    /// What is written beside a file of this name.
+    pub fn beside(&self, path: &Path) -> &'static [&'static str] {
+        let own = path.extension().unwrap_or_default().to_string_lossy();
+        let is_one = self.also_writes_of.iter().any(|known| own.eq_ignore_ascii_case(known));
+        if is_one || self.also_writes_of.is_empty() { self.also_writes } else { &[] }
+    }
 }
 
 impl ParamKind for OutputFileSpec {
@@ -39,7 +50,8 @@ impl Param<PathBuf> {
         doc: &'static str,
         extensions: &'static [&'static str],
     ) -> Self {
-        Self::of_kind(name, doc, Kind::OutputFile(OutputFileSpec { extensions, also_writes: &[] }))
+        let spec = OutputFileSpec { extensions, also_writes: &[], also_writes_of: &[] };
+        Self::of_kind(name, doc, Kind::OutputFile(spec))
     }
 
     /// What is written beside an output file: see [`OutputFileSpec::also_writes`].
@@ -48,5 +60,34 @@ impl Param<PathBuf> {
             spec.also_writes = also;
         }
         self
+    }
+
+    /// The same, but only with these extensions of the file.
+    pub const fn also_writes_with(
+        mut self,
+        extensions: &'static [&'static str],
+        also: &'static [&'static str],
+    ) -> Self {
+        if let Kind::OutputFile(spec) = &mut self.spec.kind {
+            spec.also_writes = also;
+            spec.also_writes_of = extensions;
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_beside_a_file_may_depend_on_its_ending() {
+        let param = Param::output_file("path", "The file.", &["a", "b"]);
+        let spec = |param: Param<PathBuf>| param.spec().output_file().unwrap();
+        let all = spec(param.also_writes(&["c"]));
+        assert_eq!(all.beside(Path::new("x.b")), ["c"]);
+        let some = spec(param.also_writes_with(&["a"], &["c"]));
+        assert_eq!(some.beside(Path::new("x.A")), ["c"]);
+        assert!(some.beside(Path::new("x.b")).is_empty());
     }
 }

@@ -12,7 +12,7 @@ use super::cursor::Cursor;
 use super::parse::parse_with;
 use super::textures::{self, Pictures, TextureFolder, named, texture_folder};
 use super::{Companions, ObjError, Warning, Warnings, materials, parse_mtl, write_mtl, write_obj};
-use crate::data::{Material, TriMesh, name_from_file, name_to_file};
+use crate::data::{Material, Texture, TriMesh, name_from_file, name_to_file, shown_name};
 use crate::formats::plain_file::{read_mesh_file, read_plain};
 use crate::formats::png::write_png;
 use crate::formats::{FileError, save_atomic};
@@ -119,6 +119,23 @@ pub fn save_naming(
 ) -> Result<(), FileError> {
     let placed = TextureFolder { materials: named(&mesh.materials, folder), files: Vec::new() };
     save_with(mesh, path, &placed, control)
+}
+
+/// Which textures of a mesh do not lie beside the file that it was saved at: those that were not
+/// read, and those that are not in the folder that the materials name, if it is named.
+pub fn textures_not_there(mesh: &TriMesh, path: &Path, named: &str) -> Vec<String> {
+    let folder = path.parent().map(|folder| folder.join(named)).unwrap_or_default();
+    let missing = |texture: &Texture| {
+        let name = shown_name(&texture.name);
+        if texture.image.is_none() {
+            Some(format!("texture {name} was not read, so it is not saved beside the mesh"))
+        } else if !named.is_empty() && !folder.join(name_to_file(&texture.name)).is_file() {
+            Some(format!("texture {name} does not lie in {named}, seen from the file"))
+        } else {
+            None
+        }
+    };
+    mesh.materials.iter().flat_map(|material| &material.textures).filter_map(missing).collect()
 }
 
 fn save_with(

@@ -4,12 +4,14 @@ use super::ObjError;
 
 /// Recognizes at once what is not text.
 pub(super) fn check_kind(bytes: &[u8]) -> Result<(), ObjError> {
-    const KINDS: [(&[u8], &str); 9] = [
+    const KINDS: [(&[u8], &str); 11] = [
         (b"ply\n", "it looks like a PLY file"),
         (b"ply\r", "it looks like a PLY file"),
         (b"solid ", "it looks like an STL file"),
         (b"OFF", "it looks like an OFF file"),
         (b"glTF", "it looks like a binary glTF file"),
+        (b"#Inventor V", "it looks like an Open Inventor file"),
+        (b"#VRML V", "it looks like a VRML file"),
         (b"PK\x03\x04", "it looks like a ZIP archive; unpack it first"),
         (b"\x1f\x8b", "it looks like a gzip archive; unpack it first"),
         (b"\xff\xfe", "it is UTF-16; save it as UTF-8"),

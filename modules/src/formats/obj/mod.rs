@@ -44,7 +44,10 @@ use super::warnings::{Warning, Warnings};
 use crate::data::Material;
 
 pub use bounds::FileScope;
-pub use file::{TEXTURE_FOLDER, companions, load, load_within, save, save_naming, save_pictures};
+pub use file::{
+    TEXTURE_FOLDER, companions, load, load_within, save, save_naming, save_pictures,
+    textures_not_there,
+};
 pub use materials::parse_mtl;
 pub use parse::parse;
 pub use write::{write_mtl, write_obj};

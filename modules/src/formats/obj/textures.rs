@@ -150,7 +150,7 @@ pub(in crate::formats) enum Place {
 }
 
 /// A picture, and why its file cannot be decoded, if so.
-type PictureFile = (Arc<TextureImage>, Option<String>);
+pub(in crate::formats) type PictureFile = (Arc<TextureImage>, Option<String>);
 
 /// Reads pictures, each file once.
 pub(in crate::formats) struct Pictures {
@@ -179,7 +179,8 @@ impl Pictures {
         warnings: &mut Warnings,
         control: Control,
     ) {
-        for texture in materials.iter_mut().flat_map(|material| &mut material.textures) {
+        let textures = materials.iter_mut().flat_map(|material| &mut material.textures);
+        for texture in textures.filter(|texture| texture.image.is_none()) {
             // Whoever asked for the mesh hears of a cancel from the caller.
             if control.at(1.0).is_err() {
                 return;
@@ -220,24 +221,25 @@ impl Pictures {
         }
         let read = || {
             let bytes = read_plain(path, MAX_FILE_BYTES);
-            let bytes = bytes.map_err(|error| format!("cannot be read: {error}"))?;
-            let pixels = read_texture(&bytes);
-            let n_pixel_bytes = pixels.as_ref().map_or(0, |pixels| pixels.bytes.len());
-            let n_bytes = (n_pixel_bytes + bytes.len()) as u64;
-            let n_left = self.n_bytes_left.checked_sub(n_bytes);
-            let n_left = n_left.ok_or("is too large together with those before it")?;
-            let (image, fault) = match pixels {
-                Ok(pixels) => (TextureImage::of_file(pixels, bytes), None),
-                Err(fault) => (TextureImage::of_unknown(bytes), Some(fault)),
-            };
-            Ok(((Arc::new(image), fault), n_left))
+            bytes.map_err(|error| format!("cannot be read: {error}"))
         };
-        let found = read().map(|(kept, n_left)| {
-            self.n_bytes_left = n_left;
-            kept
-        });
+        let found = read().and_then(|bytes| self.decode(bytes));
         self.known.insert(path.to_owned(), found.clone());
         found
+    }
+
+    /// The picture in the bytes of a file, and why it cannot be decoded.
+    pub fn decode(&mut self, bytes: Vec<u8>) -> Result<PictureFile, String> {
+        let pixels = read_texture(&bytes);
+        let n_pixel_bytes = pixels.as_ref().map_or(0, |pixels| pixels.bytes.len());
+        let n_bytes = (n_pixel_bytes + bytes.len()) as u64;
+        let n_left = self.n_bytes_left.checked_sub(n_bytes);
+        self.n_bytes_left = n_left.ok_or("is too large together with those before it")?;
+        let (image, fault) = match pixels {
+            Ok(pixels) => (TextureImage::of_file(pixels, bytes), None),
+            Err(fault) => (TextureImage::of_unknown(bytes), Some(fault)),
+        };
+        Ok((Arc::new(image), fault))
     }
 }
 

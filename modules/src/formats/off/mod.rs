@@ -5,9 +5,11 @@
 //! (`C`), texture coordinates (`ST`), in that order behind it. The keyword may be missing.
 
 mod read;
+mod save;
 mod write;
 
 pub use read::read_off;
+pub use save::save;
 pub use write::write_off;
 
 #[cfg(test)]

@@ -5,7 +5,9 @@ use std::iter;
 use glam::{DVec2, DVec3};
 use mve_core::Control;
 
-use super::header::{Element, Format, Header, Kind, Shape};
+use super::fixed::layout;
+use super::header::{Element, Format, Header, Shape};
+use super::source::{Binary, Source, Text};
 use crate::data::{Layer, Material, Texture, TextureRole, TriMesh, VertexId};
 use crate::formats::ReadError;
 use crate::formats::raw_mesh::RawMesh;
@@ -38,87 +40,6 @@ pub fn read_ply(bytes: &[u8], control: Control) -> Result<(TriMesh, Vec<Warning>
             read_rows(&header, Binary::<false> { bytes: body, pos: 0 }, control)
         }
         Format::BigEndian => read_rows(&header, Binary::<true> { bytes: body, pos: 0 }, control),
-    }
-}
-
-/// Where numbers come from.
-trait Source {
-    fn number(&mut self, kind: Kind) -> Result<f64, ReadError>;
-    /// Bytes that are left.
-    fn n_left(&self) -> u64;
-    fn fraction(&self) -> f64;
-    fn place(&self) -> String;
-}
-
-struct Text<'a>(Words<'a>);
-
-impl Source for Text<'_> {
-    fn number(&mut self, _: Kind) -> Result<f64, ReadError> {
-        self.0.number("a number")
-    }
-
-    fn n_left(&self) -> u64 {
-        self.0.n_left() as u64
-    }
-
-    fn fraction(&self) -> f64 {
-        self.0.fraction()
-    }
-
-    fn place(&self) -> String {
-        format!("line {}", self.0.line())
-    }
-}
-
-struct Binary<'a, const BIG: bool> {
-    bytes: &'a [u8],
-    pos: usize,
-}
-
-impl<const BIG: bool> Binary<'_, BIG> {
-    #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
-        let bytes = self.bytes.get(self.pos..).and_then(|rest| rest.first_chunk::<N>());
-        let mut bytes = *bytes.ok_or_else(ends)?;
-        self.pos += N;
-        // Numbers are read with the lowest byte first.
-        if BIG {
-            bytes.reverse();
-        }
-        Ok(bytes)
-    }
-}
-
-#[cold]
-fn ends() -> ReadError {
-    ReadError::Wrong("the file ends before all rows that its header promises".to_owned())
-}
-
-impl<const BIG: bool> Source for Binary<'_, BIG> {
-    #[inline]
-    fn number(&mut self, kind: Kind) -> Result<f64, ReadError> {
-        Ok(match kind {
-            Kind::F32 => f64::from(f32::from_le_bytes(self.take()?)),
-            Kind::I32 => f64::from(i32::from_le_bytes(self.take()?)),
-            Kind::U8 => f64::from(u8::from_le_bytes(self.take()?)),
-            Kind::F64 => f64::from_le_bytes(self.take()?),
-            Kind::U32 => f64::from(u32::from_le_bytes(self.take()?)),
-            Kind::I8 => f64::from(i8::from_le_bytes(self.take()?)),
-            Kind::I16 => f64::from(i16::from_le_bytes(self.take()?)),
-            Kind::U16 => f64::from(u16::from_le_bytes(self.take()?)),
-        })
-    }
-
-    fn n_left(&self) -> u64 {
-        self.bytes.len().saturating_sub(self.pos) as u64
-    }
-
-    fn fraction(&self) -> f64 {
-        self.pos as f64 / self.bytes.len().max(1) as f64
-    }
-
-    fn place(&self) -> String {
-        format!("byte {} of the rows", self.pos)
     }
 }
 
@@ -289,10 +210,6 @@ fn others(element: &Element, known: &[usize]) -> Vec<(usize, (String, Vec<f64>))
     others.map(|(at, property)| (at, (property.name.clone(), Vec::new()))).collect()
 }
 
-fn room<T>(n_rows: u64) -> Vec<T> {
-    Vec::with_capacity(n_rows.min(MOST_AT_ONCE) as usize)
-}
-
 fn read_vertices<S: Source>(
     element: &Element,
     source: &mut S,
@@ -311,22 +228,44 @@ fn read_vertices<S: Source>(
     let known = [Some(position), normal, color].into_iter().flatten().flatten();
     let known: Vec<usize> = known.chain(texcoord.into_iter().flatten()).collect();
     let mut numbers = others(element, &known);
-    let n = element.n_rows;
-    mesh.positions = room(n);
-    mesh.normals = if normal.is_some() { room(n) } else { Vec::new() };
-    mesh.colors = if color.is_some() { room(n) } else { Vec::new() };
-    each_row(element, source, control, |_, row, _| {
-        let vector = |places: [usize; 3]| DVec3::from_array(places.map(|at| row.ones[at]));
-        mesh.positions.push(vector(position));
-        mesh.normals.extend(normal.map(vector));
-        mesh.colors.extend(color.map(vector));
-        mesh.texcoords.extend(texcoord.map(|at| DVec2::from_array(at.map(|at| row.ones[at]))));
-        numbers.iter_mut().for_each(|(at, (_, values))| values.push(row.ones[*at]));
-        Ok(())
-    })?;
+    let rows = layout(element, None)
+        .and_then(|(columns, stride)| Some((columns, source.rows(element.n_rows, stride)?)));
+    if let Some((columns, rows)) = rows {
+        let vectors = |places: [usize; 3]| rows.vectors(places.map(|at| columns[at]), control);
+        mesh.positions = vectors(position)?;
+        mesh.normals = normal.map(vectors).transpose()?.unwrap_or_default();
+        mesh.colors = color.map(vectors).transpose()?.unwrap_or_default();
+        let pairs = |places: [usize; 2]| rows.vectors(places.map(|at| columns[at]), control);
+        mesh.texcoords = texcoord.map(pairs).transpose()?.unwrap_or_default();
+        for (at, (_, values)) in &mut numbers {
+            *values = rows.numbers(columns[*at], control)?;
+        }
+        let n_bytes = rows.bytes.len();
+        source.advance(n_bytes);
+    } else {
+        each_row(element, source, control, |_, row, _| {
+            let vector = |places: [usize; 3]| DVec3::from_array(places.map(|at| row.ones[at]));
+            mesh.positions.push(vector(position));
+            mesh.normals.extend(normal.map(vector));
+            mesh.colors.extend(color.map(vector));
+            mesh.texcoords.extend(texcoord.map(|at| DVec2::from_array(at.map(|at| row.ones[at]))));
+            numbers.iter_mut().for_each(|(at, (_, values))| values.push(row.ones[*at]));
+            Ok(())
+        })?;
+    }
     mesh.colors = scaled(std::mem::take(&mut mesh.colors), whole_of(element, color));
     mesh.numbers = numbers.into_iter().map(|(_, named)| named).collect();
     Ok(())
+}
+
+/// Which properties of faces are what.
+struct FaceProperties {
+    corners: usize,
+    texcoords: Option<usize>,
+    color: Option<[usize; 3]>,
+    picture: Option<[usize; 1]>,
+    /// Others that are one number: property, name and values.
+    numbers: Vec<(usize, (String, Vec<f64>))>,
 }
 
 fn read_faces<S: Source>(
@@ -346,17 +285,78 @@ fn read_faces<S: Source>(
         mesh.warnings.add_general("the faces have no list \"vertex_indices\"".to_owned());
         return each_row(element, source, control, |_, _, _| Ok(()));
     };
-    let texcoords = list(&["texcoord"]);
     let color = places(element, &COLORS);
     let picture = places(element, &[["texnumber"], ["texture_index"]]);
     let known = color.into_iter().flatten().chain(picture.into_iter().flatten());
-    let mut numbers = others(element, &known.collect::<Vec<_>>());
+    let numbers = others(element, &known.collect::<Vec<_>>());
+    let texcoords = list(&["texcoord"]);
+    let mut faces = FaceProperties { corners, texcoords, color, picture, numbers };
+    if !read_triangles(element, n_vertices, &mut faces, source, mesh, control)? {
+        read_polygons(element, n_vertices, &mut faces, source, mesh, control)?;
+    }
+    mesh.face_colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
+    mesh.face_numbers = faces.numbers.into_iter().map(|(_, named)| named).collect();
+    Ok(())
+}
+
+/// The material of a face with this number of a picture.
+fn material_of(number: f64, mesh: &RawMesh) -> u32 {
+    let is_one = number >= 0.0 && number < mesh.materials.len() as f64;
+    if is_one { number as u32 } else { u32::MAX }
+}
+
+/// Reads faces that all are triangles in rows of one length; whether they are.
+fn read_triangles<S: Source>(
+    element: &Element,
+    n_vertices: u64,
+    faces: &mut FaceProperties,
+    source: &mut S,
+    mesh: &mut RawMesh,
+    control: Control,
+) -> Result<bool, ReadError> {
+    let Shape::List { n, item } = element.properties[faces.corners].shape else { return Ok(false) };
+    let Some((columns, stride)) = layout(element, Some(faces.corners)) else { return Ok(false) };
+    let Some(rows) = source.rows(element.n_rows, stride) else { return Ok(false) };
+    let start = columns[faces.corners].0;
+    let Some(triangles) = rows.triangles(start, (n, item), n_vertices, control)? else {
+        return Ok(false);
+    };
+    if let Some(color) = faces.color {
+        mesh.face_colors.extend(rows.vectors::<3, DVec3>(color.map(|at| columns[at]), control)?);
+    }
+    if !mesh.materials.is_empty() {
+        let numbers = match faces.picture {
+            Some([at]) => rows.numbers(columns[at], control)?,
+            None => vec![0.0; triangles.len()],
+        };
+        let materials: Vec<u32> = numbers.iter().map(|number| material_of(*number, mesh)).collect();
+        mesh.face_materials.extend(materials);
+    }
+    for (at, (_, values)) in &mut faces.numbers {
+        *values = rows.numbers(columns[*at], control)?;
+    }
+    mesh.polygons.push_all(triangles);
+    let n_bytes = rows.bytes.len();
+    source.advance(n_bytes);
+    Ok(true)
+}
+
+/// Reads faces of any kind, row by row.
+fn read_polygons<S: Source>(
+    element: &Element,
+    n_vertices: u64,
+    faces: &mut FaceProperties,
+    source: &mut S,
+    mesh: &mut RawMesh,
+    control: Control,
+) -> Result<(), ReadError> {
+    let FaceProperties { corners, texcoords, color, picture, numbers } = faces;
     mesh.polygons.reserve(element.n_rows.min(MOST_AT_ONCE) as usize);
     let mut polygon = Vec::new();
     let mut n_odd_texcoords = 0_usize;
     each_row(element, source, control, |number, row, source| {
         let place = || format!("face {number}, before {}", source.place());
-        let list = &row.lists[corners];
+        let list = &row.lists[*corners];
         polygon.clear();
         polygon.extend(list.iter().map_while(|&corner| RawMesh::vertex(corner, n_vertices)));
         if let Some(corner) = list.get(polygon.len()) {
@@ -370,14 +370,13 @@ fn read_faces<S: Source>(
             return Ok(());
         }
         mesh.polygons.push(&polygon);
-        if let Some(at) = texcoords {
+        if let Some(at) = *texcoords {
             n_odd_texcoords += usize::from(!add_texcoords(&row.lists[at], polygon.len(), mesh));
         }
         mesh.face_colors.extend(color.map(|at| DVec3::from_array(at.map(|at| row.ones[at]))));
         if !mesh.materials.is_empty() {
             let number = picture.map_or(0.0, |[at]| row.ones[at]);
-            let is_one = number >= 0.0 && number < mesh.materials.len() as f64;
-            mesh.face_materials.push(if is_one { number as u32 } else { u32::MAX });
+            mesh.face_materials.push(material_of(number, mesh));
         }
         numbers.iter_mut().for_each(|(at, (_, values))| values.push(row.ones[*at]));
         Ok(())
@@ -388,8 +387,6 @@ fn read_faces<S: Source>(
              left out"
         ));
     }
-    mesh.face_colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
-    mesh.face_numbers = numbers.into_iter().map(|(_, named)| named).collect();
     Ok(())
 }
 

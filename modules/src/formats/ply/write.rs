@@ -6,12 +6,17 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 use mve_core::Control;
+use rayon::prelude::*;
 
-use crate::data::{Domain, Field, Layer, LayerValues, TextureRole, TriMesh, name_to_bytes};
+use crate::data::{
+    Domain, Field, Layer, LayerValues, TextureRole, TriMesh, VertexId, name_to_bytes,
+};
 use crate::picture::color_map::bytes_of;
 
-/// Bytes that are gathered before they go to the writer.
-const CHUNK: usize = 1 << 16;
+/// Rows that a thread makes at once, and how many such pieces there are between two looks whether
+/// the work was cancelled.
+const ROWS: usize = 1 << 14;
+const PIECES: usize = 16;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,23 +93,50 @@ pub fn write_ply(
         texcoords: texcoords(mesh),
         pictures: textures.of_faces.as_deref(),
     };
-    let mut rows = Rows { out, buffer: Vec::with_capacity(CHUNK + 512), options };
-    rows.buffer.extend(header(mesh, (&vertices, &faces), &textures.names, options));
-    for (v, position) in mesh.positions.iter().enumerate() {
-        for coordinate in position.to_array() {
-            check_coordinate(v, coordinate, options.precision)?;
-            rows.real(coordinate);
-        }
-        vertices.write(v, &mut rows);
-        rows.end(control, v, mesh.positions.len() + mesh.faces.len())?;
+    out.write_all(&header(mesh, (&vertices, &faces), &textures.names, options))?;
+    let (n_vertices, n_faces) = (mesh.positions.len(), mesh.faces.len());
+    let share = n_vertices as f64 / (n_vertices + n_faces).max(1) as f64;
+    let vertex = |v: usize, rows: &mut Rows| {
+        let position = mesh.positions[v].to_array();
+        position.into_iter().try_for_each(|x| check_coordinate(v, x, options.precision))?;
+        position.into_iter().for_each(|coordinate| rows.real(coordinate));
+        vertices.write(v, rows);
+        Ok(())
+    };
+    write_rows(n_vertices, options, out, control.part(0.0, share), vertex)?;
+    let face = |f: usize, rows: &mut Rows| {
+        rows.triangle(mesh.faces[f]);
+        faces.write(f, rows);
+        Ok(())
+    };
+    write_rows(n_faces, options, out, control.part(share, 1.0), face)
+}
+
+/// Writes rows, which all threads make.
+fn write_rows(
+    n: usize,
+    options: PlyOptions,
+    out: &mut dyn Write,
+    control: Control,
+    row: impl Fn(usize, &mut Rows) -> io::Result<()> + Sync,
+) -> io::Result<()> {
+    for start in (0..n).step_by(ROWS * PIECES) {
+        control.at(start as f64 / n as f64).map_err(io::Error::other)?;
+        let pieces = (start..n.min(start + ROWS * PIECES)).into_par_iter().step_by(ROWS);
+        let pieces: Vec<io::Result<Vec<u8>>> = pieces
+            .map(|start| {
+                let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
+                for number in start..n.min(start + ROWS) {
+                    row(number, &mut rows)?;
+                    rows.end();
+                }
+                Ok(rows.buffer)
+            })
+            .collect();
+        // The first error is that of the first row.
+        pieces.into_iter().try_for_each(|piece| out.write_all(&piece?))?;
     }
-    for (f, face) in mesh.faces.iter().enumerate() {
-        rows.byte(3);
-        face.iter().for_each(|vertex| rows.index(vertex.0));
-        faces.write(f, &mut rows);
-        rows.end(control, mesh.positions.len() + f, mesh.positions.len() + mesh.faces.len())?;
-    }
-    rows.flush()
+    Ok(())
 }
 
 fn invalid(message: String) -> io::Error {
@@ -323,13 +355,29 @@ fn header(
 }
 
 /// Rows of numbers on their way to the writer.
-struct Rows<'w> {
-    out: &'w mut dyn Write,
+struct Rows {
     buffer: Vec<u8>,
     options: PlyOptions,
 }
 
-impl Rows<'_> {
+impl Rows {
+    /// The corners of a face.
+    fn triangle(&mut self, corners: [VertexId; 3]) {
+        match self.options.encoding {
+            Encoding::Binary => {
+                let mut bytes = [3; 13];
+                for (four, corner) in bytes[1..].as_chunks_mut::<4>().0.iter_mut().zip(corners) {
+                    *four = corner.0.to_le_bytes();
+                }
+                self.buffer.extend_from_slice(&bytes);
+            }
+            Encoding::Ascii => {
+                self.byte(3);
+                corners.into_iter().for_each(|corner| self.index(corner.0));
+            }
+        }
+    }
+
     fn real(&mut self, value: f64) {
         use Precision::{Double, Float};
         match (self.options.encoding, self.options.precision) {
@@ -375,21 +423,10 @@ impl Rows<'_> {
         self.buffer.push(b' ');
     }
 
-    fn end(&mut self, control: Control, row: usize, n_rows: usize) -> io::Result<()> {
+    fn end(&mut self) {
         let is_text = self.options.encoding == Encoding::Ascii;
         if let Some(last) = self.buffer.last_mut().filter(|_| is_text) {
             *last = b'\n';
         }
-        if self.buffer.len() >= CHUNK {
-            control.at(row as f64 / n_rows as f64).map_err(io::Error::other)?;
-            self.flush()?;
-        }
-        Ok(())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.write_all(&self.buffer)?;
-        self.buffer.clear();
-        Ok(())
     }
 }

@@ -17,9 +17,10 @@ const POLYGONS: usize = 1 << 14;
 /// The polygons of a file in its order; as long as all are triangles, they take no more room.
 #[derive(Default)]
 pub(super) struct Polygons {
-    corners: Vec<VertexId>,
-    /// Where each polygon starts in the corners, once there was one that is no triangle.
-    starts: Option<Vec<u32>>,
+    /// All of them, as long as they are triangles.
+    triangles: Vec<[VertexId; 3]>,
+    /// And where one is not: the corners, and where each polygon starts in them.
+    others: Option<(Vec<VertexId>, Vec<u32>)>,
 }
 
 /// The triangles of a list of polygons.
@@ -34,30 +35,51 @@ pub(super) struct Triangles {
 impl Polygons {
     /// How many polygons there are.
     pub fn len(&self) -> usize {
-        self.starts.as_ref().map_or(self.corners.len() / 3, Vec::len)
+        self.others.as_ref().map_or(self.triangles.len(), |(_, starts)| starts.len())
+    }
+
+    /// How many corners all of them have.
+    pub fn n_corners(&self) -> usize {
+        self.others.as_ref().map_or(3 * self.triangles.len(), |(corners, _)| corners.len())
     }
 
     /// Makes room for so many triangles.
     pub fn reserve(&mut self, n: usize) {
-        self.corners.reserve(3 * n);
+        self.triangles.reserve(n);
     }
 
     #[inline]
-    pub fn push_triangle(&mut self, corners: [VertexId; 3]) {
-        if let Some(starts) = &mut self.starts {
-            starts.push(self.corners.len() as u32);
+    pub fn push_triangle(&mut self, triangle: [VertexId; 3]) {
+        match &mut self.others {
+            None => self.triangles.push(triangle),
+            Some((corners, starts)) => {
+                starts.push(corners.len() as u32);
+                corners.extend(triangle);
+            }
         }
-        self.corners.extend(corners);
+    }
+
+    /// Adds triangles.
+    pub fn push_all(&mut self, triangles: Vec<[VertexId; 3]>) {
+        if self.len() == 0 {
+            self.triangles = triangles;
+        } else {
+            triangles.into_iter().for_each(|triangle| self.push_triangle(triangle));
+        }
     }
 
     /// Adds a polygon of any number of corners.
-    pub fn push(&mut self, corners: &[VertexId]) {
-        if let &[a, b, c] = corners {
+    pub fn push(&mut self, polygon: &[VertexId]) {
+        if let &[a, b, c] = polygon {
             return self.push_triangle([a, b, c]);
         }
-        let n = self.corners.len() as u32;
-        self.starts.get_or_insert_with(|| (0..n).step_by(3).collect()).push(n);
-        self.corners.extend(corners);
+        let (corners, starts) = self.others.get_or_insert_with(|| {
+            let corners = std::mem::take(&mut self.triangles).into_flattened();
+            let starts = (0..corners.len() as u32).step_by(3).collect();
+            (corners, starts)
+        });
+        starts.push(corners.len() as u32);
+        corners.extend(polygon);
     }
 
     /// The triangles, those of a polygon in its place.
@@ -67,11 +89,10 @@ impl Polygons {
         warnings: &mut Warnings,
         control: Control,
     ) -> Result<Triangles, Cancelled> {
-        let Some(mut starts) = self.starts else {
-            let faces = self.corners.as_chunks::<3>().0.to_vec();
-            return Ok(Triangles { faces, polygons: None, corners: None });
+        let Some((all, mut starts)) = self.others else {
+            return Ok(Triangles { faces: self.triangles, polygons: None, corners: None });
         };
-        starts.push(self.corners.len() as u32);
+        starts.push(all.len() as u32);
         let n = starts.len() - 1;
         let (mut faces, mut polygons, mut sources) = (Vec::new(), Vec::new(), Vec::new());
         let (mut triangulator, mut triangles, mut points) =
@@ -81,7 +102,7 @@ impl Polygons {
             if polygon.is_multiple_of(POLYGONS) {
                 control.at(polygon as f64 / n as f64)?;
             }
-            let corners = &self.corners[ends[0] as usize..ends[1] as usize];
+            let corners = &all[ends[0] as usize..ends[1] as usize];
             triangles.clear();
             points.clear();
             points.extend(corners.iter().map(|v| positions[v.idx()]));

@@ -6,9 +6,12 @@
 //! in which some programs keep colors, each in its own way.
 
 mod read;
+mod save;
+mod weld;
 mod write;
 
 pub use read::read_stl;
+pub use save::save;
 pub use write::{StlEncoding, write_stl};
 
 /// Bytes of the head of a binary file with the number of its triangles, and of each triangle.

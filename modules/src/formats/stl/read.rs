@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use mve_core::Control;
 
+use super::weld::{Surface, welded};
 use super::{HEAD, RECORD};
 use crate::data::{TriMesh, VertexId};
 use crate::formats::ReadError;
@@ -10,6 +11,8 @@ use crate::formats::raw_mesh::RawMesh;
 use crate::formats::warnings::Warning;
 use crate::formats::words::Words;
 
+/// Triangles from which on the memory counts that threads take to share the work.
+const MOST_ON_THREADS: usize = 1 << 25;
 /// Triangles between two looks whether the work was cancelled.
 const TRIANGLES: usize = 1 << 16;
 
@@ -65,25 +68,35 @@ fn read_binary(
 ) -> Result<(TriMesh, Vec<Warning>), ReadError> {
     let mut mesh = RawMesh::default();
     let records = &bytes[HEAD..HEAD + n * RECORD];
-    let mut points = Points::of_about(n / 2);
-    mesh.polygons.reserve(n);
-    for (number, record) in records.as_chunks::<RECORD>().0.iter().enumerate() {
+    let records = records.as_chunks::<RECORD>().0;
+    let (positions, faces) = match n {
+        ..MOST_ON_THREADS => welded(records, control)?,
+        _ => welded_in_turn(records, control)?,
+    };
+    mesh.positions = positions;
+    mesh.polygons.push_all(faces);
+    if bytes.len() > HEAD + n * RECORD {
+        let n_more = bytes.len() - HEAD - n * RECORD;
+        mesh.warnings.add_general(format!("{n_more} bytes behind the last triangle are left out"));
+    }
+    mesh.finish(control)
+}
+
+/// The vertices and faces of triangles, one after another.
+fn welded_in_turn(records: &[[u8; RECORD]], control: Control) -> Result<Surface, ReadError> {
+    let mut points = Points::of_about(records.len() / 2);
+    let mut faces = Vec::with_capacity(records.len());
+    for (number, record) in records.iter().enumerate() {
         if number.is_multiple_of(TRIANGLES) {
-            control.at(number as f64 / n as f64)?;
+            control.at(number as f64 / records.len() as f64)?;
         }
         let number_at = |at: usize| {
             f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
         };
         let point = |k: usize| [0, 4, 8].map(|at| number_at(12 + 12 * k + at));
-        let corners = [0, 1, 2].map(|k| points.number(Vec3::from(point(k))));
-        mesh.polygons.push_triangle(corners);
+        faces.push([0, 1, 2].map(|k| points.number(Vec3::from(point(k)))));
     }
-    if bytes.len() > HEAD + n * RECORD {
-        let n_more = bytes.len() - HEAD - n * RECORD;
-        mesh.warnings.add_general(format!("{n_more} bytes behind the last triangle are left out"));
-    }
-    mesh.positions = points.places(control)?;
-    mesh.finish(control)
+    Ok((points.places(control)?, faces))
 }
 
 fn read_text(bytes: &[u8], control: Control) -> Result<(TriMesh, Vec<Warning>), ReadError> {
@@ -200,4 +213,44 @@ impl Points {
 
 fn bits_of(point: Vec3) -> [u32; 3] {
     point.to_array().map(f32::to_bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of a grid that turns and repeats, with both zeros and a place that is nowhere.
+    fn records(n: usize) -> Vec<[u8; RECORD]> {
+        let number = |at: usize| match at % 13 {
+            0 => -0.0,
+            1 => 0.0,
+            2 if at > 5000 => f32::NAN,
+            k => (k * (at / 97 % 31)) as f32 / 3.0,
+        };
+        let record = |at: usize| {
+            let mut record = [0; RECORD];
+            let numbers = record[12..].as_chunks_mut::<4>().0.iter_mut();
+            for (k, bytes) in numbers.enumerate() {
+                *bytes = number(at * 7 + k * k).to_le_bytes();
+            }
+            record
+        };
+        (0..n).map(record).collect()
+    }
+
+    #[test]
+    fn threads_find_what_one_finds_alone() {
+        let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        for n in [0, 1, 5, 20_000, 40_001] {
+            let records = records(n);
+            let (places, faces) = welded_in_turn(&records, Control::none()).unwrap();
+            let bits = |places: &[DVec3]| -> Vec<[u64; 3]> {
+                places.iter().map(|p| p.to_array().map(f64::to_bits)).collect()
+            };
+            for n_threads in [1, 3] {
+                let found = pool(n_threads).install(|| welded(&records, Control::none()).unwrap());
+                assert_eq!((bits(&found.0), &found.1), (bits(&places), &faces), "{n}");
+            }
+        }
+    }
 }

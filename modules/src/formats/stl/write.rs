@@ -4,12 +4,15 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 use mve_core::Control;
+use rayon::prelude::*;
 
 use super::{HEAD, RECORD};
-use crate::data::TriMesh;
+use crate::data::{TriMesh, VertexId};
 
-/// Triangles that are gathered before they go to the writer.
-const CHUNK: usize = 1 << 11;
+/// Triangles that a thread makes at once, and how many such pieces there are between two looks
+/// whether the work was cancelled.
+const CHUNK: usize = 1 << 12;
+const PIECES: usize = 16;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,32 +59,43 @@ pub fn write_stl(
         }
         StlEncoding::Ascii => out.write_all(b"solid mesh\n")?,
     }
-    let mut buffer = Vec::with_capacity(CHUNK * RECORD);
-    for (at, faces) in mesh.faces.chunks(CHUNK).enumerate() {
-        control.at((at * CHUNK) as f64 / mesh.faces.len() as f64).map_err(io::Error::other)?;
-        for face in faces {
-            let corners = face.map(|v| mesh.positions[v.idx()]);
-            match encoding {
-                StlEncoding::Binary => {
-                    for p in [normal(corners), corners[0], corners[1], corners[2]] {
-                        p.as_vec3().to_array().iter().for_each(|x| buffer.extend(x.to_le_bytes()));
-                    }
-                    buffer.extend([0; 2]);
-                }
-                StlEncoding::Ascii => {
-                    text(&mut buffer, "facet normal", normal(corners));
-                    buffer.extend(b"  outer loop\n");
-                    corners.iter().for_each(|p| text(&mut buffer, "    vertex", *p));
-                    buffer.extend(b"  endloop\nendfacet\n");
-                }
-            }
-        }
-        out.write_all(&buffer)?;
-        buffer.clear();
+    for (at, faces) in mesh.faces.chunks(CHUNK * PIECES).enumerate() {
+        let done = at * CHUNK * PIECES;
+        control.at(done as f64 / mesh.faces.len() as f64).map_err(io::Error::other)?;
+        let piece = |faces: &[[VertexId; 3]]| {
+            let mut buffer = Vec::with_capacity(CHUNK * RECORD);
+            faces.iter().for_each(|face| {
+                record(face.map(|v| mesh.positions[v.idx()]), encoding, &mut buffer);
+            });
+            buffer
+        };
+        let pieces: Vec<Vec<u8>> = faces.par_chunks(CHUNK).map(piece).collect();
+        pieces.iter().try_for_each(|piece| out.write_all(piece))?;
     }
     match encoding {
         StlEncoding::Binary => Ok(()),
         StlEncoding::Ascii => out.write_all(b"endsolid mesh\n"),
+    }
+}
+
+/// Adds a triangle.
+fn record(corners: [DVec3; 3], encoding: StlEncoding, buffer: &mut Vec<u8>) {
+    match encoding {
+        StlEncoding::Binary => {
+            let mut bytes = [0; RECORD];
+            let points = [normal(corners), corners[0], corners[1], corners[2]];
+            let numbers = points.iter().flat_map(|p| p.as_vec3().to_array());
+            for (four, number) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+                *four = number.to_le_bytes();
+            }
+            buffer.extend_from_slice(&bytes);
+        }
+        StlEncoding::Ascii => {
+            text(buffer, "facet normal", normal(corners));
+            buffer.extend(b"  outer loop\n");
+            corners.iter().for_each(|p| text(buffer, "    vertex", *p));
+            buffer.extend(b"  endloop\nendfacet\n");
+        }
     }
 }
 

@@ -1,0 +1,12 @@
+//! Any bytes as a file of the format STL: a mesh that is well formed, or an error.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use mve_core::Control;
+use mve_modules::formats::stl::read_stl;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok((mesh, _)) = read_stl(bytes, Control::none()) {
+        assert_eq!(mesh.check(), Ok(()));
+    }
+});

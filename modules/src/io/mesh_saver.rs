@@ -1,0 +1,54 @@
+//! Saves a mesh as a file of any format that mve writes, by the ending of its name.
+
+use crate::formats::mesh_file;
+use crate::prelude::*;
+
+const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
+const PATH: Param<PathBuf> = Param::output_file(
+    "path",
+    "The file; its ending says the format. Textures of OBJ, PLY and Open Inventor go into a folder of \
+     its stem and -textures, materials of OBJ into an MTL file.",
+    &mesh_file::WRITTEN,
+)
+.also_writes_with(&["obj", "ply", "iv"], &["mtl", "-textures/"]);
+
+pub static MODULE: Module = Module {
+    id: "MeshSaver",
+    summary: "Saves a mesh as an OBJ, PLY, STL, OFF, glTF or Open Inventor file, by the ending of its \
+              name, as the saver of the format does.",
+    inputs: &[MESH_IN.spec()],
+    outputs: &[],
+    params: &[PATH.spec()],
+    run,
+};
+
+fn run(io: &mut Io) -> Result<(), ModuleError> {
+    let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
+    let warnings = mesh_file::save(mesh, &path, io.control())?;
+    warnings.iter().for_each(|warning| io.warn(warning));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use mve_core::Control;
+    use mve_core::testing::Trial;
+
+    use super::*;
+    use crate::formats::obj::FileScope;
+    use crate::mesh::fixtures::tetrahedron;
+
+    #[test]
+    fn every_ending_gives_a_file_that_loads() {
+        let folder = tempfile::tempdir().unwrap();
+        for ending in mesh_file::WRITTEN {
+            let path = folder.path().join("a").with_extension(ending.to_uppercase());
+            let trial = Trial::of(&MODULE).input("mesh", tetrahedron());
+            trial.set("path", path.to_str().unwrap()).run().unwrap();
+            let loaded = mesh_file::load(&path, FileScope::Folder, Control::none()).unwrap();
+            let (mesh, warnings) = loaded;
+            assert_eq!((mesh.positions.len(), mesh.area()), (4, tetrahedron().area()), "{ending}");
+            assert_eq!(warnings, [], "{ending}");
+        }
+    }
+}
