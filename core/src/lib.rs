@@ -25,6 +25,7 @@ mod map;
 mod memory;
 mod module;
 mod node_outputs;
+mod outside;
 mod panics;
 mod param;
 mod plan;
@@ -55,6 +56,9 @@ pub use map::{Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, Prog
 pub use memory::MemoryBudget;
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
+pub use outside::{
+    Heard, OutsideEnd, OutsideError, OutsideOutcome, OutsideProgram, run_outside,
+};
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};

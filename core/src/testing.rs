@@ -16,7 +16,7 @@ use crate::files::FileHashes;
 use crate::listed::Listed;
 use crate::module::{Io, Module};
 use crate::panics::contained;
-use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
+use crate::param::{ChoiceParam, Choices, CommandScope, Entry, Param, ParamSpec, Setting, Settings};
 use crate::plan::{OutputScope, PlanOptions};
 use crate::port::{In, MaybeIn, Out};
 use crate::program::{Part, Patience, ProgramOptions, Retry, Sharing};
@@ -29,6 +29,7 @@ pub fn plan_options<'a>(folder: &'a Path, files: &'a FileHashes) -> PlanOptions<
         map_folder: folder,
         output_folder: None,
         output_scope: OutputScope::Folder,
+        command_scope: CommandScope::Nothing,
         repeat: 0,
         files,
     }
@@ -149,17 +150,19 @@ impl Trial {
 /// Values of parameters, as a map file would say them. Paths of files are taken as they are.
 ///
 /// # Panics
-/// If one does not fit its declaration, or has no default and is not there.
+/// If one does not fit its declaration, or has no default and is not there, or names a program that
+/// is not there.
 pub fn settings_of(specs: &[ParamSpec], params: &JsonMap<String, Json>) -> Settings {
     let mut faults = Vec::new();
     let mut settings = Settings::parse(specs, params, &[], &mut faults);
     let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
     let complaints: Vec<_> = complaints.collect();
     assert!(complaints.is_empty(), "{complaints:?}");
-    settings.each_mut(specs, &mut |_, _, setting| {
+    settings.each_mut(specs, &mut |path, _, setting| {
         if let Setting::File { written, resolved } = setting {
             *resolved = written.as_str().into();
         }
+        setting.locate_program(Path::new("")).unwrap_or_else(|why| panic!("{path}: {why}"));
     });
     settings
 }
