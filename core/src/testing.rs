@@ -16,38 +16,22 @@ use crate::files::FileHashes;
 use crate::listed::Listed;
 use crate::module::{Io, Module};
 use crate::panics::contained;
-use crate::param::{ChoiceParam, Choices, CommandScope, Entry, Param, ParamSpec, Setting, Settings};
-use crate::plan::{OutputScope, PlanOptions};
+use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
+use crate::plan::PlanOptions;
 use crate::port::{In, MaybeIn, Out};
 use crate::program::{Part, Patience, ProgramOptions, Retry, Sharing};
 use crate::registry::{ModuleList, Registry};
-use crate::run::{Keep, RunOptions};
+use crate::run::RunOptions;
 
 /// Options of a plan of a map that is in `folder`, where each run has a fresh folder of outputs.
 pub fn plan_options<'a>(folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
-    PlanOptions {
-        map_folder: folder,
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        command_scope: CommandScope::Nothing,
-        repeat: 0,
-        files,
-    }
+    PlanOptions::new(folder, files)
 }
 
 /// Options of a run that writes to `folder`: one node at a time, no cache, nobody listens, scalars
 /// are kept.
 pub fn run_options<'a>(folder: &'a Path, cancel: &'a CancelToken) -> RunOptions<'a> {
-    RunOptions {
-        output_folder: folder,
-        threads: 1,
-        cache: None,
-        cancel,
-        observer: &|_| {},
-        keep: Keep::Scalars,
-        output_scope: OutputScope::Folder,
-        memory: None,
-    }
+    RunOptions::new(folder, cancel)
 }
 
 /// Options of a program that runs as a whole, one step at a time, sharing what it can.

@@ -38,6 +38,21 @@ pub struct PlanOptions<'a> {
     pub files: &'a FileHashes,
 }
 
+impl<'a> PlanOptions<'a> {
+    /// Of a map in a folder, whose runs have fresh folders of outputs each: savers stay in them, and
+    /// no outside program runs.
+    pub fn new(map_folder: &'a Path, files: &'a FileHashes) -> Self {
+        Self {
+            map_folder,
+            output_folder: None,
+            output_scope: OutputScope::Folder,
+            command_scope: CommandScope::Nothing,
+            repeat: 0,
+            files,
+        }
+    }
+}
+
 /// Where savers may write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputScope {

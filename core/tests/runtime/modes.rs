@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use mve_core::testing::registry;
-use mve_core::{CommandScope, FileHashes, Map, OutputScope, Plan, PlanOptions, Problem, Program, schema};
+use mve_core::{
+    CommandScope, FileHashes, Map, OutputScope, Plan, PlanOptions, Problem, Program, schema,
+};
 
 fn plan(text: &str) -> Result<Plan, Vec<Problem>> {
     let options = PlanOptions {

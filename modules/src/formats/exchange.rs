@@ -5,10 +5,10 @@ use std::path::Path;
 use mve_core::{Control, ModuleError};
 
 use super::obj::{self, FileScope};
-use super::ply::{Encoding, PlyOptions, Precision, write_ply};
-use super::stl::{StlEncoding, write_stl};
+use super::ply::{self, Encoding, PlyOptions, Precision, write_ply};
+use super::stl::{self, StlEncoding, write_stl};
 use super::warnings::Warning;
-use super::{mesh_file, off, save_atomic};
+use super::{load_with, off, save_atomic};
 use crate::data::TriMesh;
 
 /// The endings of files that meshes are written to, the usual one first.
@@ -34,20 +34,29 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), ModuleE
             let options = PlyOptions { encoding: Encoding::Binary, precision };
             save_atomic(path, |out| write_ply(mesh, None, options, out, control))?;
         }
-        other => {
-            let message = format!("there is no writer of .{other} files");
-            return Err(ModuleError::io(path, message));
-        }
+        other => return Err(unknown(path, other)),
     }
     Ok(())
 }
 
-/// Reads what a program wrote, by how it begins, with the files beside it.
+/// Reads what a program wrote as the format of an ending, with the files beside it. What the file
+/// begins with does not count: whatever else a program wrote would be read as something.
 ///
 /// # Errors
-/// As those of the format's reader.
+/// As those of the format's reader; an ending that is none of [`ENDINGS`].
 pub fn load(path: &Path, control: Control) -> Result<(TriMesh, Vec<Warning>), ModuleError> {
-    mesh_file::load(path, FileScope::Folder, control)
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    match &*ending {
+        "obj" => obj::load(path, control).map_err(|error| error.about(path)),
+        "stl" => load_with(path, control, stl::read_stl),
+        "off" => load_with(path, control, off::read_off),
+        "ply" => ply::load(path, FileScope::Folder, control),
+        other => Err(unknown(path, other)),
+    }
+}
+
+fn unknown(path: &Path, ending: &str) -> ModuleError {
+    ModuleError::io(path, format!("meshes are neither read from .{ending} files nor written so"))
 }
 
 #[cfg(test)]

@@ -31,9 +31,6 @@ fn a_mesh_goes_through_a_program_and_back_in_every_format() {
     }
     let outputs = trial(json!("cp {in.mesh:stl} {out.mesh:stl}")).run().unwrap();
     assert_eq!(mesh(&outputs).faces.len(), 4);
-    // By how it begins, not by its ending.
-    let outputs = trial(json!("cp {in.mesh:off} {out.mesh:obj}")).run().unwrap();
-    assert_eq!(mesh(&outputs), tetrahedron());
 }
 
 #[test]
@@ -70,6 +67,7 @@ fn each_bad_end_is_told_with_what_the_program_said() {
     let wrong = message(trial(json!(["cp", "/bin/ls", "{out.mesh:ply}"])));
     assert!(wrong.starts_with("what the program wrote as {out.mesh:ply}: "), "{wrong}");
     assert!(!wrong.contains("mve-command-"), "{wrong}");
+    assert!(trial(json!("cp {in.mesh:off} {out.mesh:ply}")).run().is_err());
     let pattern = message(trial(json!(["echo", "min 3"])).set("patterns", "max {max}"));
     assert!(pattern.contains("fits \"max {max}\"") && pattern.contains("min 3"), "{pattern}");
     let folder = tempfile::tempdir().unwrap();
@@ -95,9 +93,9 @@ fn a_program_that_hangs_ends_at_its_limit_or_when_it_is_stopped() {
 
 #[test]
 fn the_log_is_bounded_and_steers_no_terminal() {
-    let log = trial(json!(["seq", "1", "200000"])).log().unwrap();
-    assert_eq!((log.len(), log[0].as_str(), log[100].as_str()), (102, "1", "200000"));
-    assert_eq!(log[50], "… 199900 lines are left out …");
+    let log = trial(json!(["seq", "1", "100000"])).log().unwrap();
+    assert_eq!((log.len(), log[0].as_str(), log[100].as_str()), (102, "1", "100000"));
+    assert_eq!(log[50], "… 99900 lines are left out …");
     assert_eq!(log[101], "exit code 0");
     let log = trial(json!(["printf", "\\033[31mred\\a\\n%01000d", "7"])).log().unwrap();
     assert_eq!(log[0], "\\u{1b}[31mred\\u{7}");

@@ -181,7 +181,8 @@ impl CommandLine {
         Ok(std::iter::once(self.program.clone()).chain(files).collect())
     }
 
-    fn to_json(&self) -> Json {
+    /// As a map says it.
+    pub fn to_json(&self) -> Json {
         json!(self.words)
     }
 }
