@@ -8,4 +8,5 @@ pub mod missing;
 pub mod render;
 pub mod ssim;
 pub mod text;
+pub mod turntable;
 pub mod view;
