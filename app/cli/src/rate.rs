@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use mve_core::{
-    Cache, CancelToken, Control, DiskCache, FileHashes, Fingerprint, Keep, Map, OutputScope, Plan,
-    PlanFile, PlanOptions, PortRef, Problem, Registry, RunOptions, Step, StepStatus, Store, assign,
+    Cache, CancelToken, Control, FileHashes, Fingerprint, Keep, Map, OutputScope, Plan, PlanFile,
+    PlanOptions, PortRef, Problem, Registry, RunOptions, Step, StepStatus, Store, assign,
 };
 use mve_modules::data::{PixelKind, TriMesh};
 use mve_modules::formats::png::write_png;

@@ -19,7 +19,7 @@ use crate::results::Results;
 use crate::stats::{Estimate, estimate, pearson, spearman};
 
 /// What the marks are called.
-const TITLE: &str = "mark of people (0 like the original, 1 unlike)";
+const TITLE: &str = "mean mark of people, 0 to 1";
 
 /// The name of their column.
 pub const COLUMN: &str = "people.mark";
@@ -43,7 +43,7 @@ pub struct Agreement {
     pub column: String,
     /// Over all results; empty where numbers of different models cannot be compared.
     pub over_all: Correlation,
-    /// The means of those within each row of the tables; `n` counts rows.
+    /// The means of those within each value of the first axis; `n` counts these.
     pub within: Correlation,
 }
 

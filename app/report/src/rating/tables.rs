@@ -21,7 +21,9 @@ pub struct TextTable {
 
 /// The mean marks and the agreements; tables without rows are left out.
 pub fn tables(people: &People, results: &Results, measures: &[MeasureColumn]) -> Vec<TextTable> {
-    let all = [marks(people, results), agreements(&people.agreements(results, measures))];
+    let group = results.group_axis().map_or("row", |axis| axis.title.as_str());
+    let agreements = agreements(&people.agreements(results, measures), group);
+    let all = [marks(people, results), agreements];
     all.into_iter().filter(|table| !table.rows.is_empty()).collect()
 }
 
@@ -61,8 +63,8 @@ fn in_words(Estimate { mean, half_width, .. }: Estimate) -> String {
     format!("{mean:.2}{}", half.unwrap_or_default())
 }
 
-/// A row a measure.
-fn agreements(all: &[Agreement]) -> TextTable {
+/// A row a measure; `group` is what the first axis varies.
+fn agreements(all: &[Agreement], group: &str) -> TextTable {
     let has = |of: fn(&Agreement) -> Correlation| all.iter().any(|one| of(one).spearman.is_some());
     let mut header = vec!["measure".to_owned()];
     let mut parts: Vec<fn(&Agreement) -> Correlation> = Vec::new();
@@ -71,8 +73,8 @@ fn agreements(all: &[Agreement]) -> TextTable {
         parts.push(|one| one.over_all);
     }
     if has(|one| one.within) {
-        let within = ["Pearson within rows", "Spearman within rows", "rows"];
-        header.extend(within.map(str::to_owned));
+        let within = ["Pearson", "Spearman"].map(|name| format!("{name} within each {group}"));
+        header.extend(within.into_iter().chain(["averaged over".to_owned()]));
         parts.push(|one| one.within);
     }
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), |r| labels::rounded(r, 3));
