@@ -29,8 +29,8 @@ fn a_run_refuses_outside_programs_until_they_are_allowed() {
     }
     assert!(refused.err.contains("--allow-commands") && !folder.has("touched"));
     let done = folder.mve(&["run", "map.json", "--allow-commands"]).succeeds();
-    // A box of four segments a side: 6 · 4² · 2 faces, and 6 as its area.
-    done.says("call: exit code 0\n").says("192").says("6");
+    // A box of eight segments a side has 6 · 8² · 2 faces.
+    done.says("call: exit code 0\n").says("info   done").says("faces                  768\n");
     assert!(folder.has("touched"));
 }
 
