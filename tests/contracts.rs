@@ -142,6 +142,9 @@ pub fn needed(of: &str, params: &[ParamSpec], folder: &Path) -> JsonMap<String, 
         if let Some(file) = spec.input_file() {
             return Some(json!(example_file(&file, folder)));
         }
+        if spec.command_line().is_some() {
+            return Some(json!(["cp", "{in.mesh}", "{out.mesh}"]));
+        }
         let choice = spec.choice().filter(|_| spec.default_setting().is_none())?;
         let entry = choice.list.find(choice.default)?;
         Some(json!({ choice.default: needed(of, entry.params, folder) }))

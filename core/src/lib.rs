@@ -8,6 +8,18 @@
 //! map file → Map → Plan (every problem at once, or none) → run → RunOutcome
 //!                     ↑ one assignment of a Program          ↓ committed to a Store
 //! ```
+//!
+//! # From another crate
+//!
+//! [`Map::load`] or a [`Map`] that is filled in code, [`Plan::new`] with [`PlanOptions::new`],
+//! [`run`] with [`RunOptions::new`], and [`RunOutcome::value`] are all that it takes to run a map.
+//! `modules/examples/run_map.rs` does that with the modules of mve. For a sweep it is
+//! [`Program::new`], [`Store::open`] and [`run_program`].
+//!
+//! A crate with modules of its own declares each in a file of its own, lists them with
+//! [`modules!`], and adds the list to a registry: [`Registry::with`]. It needs no other crate of
+//! mve for that, and may have data types of its own ([`Data`]). `modules/examples/own_module.rs`
+//! shows one such module beside those of mve.
 
 mod cache;
 mod cancel;
@@ -26,6 +38,7 @@ mod maps;
 mod memory;
 mod module;
 mod node_outputs;
+mod outside;
 mod panics;
 mod param;
 mod pattern;
@@ -62,6 +75,7 @@ pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 pub use memory::MemoryBudget;
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
+pub use outside::{Heard, OutsideEnd, OutsideError, OutsideOutcome, OutsideProgram, run_outside};
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};

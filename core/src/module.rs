@@ -35,6 +35,11 @@ pub struct Module {
 }
 
 impl Module {
+    /// Whether it may run outside programs, those of an entry of a choice too.
+    pub fn runs_programs(&self) -> bool {
+        self.params.iter().any(ParamSpec::runs_programs)
+    }
+
     /// Whether it may write files, those of an entry of a choice too.
     pub fn writes_files(&self) -> bool {
         self.params.iter().any(ParamSpec::writes_files)

@@ -95,6 +95,12 @@ impl Registry {
         self.find(&node.module).is_some_and(|info| info.module.writes_files()) || inside()
     }
 
+    /// Whether a node may run outside programs, be it a module or a map.
+    pub fn runs_programs(&self, node: &Node) -> bool {
+        let inside = || self.open_map(&node.module).is_some_and(|map| map.runs_programs());
+        self.find(&node.module).is_some_and(|info| info.module.runs_programs()) || inside()
+    }
+
     /// The maps that nodes may name, as modules.
     pub fn maps(&self) -> impl Iterator<Item = ModuleInfo> {
         self.maps.values().map(|map| map.info)

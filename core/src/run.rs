@@ -2,63 +2,33 @@
 
 mod audience;
 mod listener;
+mod options;
 mod record;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use audience::Audience;
 use indexmap::IndexMap;
 use listener::Listener;
+pub use options::{Keep, RunOptions};
 pub use record::{NodeRecord, NodeStatus};
 use serde::Serialize;
 
 use crate::cache::{Cache, CacheUse, Claim};
-use crate::cancel::CancelToken;
 use crate::data::Value;
 use crate::error::ModuleError;
 use crate::files::{lying_at, refuse_links, refuse_special};
-use crate::memory::MemoryBudget;
 use crate::module::{Arrived, Io};
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
 use crate::param::{Setting, Settings};
-use crate::plan::{OutputScope, Plan, PlanNode, Source};
+use crate::plan::{Plan, PlanNode, Source};
 use crate::stored::Stored;
 
 /// Progress of one node is told at most this often.
 const PROGRESS_PAUSE: Duration = Duration::from_millis(50);
-
-/// How to run a plan.
-#[derive(Clone, Copy)]
-pub struct RunOptions<'a> {
-    /// Where savers write.
-    pub output_folder: &'a Path,
-    /// How many nodes run at once, at least 1. Modules have threads of their own beside these.
-    pub threads: usize,
-    /// Values made before.
-    pub cache: Option<&'a Cache>,
-    /// Stops the run.
-    pub cancel: &'a CancelToken,
-    /// Hears what happens, from several threads.
-    pub observer: &'a (dyn Fn(&Event) + Sync),
-    /// Which values the outcome holds.
-    pub keep: Keep,
-    /// Whether savers may follow symbolic links out of the output folder.
-    pub output_scope: OutputScope,
-    /// Memory that modules reserve, where runs that go on at once share it.
-    pub memory: Option<&'a MemoryBudget>,
-}
-
-/// Which values of a run outlive it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keep {
-    /// The scalars only, as part of the records; others go with their last consumer.
-    Scalars,
-    /// Every output of every node.
-    All,
-}
 
 /// Something that happened to a node.
 #[derive(Clone, Debug, Serialize)]
@@ -122,6 +92,11 @@ impl RunOutcome {
     pub fn is_done(&self) -> bool {
         let is_done = |status: &NodeStatus| matches!(status, NodeStatus::Done | NodeStatus::Past);
         self.nodes.values().all(|node| is_done(&node.record.status))
+    }
+
+    /// The value of an output, where the run kept it.
+    pub fn value(&self, node: &str, output: &str) -> Option<&Value> {
+        self.nodes.get(node)?.outputs.get(output)
     }
 
     /// Whether some node was stopped.

@@ -18,36 +18,21 @@ use crate::maps::MAP_ENDS;
 use crate::module::{Arrived, Io, Module};
 use crate::panics::contained;
 use crate::param::{ChoiceParam, Choices, Entry, Param, ParamSpec, Setting, Settings};
-use crate::plan::{OutputScope, PlanOptions};
+use crate::plan::PlanOptions;
 use crate::port::{In, ManyIn, MaybeIn, Out};
 use crate::program::{Part, Patience, ProgramOptions, Retry, Sharing};
 use crate::registry::{ModuleList, Registry};
-use crate::run::{Keep, RunOptions};
+use crate::run::RunOptions;
 
 /// Options of a plan of a map that is in `folder`, where each run has a fresh folder of outputs.
 pub fn plan_options<'a>(folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
-    PlanOptions {
-        map_folder: folder,
-        output_folder: None,
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files,
-    }
+    PlanOptions::new(folder, files)
 }
 
 /// Options of a run that writes to `folder`: one node at a time, no cache, nobody listens, scalars
 /// are kept.
 pub fn run_options<'a>(folder: &'a Path, cancel: &'a CancelToken) -> RunOptions<'a> {
-    RunOptions {
-        output_folder: folder,
-        threads: 1,
-        cache: None,
-        cancel,
-        observer: &|_| {},
-        keep: Keep::Scalars,
-        output_scope: OutputScope::Folder,
-        memory: None,
-    }
+    RunOptions::new(folder, cancel)
 }
 
 /// Options of a program that runs as a whole, one step at a time, sharing what it can.
@@ -155,17 +140,19 @@ impl Trial {
 /// Values of parameters, as a map file would say them. Paths of files are taken as they are.
 ///
 /// # Panics
-/// If one does not fit its declaration, or has no default and is not there.
+/// If one does not fit its declaration, or has no default and is not there, or names a program that
+/// is not there.
 pub fn settings_of(specs: &[ParamSpec], params: &JsonMap<String, Json>) -> Settings {
     let mut faults = Vec::new();
     let mut settings = Settings::parse(specs, params, &[], &mut faults);
     let complaints = faults.iter().map(|fault| format!("{}: {}", fault.path, fault.message));
     let complaints: Vec<_> = complaints.collect();
     assert!(complaints.is_empty(), "{complaints:?}");
-    settings.each_mut(specs, &mut |_, _, setting| {
+    settings.each_mut(specs, &mut |path, _, setting| {
         if let Setting::File { written, resolved } = setting {
             *resolved = written.as_str().into();
         }
+        setting.locate_program(Path::new("")).unwrap_or_else(|why| panic!("{path}: {why}"));
     });
     settings
 }

@@ -3,6 +3,14 @@
 //! `data` is what flows through ports; `mesh`, `geometry`, `picture`, `image_driven` and `formats`
 //! are plain data and free functions over it, with no ports; the other folders hold one file per
 //! module, cost, placement or metric.
+//!
+//! # From another crate
+//!
+//! [`registry`] has the modules; the crate `mve_core` runs maps of them, as
+//! `modules/examples/run_map.rs` shows. The algorithms can be called without a map, as functions
+//! over a [`TriMesh`](data::TriMesh): see [`geometry`], [`formats`] and [`picture`]. A module of
+//! another crate begins with [`prelude`] and stands beside those of mve in one registry:
+//! `modules/examples/own_module.rs`.
 
 pub mod cost;
 pub mod data;
@@ -18,7 +26,7 @@ pub mod mesh;
 pub mod metric;
 pub mod picture;
 pub mod placement;
-mod prelude;
+pub mod prelude;
 #[doc(hidden)]
 pub mod testing;
 

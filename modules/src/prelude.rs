@@ -1,4 +1,4 @@
-//! What a file with a module in it begins with.
+//! What a file with a module in it begins with, here and in other crates.
 
 pub use std::path::PathBuf;
 

@@ -1,9 +1,10 @@
 //! `mve check`: all problems of a map and of its programs.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use mve_core::{Map, OutputScope, Place, Problem, Program, ProgramSpec, Severity};
+use mve_core::{CommandScope, Map, OutputScope, Place, Problem, Program, ProgramSpec, Severity};
 
 use crate::exit::{Exit, Stop};
 use crate::load::{Loaded, SetArgs};
@@ -17,7 +18,7 @@ use crate::out;
   mve check maps/obj_file.json --set simplify.target_faces=300
   mve check --json - < map.json
 
-Nothing is run and nothing is written. The exit code is 3 where there are errors; warnings alone \
+Nothing is run and nothing is written; outside programs that the map would run are listed. The exit code is 3 where there are errors; warnings alone \
 give 0.")]
 pub struct Args {
     /// The maps' files; - for standard input
@@ -59,7 +60,17 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
 /// Checks one map.
 fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
-    let problems = loaded.plan(None, scope).map_or_else(|problems| problems, |plan| plan.warnings);
+    let mut commands = BTreeSet::new();
+    let problems = match loaded.plan(None, scope, CommandScope::All) {
+        Ok(plan) => {
+            for node in &plan.nodes {
+                let lines = node.command_lines().into_iter();
+                commands.extend(lines.map(|(_, line)| (node.name.clone(), line.to_string())));
+            }
+            plan.warnings
+        }
+        Err(problems) => problems,
+    };
     let problems: Vec<_> =
         problems.into_iter().map(|problem| of_programs_alone(&loaded.map, problem)).collect();
     let known = problems.clone();
@@ -69,8 +80,11 @@ fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
     let mut facts = Vec::new();
     let mut groups = vec![Group { title: loaded.path.display().to_string(), problems: own }];
     for name in loaded.map.programs.keys() {
-        let problems = match Program::new(&loaded.map, name, &loaded.registry, loaded.folder()) {
+        let (map, registry) = (&loaded.map, &loaded.registry);
+        let checked = Program::allowing(CommandScope::All, map, name, registry, loaded.folder());
+        let problems = match checked {
             Ok(program) => {
+                commands.extend(program.command_lines);
                 facts.push(format!("{name}: {}", count(program.steps.len(), "step")));
                 program.warnings
             }
@@ -97,14 +111,24 @@ fn check(loaded: &Loaded, args: &Args) -> Result<Exit, Stop> {
             }
         }
     }
-    if args.json { report_json(loaded, &groups) } else { report(loaded, &groups, &facts) }
+    match args.json {
+        true => report_json(loaded, &groups, &commands),
+        false => report(loaded, &groups, &facts, &commands),
+    }
 }
 
 /// A line a problem, then one for the map.
-fn report_json(loaded: &Loaded, groups: &[Group]) -> Result<Exit, Stop> {
+fn report_json(
+    loaded: &Loaded,
+    groups: &[Group],
+    commands: &BTreeSet<(String, String)>,
+) -> Result<Exit, Stop> {
     let all = || groups.iter().flat_map(|group| &group.problems);
     for problem in all() {
         out::json(&loaded.problem_line(problem))?;
+    }
+    for (node, command) in commands {
+        out::json(&serde_json::json!({ "event": "command", "node": node, "command": command }))?;
     }
     let errors = all().filter(|problem| problem.is_error()).count();
     let warnings = all().count() - errors;
@@ -148,7 +172,12 @@ fn is_known(problem: &Problem, known: &[Problem]) -> bool {
     })
 }
 
-fn report(loaded: &Loaded, groups: &[Group], facts: &[String]) -> Result<Exit, Stop> {
+fn report(
+    loaded: &Loaded,
+    groups: &[Group],
+    facts: &[String],
+    commands: &BTreeSet<(String, String)>,
+) -> Result<Exit, Stop> {
     let all = || groups.iter().flat_map(|group| &group.problems);
     let n_errors = all().filter(|problem| problem.is_error()).count();
     let n_warnings = all().count() - n_errors;
@@ -182,6 +211,12 @@ fn report(loaded: &Loaded, groups: &[Group], facts: &[String]) -> Result<Exit, S
             n => format!("no errors, {}", count(n, "warning")),
         };
         let _ = writeln!(text, "{}: {found}; {}", loaded.path.display(), line.join(", "));
+    }
+    if !commands.is_empty() {
+        let _ = writeln!(text, "runs outside programs, with --allow-commands alone:");
+    }
+    for (node, command) in commands {
+        let _ = writeln!(text, "  {node}: {command}");
     }
     out::print(&text)?;
     if n_errors == 0 {

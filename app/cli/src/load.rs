@@ -4,8 +4,8 @@ use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use mve_core::{
-    FileHashes, MODULE, Map, MapError, OutputScope, ParamSpec, Place, Plan, PlanOptions, Position,
-    Problem, Registry, assign, chosen, declared_at,
+    CommandScope, FileHashes, MODULE, Map, MapError, OutputScope, ParamSpec, Place, Plan,
+    PlanOptions, Position, Problem, Registry, assign, chosen, declared_at,
 };
 use serde_json::Value as Json;
 
@@ -224,11 +224,17 @@ impl Loaded {
     }
 
     /// Checks the map, together with the settings of the command line.
-    pub fn plan(&self, out: Option<&Path>, scope: OutputScope) -> Result<Plan, Vec<Problem>> {
+    pub fn plan(
+        &self,
+        out: Option<&Path>,
+        scope: OutputScope,
+        command_scope: CommandScope,
+    ) -> Result<Plan, Vec<Problem>> {
         let options = PlanOptions {
             map_folder: self.folder(),
             output_folder: out,
             output_scope: scope,
+            command_scope,
             repeat: 0,
             files: &FileHashes::new(),
         };
@@ -282,6 +288,22 @@ impl Loaded {
     /// A problem as an event.
     pub fn problem_line<'a>(&self, problem: &'a Problem) -> ProblemLine<'a> {
         ProblemLine { event: "problem", problem, position: self.map.position_of(problem) }
+    }
+}
+
+/// Whether a person allows outside programs, on the command line.
+#[derive(Clone, Copy, clap::Args)]
+pub struct CommandArgs {
+    /// Let the map run outside programs, which can do whatever you can: for maps that you trust.
+    /// `mve check` lists them
+    #[arg(long)]
+    allow_commands: bool,
+}
+
+impl CommandArgs {
+    /// What a plan may run.
+    pub fn scope(self) -> CommandScope<'static> {
+        if self.allow_commands { CommandScope::All } else { CommandScope::Nothing }
     }
 }
 

@@ -13,6 +13,7 @@ mod out;
 mod program;
 mod program_report;
 mod progress;
+mod rate;
 mod report;
 mod run;
 mod scaffold;
@@ -42,6 +43,7 @@ Examples:
   mve run first.json                    run it
   mve program first.json                run its program into a table and a report
   mve report mve-out/first-sizes        write the report of a program again
+  mve rate mve-out/first-sizes          make a page on which people mark results
   mve clean mve-out/first-sizes         list what its results do not need
   mve modules Simplificator             read what a module does
   mve edit first.json                   open it in the window
@@ -75,6 +77,7 @@ enum Command {
     Run(run::Args),
     Program(program::Args),
     Report(report::Args),
+    Rate(rate::Args),
     Clean(clean::Args),
     Check(check::Args),
     Modules(modules::Args),
@@ -123,6 +126,7 @@ fn dispatch(cli: Cli) -> Result<Exit, Stop> {
         Some(Command::Run(args)) => run::run(&args, cli.quiet),
         Some(Command::Program(args)) => program::run(&args, cli.quiet),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Rate(args)) => rate::run(&args, cli.quiet),
         Some(Command::Clean(args)) => clean::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Modules(args)) => modules::run(&args),

@@ -6,16 +6,16 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use mve_core::{
-    CancelToken, DiskCache, EventKind, Part, Patience, Problem, Program, ProgramEvent,
-    ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus, Store, TIMINGS,
-    chosen, did_you_mean, is_steering,
+    CancelToken, CommandScope, DiskCache, EventKind, Part, Patience, Problem, Program,
+    ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus,
+    Store, TIMINGS, chosen, did_you_mean, is_steering,
 };
 use mve_report::Report;
 use serde::Serialize;
 use serde_json::Value as Json;
 
 use crate::exit::{Exit, Stop};
-use crate::load::{Loaded, MapArgs};
+use crate::load::{CommandArgs, Loaded, MapArgs};
 use crate::machine::{half_of_memory, parse_count, parse_size, set_threads};
 use crate::out;
 use crate::out::warning_mark;
@@ -113,6 +113,8 @@ pub struct Args {
     /// Write no report.html
     #[arg(long)]
     no_report: bool,
+    #[command(flatten)]
+    commands: CommandArgs,
     /// Print every event as a line of JSON, and a summary as the last line
     #[arg(long)]
     json: bool,
@@ -166,8 +168,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     if !loaded.complaints.is_empty() {
         return Err(loaded.refuse(&loaded.complaints, args.json));
     }
-    let mut program = Program::new(&loaded.map, name, &loaded.registry, loaded.folder())
-        .map_err(|problems| loaded.refuse(&problems, args.json))?;
+    let scope = match args.dry_run {
+        true => CommandScope::All,
+        false => args.commands.scope(),
+    };
+    let program = Program::allowing(scope, &loaded.map, name, &loaded.registry, loaded.folder());
+    let mut program = program.map_err(|problems| loaded.refuse(&problems, args.json))?;
     program.map_file = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     program.map_path = std::path::absolute(&loaded.path).unwrap_or_default();
     loaded.report(&program.warnings, args.json);

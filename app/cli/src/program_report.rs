@@ -79,6 +79,7 @@ pub fn dry_run(
         return out::event(&serde_json::json!({
             "event": "finished", "status": "dry run", "steps": rows.len(), "done": done,
             "failed": failed, "to_do": todo, "varied": program.varied, "folder": folder,
+            "commands": program.command_lines,
         }));
     }
     let cells =
@@ -95,6 +96,12 @@ pub fn dry_run(
     text.push_str(&format!("\n{steps}{part}: {done} done, {failed} failed, {todo} to do\n"));
     let varied = program.varied.join(", ");
     text.push_str(&format!("varied:  {}\n", wrap(&varied, out::width(), 9)));
+    for (node, line) in &program.command_lines {
+        text.push_str(&format!("runs:    {node}: {}\n", wrap(line, out::width(), 9)));
+    }
+    if !program.command_lines.is_empty() {
+        text.push_str("         outside programs run with --allow-commands alone\n");
+    }
     let is_there = if store.is_some() { "" } else { " (not made yet)" };
     text.push_str(&format!("folder:  {}{is_there}\n", folder.display()));
     out::print(&text)

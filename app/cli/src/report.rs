@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use mve_core::{Map, Store, did_you_mean};
+use mve_report::rating::Ratings;
 use mve_report::{Asked, Format, Report, ReportError};
 use serde_json::Value as Json;
 
@@ -24,6 +25,7 @@ pub const PAGE: &str = "report.html";
   mve report mve-out/vase-costs --format latex --measure compare.rms --columns simplify.cost
   mve report mve-out/vase-costs --format svg          plots, into mve-out/vase-costs/plots
   mve report mve-out/vase-costs --format csv --out costs.csv
+  mve report mve-out/vase-costs --ratings anna.json,ben.json   with what people say
 
 The page needs no network and no files beside it: answers to the program's questions, tables with \
 the best of each row marked, plots with the Pareto front, the pictures that steps wrote, \
@@ -56,6 +58,13 @@ pub struct Args {
     /// Varied parameters that give the columns of tables, and the series of plots
     #[arg(long, value_name = "PARAM", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Files that people saved on the page of `mve rate`; any number of them
+    ///
+    /// Each person's marks are spread from 0 to 1. The report shows the mean of each result with its
+    /// 95 % confidence interval, and how well each measure agrees with the means. Who gave every
+    /// result the same mark is left out.
+    #[arg(long, value_name = "FILE", num_args = 1.., value_delimiter = ',')]
+    ratings: Vec<PathBuf>,
     /// What to write
     #[arg(short, long, value_enum, default_value_t = FormatName::Html)]
     format: FormatName,
@@ -110,7 +119,13 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
         rows: args.rows.clone(),
         columns: args.columns.clone(),
     };
-    let report = Report::read_for(&args.store, &asked)?;
+    let mut report = Report::read_for(&args.store, &asked)?;
+    if !args.ratings.is_empty() {
+        report = report.with_ratings(&ratings(&args.ratings)?)?;
+        if args.format == FormatName::Latex {
+            out::tell("note: LaTeX has no table of ratings; take Markdown, CSV or the page");
+        }
+    }
     let Some(format) = args.format.format() else { return plots(args, &report) };
     // Tables may be read by a program: what they lack is said beside them.
     if args.format != FormatName::Html {
@@ -127,6 +142,29 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
     let mut text = answers(&report);
     text.push_str(&format!("report   {}\n", path.display()));
     out::print(&text)
+}
+
+/// Most bytes of a file of ratings.
+const LARGEST_RATINGS: u64 = 16 << 20;
+
+/// Reads files of ratings; every fault is told.
+fn ratings(files: &[PathBuf]) -> Result<Vec<Ratings>, Stop> {
+    let mut all = Vec::new();
+    let mut faults = Vec::new();
+    for path in files {
+        let about = std::fs::metadata(path).map_err(|error| Stop::file(path, &error))?;
+        if about.len() > LARGEST_RATINGS {
+            faults.push(format!("{}: is too large for a file of ratings", path.display()));
+            continue;
+        }
+        let bytes = std::fs::read(path).map_err(|error| Stop::file(path, &error))?;
+        let text = String::from_utf8_lossy(&bytes);
+        match Ratings::parse(&path.display().to_string(), &text) {
+            Ok(ratings) => all.push(ratings),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    if faults.is_empty() { Ok(all) } else { Err(Stop::refused(faults.join("\n"))) }
 }
 
 /// What the program of a store says of its report in a map.

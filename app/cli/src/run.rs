@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::check::count;
 use crate::exit::{Exit, Stop};
-use crate::load::MapArgs;
+use crate::load::{CommandArgs, MapArgs};
 use crate::machine::{parse_count, set_threads};
 use crate::out;
 use crate::out::warning_mark;
@@ -47,6 +47,8 @@ pub struct Args {
     /// Let savers write outside the output folder, for maps of people that you trust
     #[arg(long)]
     allow_outside: bool,
+    #[command(flatten)]
+    commands: CommandArgs,
     /// Print every event as a line of JSON, and a summary as the last line
     #[arg(long)]
     json: bool,
@@ -63,7 +65,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let loaded = args.map.load()?;
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
     let plan = loaded
-        .plan(Some(&args.out), scope)
+        .plan(Some(&args.out), scope, args.commands.scope())
         .map_err(|problems| loaded.refuse(&problems, args.json))?;
     loaded.report(&plan.warnings, args.json);
     if plan.nodes.iter().any(|node| !node.writes.is_empty()) {

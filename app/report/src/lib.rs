@@ -16,6 +16,7 @@ mod pictures;
 mod pivot;
 mod plots;
 mod questions;
+pub mod rating;
 mod results;
 pub mod stats;
 mod text;
@@ -28,6 +29,7 @@ use columns::MeasureColumn;
 use mve_core::{Measure, ReportFault, ReportSpec, StoreError};
 use serde_json::Value as Json;
 
+use rating::{People, Ratings};
 use results::Results;
 
 /// What a report is written as.
@@ -105,6 +107,7 @@ pub struct Report {
     results: Results,
     title: String,
     measures: Vec<MeasureColumn>,
+    people: Option<People>,
 }
 
 impl Report {
@@ -122,7 +125,16 @@ impl Report {
         let title = if title.is_empty() { &results.plan.program } else { title };
         let title = labels::shortened_to(title, 300);
         let measures = columns::measures(&results);
-        Ok(Self { results, title, measures })
+        Ok(Self { results, title, measures, people: None })
+    }
+
+    /// Adds what people said of the results.
+    ///
+    /// # Errors
+    /// [`ReportError::Asked`] where marks are of results that the store does not have.
+    pub fn with_ratings(mut self, ratings: &[Ratings]) -> Result<Self, ReportError> {
+        self.people = Some(People::of(&self.results, ratings).map_err(ReportError::Asked)?);
+        Ok(self)
     }
 
     /// The report as text. `folder` is where it will stand, so that links from it to the store
@@ -131,10 +143,16 @@ impl Report {
         let (results, measures) = (&self.results, self.measures.as_slice());
         let tables = || pivot::pivots(results, measures);
         match format {
-            Format::Csv => text::csv(results, measures),
+            Format::Csv => text::csv(results, measures, self.people.as_ref()),
             Format::Latex => latex::latex(&self.title, &self.notes(), &self.answers(), &tables()),
             Format::Markdown => {
-                text::markdown(&self.title, &self.notes(), &self.answers(), &tables())
+                let mut text =
+                    text::markdown(&self.title, &self.notes(), &self.answers(), &tables());
+                if let Some(people) = &self.people {
+                    let tables = rating::tables(people, results, measures);
+                    text.push_str(&text::people(people, &tables));
+                }
+                text
             }
             Format::Html => {
                 let store = folder.map_or(String::new(), |from| way(from, &results.folder));
@@ -145,6 +163,7 @@ impl Report {
                     answers: &self.answers(),
                     tables: &tables(),
                     figures: &plots::figures(results, measures),
+                    people: self.people.as_ref(),
                     pictures: &pictures::pictures(results),
                     store: &store,
                 })
@@ -154,7 +173,10 @@ impl Report {
 
     /// The plots, each standing alone, with a name for its file.
     pub fn plots(&self) -> Vec<Plot> {
-        let (figures, _) = plots::figures(&self.results, &self.measures);
+        let (mut figures, _) = plots::figures(&self.results, &self.measures);
+        if let Some(people) = &self.people {
+            figures.extend(people.figures(&self.results, &self.measures));
+        }
         figures.into_iter().map(|figure| Plot { figure }).collect()
     }
 

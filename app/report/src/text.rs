@@ -9,12 +9,14 @@ use crate::case::{Case, Cell};
 use crate::columns::{MeasureColumn, long_columns};
 use crate::labels;
 use crate::pivot::{Pivot, PivotCell};
+use crate::rating::{COLUMN, People, TextTable};
 use crate::results::Results;
 use crate::stats::estimate;
 
 /// Every case with the columns of the long table, all digits, rounding included, as a
-/// [`csv_table`]. A step that is missing says so in the column `status`.
-pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
+/// [`csv_table`]. A step that is missing says so in the column `status`; what people said stands
+/// behind the measures.
+pub fn csv(results: &Results, measures: &[MeasureColumn], people: Option<&People>) -> String {
     let columns = long_columns(results, measures);
     let has_repeats = results.cases.iter().any(|case| case.steps.len() > 1);
     let has_interval = |column: &String| {
@@ -31,8 +33,15 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
         header.push(column.clone());
         header.extend(has_interval.then(|| format!("{column}.half_width_95")));
     }
+    if people.is_some() {
+        header.extend([
+            COLUMN.to_owned(),
+            format!("{COLUMN}.half_width_95"),
+            "people.n".to_owned(),
+        ]);
+    }
     header.extend(["missed", "warnings", "status"].map(str::to_owned));
-    let row_of = |case: &Case| {
+    let row_of = |(place, case): (usize, &Case)| {
         let param = |path: &String| case.params.get(path).map(labels::word).unwrap_or_default();
         let mut row: Vec<String> = varied.iter().map(param).collect();
         if has_repeats {
@@ -47,12 +56,19 @@ pub fn csv(results: &Results, measures: &[MeasureColumn]) -> String {
             row.push(value);
             row.extend(has_interval.then(|| half.map_or(String::new(), exact)));
         }
+        if let Some(people) = people {
+            let mark = people.mark(place);
+            let half = mark.and_then(|mark| mark.half_width);
+            let numbers = [mark.map(|mark| mark.mean), half];
+            row.extend(numbers.map(|number| number.map_or_else(String::new, exact)));
+            row.push(mark.map_or(0, |mark| mark.n).to_string());
+        }
         row.push(case.missed().unwrap_or_default());
         row.push(case.warnings().len().to_string());
         row.push(case.status().to_owned());
         row
     };
-    let rows: Vec<Vec<String>> = results.cases.iter().map(row_of).collect();
+    let rows: Vec<Vec<String>> = results.cases.iter().enumerate().map(row_of).collect();
     csv_table(&header, &rows)
 }
 
@@ -87,6 +103,26 @@ pub fn markdown(title: &str, notes: &[String], answers: &[Answer], tables: &[Piv
         }
         for note in table.marks() {
             let _ = write!(text, "\n{note}\n");
+        }
+    }
+    text
+}
+
+/// What people said: notes and tables.
+pub fn people(people: &People, tables: &[TextTable]) -> String {
+    let mut text = "\n## People\n".to_owned();
+    for note in &people.notes {
+        let _ = write!(text, "\n{}\n", plain(note));
+    }
+    for table in tables {
+        let shown = |row: &[String]| row.iter().map(|cell| plain(cell)).collect::<Vec<_>>();
+        let line = |place: usize| if place < table.n_names { ":--" } else { "--:" };
+        let lines: Vec<&str> = (0..table.header.len()).map(line).collect();
+        let _ = write!(text, "\n{}:\n\n", plain(&table.title));
+        let _ = writeln!(text, "| {} |", shown(&table.header).join(" | "));
+        let _ = writeln!(text, "| {} |", lines.join(" | "));
+        for row in &table.rows {
+            let _ = writeln!(text, "| {} |", shown(row).join(" | "));
         }
     }
     text

@@ -246,6 +246,11 @@ fn params_of(module: &Module) -> Vec<(String, &'static str, ParamSpec, Option<Js
     module.params.iter().map(param).collect()
 }
 
+/// Whether a parameter has no effect outside of mve.
+fn has_no_effect(spec: &ParamSpec) -> bool {
+    !spec.writes_files() && !spec.runs_programs()
+}
+
 /// The node that stands for a map or a loop once that is opened: it takes what was made inside, and
 /// gives it as its own. It writes no file itself.
 pub(super) fn stand_in(module: &'static Module, registry: &Registry) -> &'static Module {
@@ -267,7 +272,7 @@ pub(super) fn stand_in(module: &'static Module, registry: &Registry) -> &'static
         summary: module.summary.to_owned(),
         inputs: inputs.collect(),
         outputs: module.outputs.iter().map(|spec| (spec.name.to_owned(), plain(spec))).collect(),
-        params: params.into_iter().filter(|(_, _, spec, _)| !spec.writes_files()).collect(),
+        params: params.into_iter().filter(|(_, _, spec, _)| has_no_effect(spec)).collect(),
         run: |io| io.pass_on(),
     })
 }

@@ -47,6 +47,10 @@ impl OpenMap {
     pub(crate) fn writes_files(&self) -> bool {
         self.map.nodes.values().any(|node| self.registry.writes_files(node))
     }
+
+    pub(crate) fn runs_programs(&self) -> bool {
+        self.map.nodes.values().any(|node| self.registry.runs_programs(node))
+    }
 }
 
 /// A map that names others, and where it stands.

@@ -2,12 +2,12 @@
 
 use std::any::Any;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{ChoiceParam, Chosen, Condition, Param, ParamSpec, ParamType};
+use super::{ChoiceParam, Chosen, CommandLine, Condition, Param, ParamSpec, ParamType};
 use crate::data::Scalar;
 use crate::error::ModuleError;
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
@@ -167,6 +167,21 @@ impl Settings {
         files
     }
 
+    /// The outside programs of these parameters with their dotted paths.
+    pub(crate) fn command_lines(&self) -> Vec<(String, CommandLine)> {
+        let mut lines = Vec::new();
+        for (name, setting) in &self.0 {
+            if let Some(line) = setting.structured() {
+                lines.push(((*name).to_owned(), line));
+            }
+            if let Setting::Choice { params, .. } = setting {
+                let below = params.command_lines().into_iter();
+                lines.extend(below.map(|(path, line)| (format!("{name}.{path}"), line)));
+            }
+        }
+        lines
+    }
+
     pub(crate) fn find(&self, name: &str) -> Option<&Setting> {
         self.0.iter().find(|(known, _)| *known == name).map(|(_, setting)| setting)
     }
@@ -261,10 +276,22 @@ impl Setting {
         }
     }
 
-    /// Whether it names a file, or an entry of a choice that does.
+    /// Finds the program of a command, and the files that it names, as seen from a folder; gives
+    /// their paths.
+    pub(crate) fn locate_program(&mut self, folder: &Path) -> Result<Vec<PathBuf>, String> {
+        let Some(mut line) = self.structured::<CommandLine>() else { return Ok(Vec::new()) };
+        let found = line.locate(folder);
+        if let Self::Structured(value) = self {
+            *value = Structured::new(value.json.clone(), line);
+        }
+        found
+    }
+
+    /// Whether it names a file, or an entry of a choice that does; a program is one.
     pub(crate) fn has_files(&self) -> bool {
         match self {
             Self::File { .. } => true,
+            Self::Structured(value) => value.get::<CommandLine>().is_some(),
             Self::Choice { params, .. } => params.0.iter().any(|(_, below)| below.has_files()),
             _ => false,
         }

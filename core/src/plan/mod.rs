@@ -13,7 +13,7 @@ use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, Until};
 use crate::maps;
-use crate::param::{Setting, Settings};
+use crate::param::{CommandLine, CommandScope, Setting, Settings};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
@@ -33,10 +33,27 @@ pub struct PlanOptions<'a> {
     pub output_folder: Option<&'a Path>,
     /// Whether savers may write outside the output folder.
     pub output_scope: OutputScope,
+    /// Which outside programs it may run.
+    pub command_scope: CommandScope<'a>,
     /// Number of the repeat, from 0; seeds are raised by it.
     pub repeat: u32,
     /// Fingerprints of input files.
     pub files: &'a FileHashes,
+}
+
+impl<'a> PlanOptions<'a> {
+    /// Of a map in a folder, whose runs have fresh folders of outputs each: savers stay in them, and
+    /// no outside program runs.
+    pub fn new(map_folder: &'a Path, files: &'a FileHashes) -> Self {
+        Self {
+            map_folder,
+            output_folder: None,
+            output_scope: OutputScope::Folder,
+            command_scope: CommandScope::Nothing,
+            repeat: 0,
+            files,
+        }
+    }
 }
 
 /// Where savers may write.
@@ -123,6 +140,11 @@ impl std::fmt::Debug for PlanNode {
 }
 
 impl PlanNode {
+    /// The outside programs that it runs, each with the dotted path of its parameter.
+    pub fn command_lines(&self) -> Vec<(String, CommandLine)> {
+        self.settings.command_lines()
+    }
+
     /// All the nodes that it takes values from; a node may come more than once.
     pub(crate) fn sources(&self) -> impl Iterator<Item = Source> {
         let placed = self.many.iter().chain(&self.linked).map(|(_, source)| *source);
@@ -288,6 +310,12 @@ fn find_files(node: &mut PlanNode, options: &PlanOptions, problems: &mut Vec<Pro
     let PlanNode { name, info, settings, reads, .. } = node;
     reads.clear();
     settings.each_mut(info.module.params, &mut |path, spec, setting| {
+        if spec.command_line().is_some() {
+            find_program(setting, options, reads).unwrap_or_else(|message| {
+                problems.push(Problem::error(message).at(name).port(path));
+            });
+            return;
+        }
         let (Some(file), Setting::File { written, resolved }) = (spec.input_file(), setting) else {
             return;
         };
@@ -300,6 +328,28 @@ fn find_files(node: &mut PlanNode, options: &PlanOptions, problems: &mut Vec<Pro
             problems.push(Problem::error(format!("{message}{hint}")).at(name).port(path));
         }
     });
+}
+
+/// Finds and fingerprints an outside program and the files that are named to it, and refuses what
+/// nobody has allowed.
+fn find_program(
+    setting: &mut Setting,
+    options: &PlanOptions,
+    reads: &mut Vec<(PathBuf, Fingerprint)>,
+) -> Result<(), String> {
+    let Some(line) = setting.structured::<CommandLine>() else { return Ok(()) };
+    if !options.command_scope.allows(&line) {
+        return Err(format!(
+            "would run an outside program, which can do whatever you can: {line}; if you trust the \
+             map, allow it with --allow-commands, or press Run in the window, which asks"
+        ));
+    }
+    for path in setting.locate_program(options.map_folder)? {
+        let fingerprint = options.files.fingerprint(&path);
+        let fingerprint = fingerprint.map_err(|why| format!("{}: {why}", path.display()))?;
+        reads.push((path, fingerprint));
+    }
+    Ok(())
 }
 
 /// Fingerprints an input file and the files that it names.

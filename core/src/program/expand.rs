@@ -14,7 +14,7 @@ use super::{Program, ReportFault, ReportSpec};
 use crate::files::FileHashes;
 use crate::json::Step;
 use crate::map::{Axis, Map, ProgramSpec};
-use crate::param::declared_at;
+use crate::param::{CommandScope, declared_at};
 use crate::plan::{OutputScope, Plan, PlanOptions, PlanSeries};
 use crate::problem::{HOLDS_NO_STEERING, Problem, did_you_mean, is_steering};
 use crate::registry::Registry;
@@ -22,8 +22,19 @@ use crate::spread::{MOST_STEPS, SpreadAxis, Spreader};
 
 impl Program {
     /// Checks a program of a map: every step is planned, and the files that steps write are
-    /// compared. The error lists all problems.
+    /// compared. The error lists all problems; outside programs are among them.
     pub fn new(
+        map: &Map,
+        name: &str,
+        registry: &Registry,
+        map_folder: &Path,
+    ) -> Result<Self, Vec<Problem>> {
+        Self::allowing(CommandScope::Nothing, map, name, registry, map_folder)
+    }
+
+    /// The same, where steps may run outside programs.
+    pub fn allowing(
+        command_scope: CommandScope,
         map: &Map,
         name: &str,
         registry: &Registry,
@@ -47,7 +58,7 @@ impl Program {
         let varied: Vec<String> = values.keys().cloned().collect();
         let (mut bare, files) = (map.without_programs(), FileHashes::new());
         bare.forget_other_programs(name);
-        let options = plan_options(map_folder, &files);
+        let options = plan_options(map_folder, &files, command_scope);
         let steps = Steps::plan(Sweep {
             map: &bare,
             registry,
@@ -84,6 +95,7 @@ impl Program {
             inputs: steps.inputs,
             modules: steps.modules,
             nodes: steps.nodes,
+            command_lines: steps.command_lines,
         };
         program.columns.settle();
         let faults = program.faults_of_report(map, values);
@@ -114,7 +126,8 @@ impl Program {
 
     /// Plans of the map with other parameters.
     pub(super) fn series(&self) -> PlanSeries<'_> {
-        let options = plan_options(&self.map_folder, &self.files);
+        // What its steps run was allowed when it was made.
+        let options = plan_options(&self.map_folder, &self.files, CommandScope::All);
         PlanSeries::new(&self.map, &self.registry, options)
     }
 }
@@ -172,11 +185,16 @@ fn refused(faults: Vec<ReportFault>, program: &str) -> Vec<Problem> {
     faults.into_iter().map(problem).collect()
 }
 
-fn plan_options<'a>(map_folder: &'a Path, files: &'a FileHashes) -> PlanOptions<'a> {
+fn plan_options<'a>(
+    map_folder: &'a Path,
+    files: &'a FileHashes,
+    command_scope: CommandScope<'a>,
+) -> PlanOptions<'a> {
     PlanOptions {
         map_folder,
         output_folder: None,
         output_scope: OutputScope::Step,
+        command_scope,
         repeat: 0,
         files,
     }

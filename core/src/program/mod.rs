@@ -28,7 +28,7 @@ pub use timing::{Timing, median};
 pub use unneeded::Unneeded;
 pub use work::run_program;
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -56,6 +56,8 @@ pub struct Program {
     pub varied: Vec<String>,
     /// What is odd about the map but does not stop it.
     pub warnings: Vec<Problem>,
+    /// The outside programs that its steps run: the node, and the command as a person reads it.
+    pub command_lines: BTreeSet<(String, String)>,
     /// What it says of its report.
     pub report: ReportSpec,
     /// The columns of its results, as modules declare them.

@@ -1,6 +1,6 @@
 //! The steps of a program: each planned, and all compared.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -50,6 +50,8 @@ pub(super) struct Steps {
     /// Modules that some step runs, with their versions.
     pub modules: BTreeMap<&'static str, Fingerprint>,
     pub columns: Columns,
+    /// The outside programs that steps run, each with its node.
+    pub command_lines: BTreeSet<(String, String)>,
     /// Each once, with the step where it was first seen.
     pub problems: Vec<Problem>,
     /// In how many different steps each key occurs; 2 stands for more.
@@ -129,6 +131,10 @@ impl Steps {
         let missing = no_file();
         let reads = node.reads.iter().filter(|(_, content)| *content != missing);
         self.inputs.extend(reads.cloned());
+        if node.info.module.runs_programs() {
+            let lines = node.command_lines().into_iter();
+            self.command_lines.extend(lines.map(|(_, line)| (node.name.clone(), line.to_string())));
+        }
         if self.known.insert((planned.draft, place, deciders(node))) {
             self.modules.insert(node.info.module.id, node.info.version);
             self.columns.add(node);

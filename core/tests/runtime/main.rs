@@ -1,5 +1,6 @@
 //! The runtime from outside: maps, plans, runs and programs over small modules.
 
+mod commands;
 mod kinds;
 mod maps;
 mod memory;

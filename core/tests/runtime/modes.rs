@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use mve_core::testing::registry;
-use mve_core::{FileHashes, Map, OutputScope, Plan, PlanOptions, Problem, Program, schema};
+use mve_core::{
+    CommandScope, FileHashes, Map, OutputScope, Plan, PlanOptions, Problem, Program, schema,
+};
 
 fn plan(text: &str) -> Result<Plan, Vec<Problem>> {
     let options = PlanOptions {
         map_folder: Path::new("/nowhere"),
         output_folder: None,
         output_scope: OutputScope::Folder,
+        command_scope: CommandScope::Nothing,
         repeat: 0,
         files: &FileHashes::new(),
     };

@@ -1,9 +1,11 @@
 //! File formats, without ports: what reads them from bytes and writes them.
 
+pub mod exchange;
 mod file_error;
 pub mod gltf;
 pub mod iv;
 pub mod mesh_file;
+pub mod number_pattern;
 pub mod obj;
 pub mod off;
 pub mod plain_file;

@@ -1,6 +1,7 @@
 //! Modules that read and write files.
 
 mve_core::modules! { "io":
+    command,
     file_loader,
     file_saver,
     gltf_loader,

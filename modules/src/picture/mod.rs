@@ -11,4 +11,5 @@ pub mod missing;
 pub mod render;
 pub mod ssim;
 pub mod text;
+pub mod turntable;
 pub mod view;

@@ -4,6 +4,7 @@ use eframe::egui::{self, ViewportCommand};
 use mve_core::NodeMode;
 use serde_json::Value as Json;
 
+use super::commands::{CommandQuestion, WaitingRun};
 use super::dialogs::Purpose;
 use super::{Command, EXAMPLE, Editor, Lower, Wish};
 use crate::canvas::Action;
@@ -168,6 +169,10 @@ impl Editor {
                          under the new name steps run again.",
                     );
                 }
+            }
+            ProgramAction::AllowCommands(commands, retry) => {
+                let run = WaitingRun::Program(retry);
+                self.session_mut().question = Some(CommandQuestion { commands, run });
             }
             ProgramAction::ShowNode(node) => self.carry_out(ctx, Wish::ShowNode(node)),
             other => {

@@ -359,6 +359,7 @@ pub fn disk_banner(editor: &mut Editor, ui: &mut Ui) {
                 && ui.button(reload).on_hover_text("Undo brings back what was here.").clicked()
             {
                 failed = session.document.reload().err();
+                session.forget_allowed();
                 session.disk_change = None;
             }
             if ui.button("Keep what is here").clicked() {

@@ -2,6 +2,7 @@
 
 mod act;
 mod boxes;
+mod commands;
 mod console;
 mod dialogs;
 mod files;
@@ -296,6 +297,7 @@ impl Editor {
         self.middle(ui, &mut wishes);
         self.hint(ui);
         self.boxes(ui, &mut wishes);
+        self.command_box(ui);
         self.show_toasts(ui);
         panels::show_dragged(ui);
         panels::show_hovered(ui);

@@ -1,5 +1,6 @@
 //! One open map: its document, its canvas, its runs, and what is looked at.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,6 +9,7 @@ use mve_core::{MapError, Node, NodeMode, PortRef, Registry, Value};
 use mve_modules::data::{Field, TriMesh};
 
 use super::Inside;
+use super::commands::{CommandQuestion, WaitingRun};
 use crate::canvas::Canvas;
 use crate::catalog::Catalog;
 use crate::document::{DiskChange, Document};
@@ -44,6 +46,10 @@ pub struct Session {
     pub number: usize,
     /// What somebody else did to the map's file.
     pub disk_change: Option<DiskChange>,
+    /// A run that waits until a person allows its outside programs.
+    pub question: Option<CommandQuestion>,
+    /// Outside programs that a person has seen and allowed, as long as the map is open.
+    allowed: Arc<BTreeSet<String>>,
     /// The state of the map that was sent to be checked.
     checked: Option<u64>,
     /// The state of the map that was run on edit.
@@ -65,6 +71,8 @@ impl Session {
             programs: ProgramPanel::new(Arc::new(move || (wake.wake)())),
             number: 1,
             disk_change: None,
+            question: None,
+            allowed: Arc::default(),
             checked: None,
             // What was opened is run by hand first.
             run_for: Some(revision),
@@ -115,7 +123,7 @@ impl Session {
         shared: &'a Shared,
     ) -> (&'a mut ProgramPanel, ProgramScene<'a>) {
         let folder = self.folder();
-        let Self { document, runner, programs, .. } = self;
+        let Self { document, runner, programs, allowed, .. } = self;
         let map = document.map();
         let scene = ProgramScene {
             folder,
@@ -123,6 +131,7 @@ impl Session {
             map_file: document.path(),
             registry: runner.registry(),
             output_folder: &shared.output_folder,
+            allowed,
             counts: Box::new(|node| counts_in(&runner.inputs(map, node))),
         };
         (programs, scene)
@@ -140,7 +149,26 @@ impl Session {
             revision: self.document.revision(),
             folder: self.folder(),
             registry: self.runner.registry().clone(),
+            allowed: Arc::clone(&self.allowed),
+            asks: true,
         }
+    }
+
+    /// Lets outside programs run that a person has seen, from now on.
+    pub fn allow_commands(&mut self, lines: impl Iterator<Item = String>) {
+        Arc::make_mut(&mut self.allowed).extend(lines);
+        self.check_again();
+    }
+
+    /// Forgets what was allowed: the map's file has become another one.
+    pub fn forget_allowed(&mut self) {
+        self.allowed = Arc::default();
+    }
+
+    /// Runs a part of the map without the outside programs that nobody has allowed.
+    pub fn run_without_commands(&mut self, part: Part) {
+        self.run_for = Some(self.document.revision());
+        self.runner.run(Subject { asks: false, ..self.subject() }, part);
     }
 
     /// Runs a part of the map.
@@ -153,6 +181,9 @@ impl Session {
     pub fn update(&mut self, runs_on_edit: bool) {
         if self.runner.take_in() {
             self.pin_something();
+        }
+        if let Some((commands, part)) = self.runner.take_question() {
+            self.question = Some(CommandQuestion { commands, run: WaitingRun::Map(part) });
         }
         self.programs.take_in();
         for (is_trouble, text) in self.programs.take_messages() {

@@ -219,7 +219,7 @@ fn shape(
             Color32::from_rgb(r, g, b)
         }),
         mode: node.mode,
-        writes_files: info.is_some_and(|info| info.module.writes_files()),
+        writes_files: registry.writes_files(node),
         is_collapsed: form == NodeForm::Collapsed,
         inputs: Vec::new(),
         outputs: Vec::new(),

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use eframe::egui::emath::Numeric;
 use eframe::egui::{self, DragValue, Id, Slider, SliderClamping, Ui};
-use mve_core::{Expression, Kind, ParamSpec, PointsSpec, Selection, brief_value, chosen};
+use mve_core::{
+    CommandLineSpec, Expression, Kind, ParamSpec, PointsSpec, Selection, brief_value, chosen,
+};
 use serde_json::Value as Json;
 
 use super::paths::path_line;
@@ -97,6 +99,7 @@ impl ParamField<'_> {
             Kind::Points(spec) => self.points(ui, id, value, &spec),
             Kind::Selection(spec) => self.selection(ui, id, value, spec.domain.name()),
             Kind::Expression(spec) => self.expression(ui, id, value, spec.variables),
+            Kind::CommandLine(spec) => self.command_line(ui, id, value, &spec),
         }
     }
 
@@ -271,6 +274,24 @@ impl ParamField<'_> {
         // A formula with a fault is kept, as the check of the map tells of it too.
         if let Some(text) = left {
             self.set(Some(Json::from(text)));
+        }
+    }
+
+    /// A program and its arguments as a shell would take them; what cannot be read stays.
+    fn command_line(&mut self, ui: &mut Ui, id: Id, value: &Json, spec: &CommandLineSpec) {
+        let shown = |json: &Json| spec.read(json).map(|line| line.to_string());
+        let written = shown(value).unwrap_or_else(|_| match value {
+            Json::Null => String::new(),
+            other => other.as_str().map_or_else(|| other.to_string(), str::to_owned),
+        });
+        let hint = "program {in.mesh} {out.mesh}";
+        let Some(text) = self.line(ui, id, &written, hint).0.map(Json::from) else { return };
+        match spec.read(&text) {
+            Ok(line) => self.set(Some(line.to_json())),
+            Err(why) => {
+                let text = format!("{}: {why}; it stays {written}", self.name);
+                self.events.push(FormEvent::NotUnderstood(text));
+            }
         }
     }
 

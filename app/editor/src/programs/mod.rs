@@ -11,6 +11,7 @@ mod setup;
 mod show;
 mod widgets;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -47,6 +48,8 @@ pub struct ProgramScene<'a> {
     pub registry: &'a Registry,
     /// The folder of all results: `mve-out`, as for the command.
     pub output_folder: &'a Path,
+    /// Outside programs that a person has seen and allowed.
+    pub allowed: &'a BTreeSet<String>,
     /// How many of a unit there are in the inputs of a node: `("faces", 69451)`.
     pub counts: Box<dyn Fn(&str) -> Counts + 'a>,
 }
@@ -96,6 +99,8 @@ pub enum ProgramAction {
     OpenFile(PathBuf),
     /// A node is to be shown.
     ShowNode(String),
+    /// A run wants leave for these outside programs, each with its node.
+    AllowCommands(BTreeSet<(String, String)>, Retry),
 }
 
 /// What the threads tell.
@@ -357,12 +362,20 @@ impl ProgramPanel {
         Some((program, checked.subject.store.clone()))
     }
 
-    /// Starts to run the steps that the store does not have.
-    fn run(&mut self, scene: &ProgramScene, retry: Retry) {
+    /// Starts to run the steps that the store does not have, or asks whether their outside programs
+    /// may run.
+    pub fn run(&mut self, scene: &ProgramScene, retry: Retry) {
         let Some((program, store)) = self.sound_program(scene).filter(|_| self.job.is_none())
         else {
             return;
         };
+        let lines = program.command_lines.iter();
+        let unasked = lines.filter(|(_, line)| !scene.allowed.contains(line)).cloned();
+        let unasked: BTreeSet<_> = unasked.collect();
+        if !unasked.is_empty() {
+            self.waiting.push(ProgramAction::AllowCommands(unasked, retry));
+            return;
+        }
         let how = How { retry, ..self.how };
         let timings = (how.sharing == Sharing::Timing).then_some(mve_core::TIMINGS);
         let requirement = mve_core::Requirement::of(&program, timings);

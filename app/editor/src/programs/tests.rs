@@ -1,5 +1,6 @@
 //! The panel without a window: what it makes of a dragged parameter, and where steps go.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,7 +33,8 @@ fn vary(map: &Arc<Map>, node: &str, param: &str) -> (String, ProgramSpec) {
         _ => Vec::new(),
     });
     let output_folder = here;
-    let scene = ProgramScene { map, folder, map_file, registry: &registry, output_folder, counts };
+    let (registry, allowed) = (&registry, &BTreeSet::new());
+    let scene = ProgramScene { map, folder, map_file, registry, output_folder, allowed, counts };
     let mut panel = ProgramPanel::new(Arc::new(|| ()));
     match panel.vary(node, param, &scene).remove(0) {
         ProgramAction::SetProgram { name, spec: Some(spec) } => (name, spec),
@@ -90,7 +92,9 @@ fn results_go_where_the_command_puts_them() {
         let (folder, output_folder) = (PathBuf::new(), Path::new("mve-out"));
         let map_file = map_file.map(Path::new);
         let (registry, counts) = (&registry, Box::new(|_: &str| Vec::new()));
-        let scene = ProgramScene { map: &map, folder, map_file, registry, output_folder, counts };
+        let (map, allowed) = (&map, &BTreeSet::new());
+        let scene =
+            ProgramScene { map, folder, map_file, registry, output_folder, allowed, counts };
         scene.store_folder(program)
     };
     assert_eq!(folder(Some("vase.json"), "costs"), Path::new("mve-out/vase-costs"));

@@ -1,10 +1,11 @@
 //! Checks a map, and finds the part of it that can run while the rest is unfinished.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexMap;
 use mve_core::{
-    Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem, Registry,
+    CommandScope, Fingerprint, Map, Node, NodeMode, OutputScope, Plan, PlanOptions, Problem,
+    Registry,
 };
 
 use super::{Shared, Subject, outermost};
@@ -36,6 +37,8 @@ pub struct MapCheck {
     pub off: HashMap<String, String>,
     /// Nodes that cannot run only because of others, each with the reason.
     pub left_out: IndexMap<String, String>,
+    /// Outside programs that nobody has allowed yet, each with its node.
+    pub unasked: BTreeSet<(String, String)>,
 }
 
 /// Checks a map. Where some nodes have problems, the plan is of those that do not need them.
@@ -43,34 +46,18 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
     let mut map = (*subject.map).clone();
     map.programs.clear();
     restrict(&mut map, &part, &subject.registry);
-    let options = PlanOptions {
-        map_folder: &subject.folder,
-        output_folder: Some(&shared.output_folder),
-        output_scope: OutputScope::Folder,
-        repeat: 0,
-        files: &shared.files,
-    };
     let mut checked = MapCheck { revision: subject.revision, ..MapCheck::default() };
-    let plan = loop {
-        if map.nodes.is_empty() {
-            break None;
-        }
-        match Plan::new(&map, &subject.registry, &options) {
-            Ok(plan) => {
-                checked.add(&plan.warnings);
-                break Some(plan);
-            }
-            Err(found) => {
-                checked.add(&found);
-                let errors = found.iter().filter(|problem| problem.is_error());
-                let faulty = errors.filter_map(|problem| problem.place.node.as_deref());
-                let faulty = faulty.map(|node| outermost(node).to_owned());
-                if checked.leave_out(&mut map, faulty.collect()) == 0 {
-                    break None;
-                }
-            }
-        }
-    };
+    if map.nodes.values().any(|node| subject.registry.runs_programs(node)) {
+        let all =
+            MapCheck::default().plan_rest(&mut map.clone(), subject, CommandScope::All, shared);
+        let nodes = all.map_or_else(Vec::new, |plan| plan.nodes);
+        let lines = nodes.iter().flat_map(|node| {
+            let lines = node.command_lines().into_iter();
+            lines.map(|(_, line)| (node.name.clone(), line.to_string()))
+        });
+        checked.unasked = lines.filter(|(_, line)| !subject.allowed.contains(line)).collect();
+    }
+    let plan = checked.plan_rest(&mut map, subject, CommandScope::Seen(&subject.allowed), shared);
     if let Some(plan) = &plan {
         checked.keys = plan.nodes.iter().map(|node| (node.name.clone(), node.key)).collect();
     }
@@ -89,6 +76,42 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
 }
 
 impl MapCheck {
+    /// Plans a map without the nodes that have problems, which are taken out of it.
+    fn plan_rest(
+        &mut self,
+        map: &mut Map,
+        subject: &Subject,
+        command_scope: CommandScope,
+        shared: &Shared,
+    ) -> Option<Plan> {
+        let options = PlanOptions {
+            map_folder: &subject.folder,
+            output_folder: Some(&shared.output_folder),
+            output_scope: OutputScope::Folder,
+            command_scope,
+            repeat: 0,
+            files: &shared.files,
+        };
+        while !map.nodes.is_empty() {
+            match Plan::new(map, &subject.registry, &options) {
+                Ok(plan) => {
+                    self.add(&plan.warnings);
+                    return Some(plan);
+                }
+                Err(found) => {
+                    self.add(&found);
+                    let errors = found.iter().filter(|problem| problem.is_error());
+                    let faulty = errors.filter_map(|problem| problem.place.node.as_deref());
+                    let faulty = faulty.map(|node| outermost(node).to_owned());
+                    if self.leave_out(map, faulty.collect()) == 0 {
+                        return None;
+                    }
+                }
+            }
+        }
+        None
+    }
+
     fn add(&mut self, problems: &[Problem]) {
         for problem in problems {
             if self.problems.contains(problem) {

@@ -21,10 +21,15 @@ pub fn run_job(
         let _ = outbox.send(message);
         (shared.wake)();
     };
-    let (_, plan) = check(subject, part.clone(), shared);
+    let (of_part, plan) = check(subject, part.clone(), shared);
     // The check above was of a part; the window shows the problems of the whole.
     let (checked, _) = check(subject, Part::All, shared);
     tell(Message::Checked(Box::new(checked)));
+    if subject.asks && *part != Part::Quiet && !of_part.unasked.is_empty() {
+        tell(Message::Asks(of_part.unasked, part.clone()));
+        tell(Message::Finished);
+        return;
+    }
     let Some(plan) = plan else {
         let text = "nothing can run: the map is empty, or its nodes have problems";
         tell(Message::Said(Line::of(None, Loudness::Error, text)));

@@ -6,7 +6,7 @@ mod job;
 mod log;
 mod status;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -69,11 +69,17 @@ pub struct Subject {
     pub folder: PathBuf,
     /// The modules, with the maps that it names.
     pub registry: Registry,
+    /// Outside programs that a person has seen and allowed.
+    pub allowed: Arc<BTreeSet<String>>,
+    /// Whether a person is asked for leave to run others; else their nodes are left out.
+    pub asks: bool,
 }
 
 /// What the threads tell.
 enum Message {
     Checked(Box<MapCheck>),
+    /// A run of this part needs leave for these outside programs, and has not begun.
+    Asks(BTreeSet<(String, String)>, Part),
     /// A run begins, with the keys of the nodes that take part.
     Planned(IndexMap<String, Fingerprint>),
     Started(String),
@@ -143,6 +149,8 @@ pub struct Runner {
     last_run: Option<Duration>,
     /// Everything that was said.
     pub log: Log,
+    /// Outside programs that somebody must allow before a part of the map runs.
+    question: Option<(BTreeSet<(String, String)>, Part)>,
 }
 
 impl Runner {
@@ -162,7 +170,13 @@ impl Runner {
             measured: HashMap::new(),
             last_run: None,
             log: Log::default(),
+            question: None,
         }
+    }
+
+    /// The outside programs, each with its node, for which a run of this part wants leave, once.
+    pub fn take_question(&mut self) -> Option<(BTreeSet<(String, String)>, Part)> {
+        self.question.take()
     }
 
     /// Checks a map soon, in place of one that still waits to be checked.
@@ -341,6 +355,11 @@ impl Runner {
                 }
                 self.is_checking = false;
                 self.check_next();
+            }
+            Message::Asks(commands, part) => {
+                self.question = Some((commands, part));
+                // Nothing has run.
+                self.job = None;
             }
             Message::Planned(keys) => {
                 if let Some(job) = &mut self.job {

@@ -20,7 +20,8 @@ fn shared() -> Arc<Shared> {
 fn subject(text: &str, revision: u64) -> Subject {
     let map = Arc::new(Map::parse(text).expect("is a map"));
     let registry = mve_modules::registry();
-    Subject { map, revision, folder: PathBuf::new(), registry }
+    let (folder, allowed) = (PathBuf::new(), Arc::default());
+    Subject { map, revision, folder, registry, allowed, asks: true }
 }
 
 fn wait(runner: &mut Runner, is_there: impl Fn(&Runner) -> bool) {
@@ -131,4 +132,39 @@ fn what_needs_a_muted_node_is_off() {
     let why = "is left out: needs box.mesh, which is muted".to_owned();
     assert_eq!(runner.status("info"), Status::Off(why));
     assert!(matches!(runner.status("vase"), Status::Done(_)));
+}
+
+#[cfg(unix)]
+#[test]
+fn outside_programs_run_only_when_they_were_seen() {
+    let text = r#"{ "mve": 1, "nodes": { "box": { "module": "Box" },
+        "call": { "module": "Command", "params": { "command": "true 'a b'" } },
+        "info": { "module": "MeshInfo" } },
+        "links": ["box.mesh -> call.mesh", "call.mesh -> info.mesh"] }"#;
+    let mut runner = Runner::new(&shared());
+    // Nobody has asked for this run, so nobody is asked.
+    runner.run(subject(text, 1), Part::Quiet);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(runner.take_question().is_none());
+    assert!(matches!(runner.status("box"), Status::Done(_)));
+    let Status::Refused(why) = runner.status("call") else { panic!("it was not allowed") };
+    assert!(why.contains("true 'a b'"), "{why}");
+    runner.run(subject(text, 1), Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    let asked = BTreeSet::from([("call".to_owned(), "true 'a b'".to_owned())]);
+    assert_eq!(runner.take_question(), Some((asked, Part::All)));
+    assert_eq!(runner.take_question(), None);
+    // The rest of it, without asking.
+    runner.run(Subject { asks: false, ..subject(text, 1) }, Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(runner.take_question().is_none() && runner.value("call", "mesh").is_none());
+    let allowed = Arc::new(BTreeSet::from(["true 'a b'".to_owned()]));
+    runner.run(Subject { allowed: Arc::clone(&allowed), ..subject(text, 1) }, Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(matches!(runner.status("info"), Status::Done(_)));
+    // Another command is another question.
+    let other = text.replace("'a b'", "c");
+    runner.run(Subject { allowed, ..subject(&other, 2) }, Part::All);
+    wait(&mut runner, |runner| !runner.is_running());
+    assert!(runner.take_question().is_some());
 }

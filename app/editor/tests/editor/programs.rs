@@ -3,6 +3,7 @@
 //!
 //! With `MVE_PICTURES=<folder>` the tests leave pictures of the panel there.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -66,6 +67,7 @@ impl Bench {
             map_file: Some(Path::new("box.json")),
             registry: &self.registry,
             output_folder: &self.output_folder,
+            allowed: &BTreeSet::new(),
             counts: Box::new(|_| Vec::new()),
         };
         let actions = ask(&mut self.panel, &scene);

@@ -4,6 +4,7 @@
 //! slip from loading anything.
 
 mod made;
+mod people;
 mod sections;
 mod tables;
 
@@ -16,6 +17,7 @@ use crate::columns::MeasureColumn;
 use crate::pictures::Pictures;
 use crate::pivot::Pivot;
 use crate::plots::Figure;
+use crate::rating::People;
 use crate::results::Results;
 
 const STYLE: &str = include_str!("style.css");
@@ -35,6 +37,8 @@ pub struct Page<'a> {
     pub tables: &'a [Pivot],
     /// Plots, and how many panels were left out.
     pub figures: &'a (Vec<Figure>, usize),
+    /// What people said of the results.
+    pub people: Option<&'a People>,
     /// Pictures.
     pub pictures: &'a Pictures,
     /// The store as seen from the page's folder, with a `/` at its end, or empty.
@@ -46,6 +50,7 @@ pub fn page(page: &Page) -> String {
     let sections = [
         ("plots", "Plots", sections::plots(page)),
         ("tables", "Results", tables::pivots(page)),
+        ("people", "People", people::people(page)),
         ("pictures", "Pictures", sections::pictures(page)),
         ("correlation", "Correlation of the measures", sections::correlation(page)),
         ("steps", "All steps", tables::steps(page)),

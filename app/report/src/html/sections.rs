@@ -138,7 +138,7 @@ fn by_group(page: &Page, answer: &Answer) -> String {
     format!("<p class=\"note\">Averages: {}.</p>\n", parts.join("; "))
 }
 
-fn legend(figure: &Figure) -> String {
+pub(super) fn legend(figure: &Figure) -> String {
     let mut text = "<p class=\"legend\">".to_owned();
     if figure.styles.len() > 1 {
         for style in &figure.styles {

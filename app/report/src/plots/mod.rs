@@ -5,4 +5,5 @@ mod figure;
 mod style;
 
 pub use draw::{draw, panels};
-pub use figure::{Figure, figures};
+pub use figure::{Figure, Panel, Point, Scale, figures};
+pub use style::series_styles;

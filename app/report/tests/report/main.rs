@@ -1,6 +1,7 @@
 //! Reports of stores that are made by hand: what they say, and that nothing in a store breaks them.
 
 mod pages;
+mod ratings;
 mod verdicts;
 
 use std::fs;

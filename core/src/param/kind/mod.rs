@@ -147,4 +147,6 @@ kinds! {
     Selection(SelectionSpec) in selection,
     /// A formula over declared variables.
     Expression(ExpressionSpec) in expression,
+    /// An outside program with its arguments.
+    CommandLine(CommandLineSpec) in command_line,
 }

@@ -82,11 +82,11 @@ mod tests {
 
     #[test]
     fn what_is_written_beside_a_file_may_depend_on_its_ending() {
-        let param = Param::output_file("path", "The file.", &["a", "b"]);
+        let param = || Param::output_file("path", "The file.", &["a", "b"]);
         let spec = |param: Param<PathBuf>| param.spec().output_file().unwrap();
-        let all = spec(param.also_writes(&["c"]));
+        let all = spec(param().also_writes(&["c"]));
         assert_eq!(all.beside(Path::new("x.b")), ["c"]);
-        let some = spec(param.also_writes_with(&["a"], &["c"]));
+        let some = spec(param().also_writes_with(&["a"], &["c"]));
         assert_eq!(some.beside(Path::new("x.A")), ["c"]);
         assert!(some.beside(Path::new("x.b")).is_empty());
     }

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use mve_core::{Map, Problem, Program, Registry, StepRecord, Store};
+use mve_core::{CommandScope, Map, Problem, Program, Registry, StepRecord, Store};
 
 /// A program of a map, to be checked.
 #[derive(Clone)]
@@ -71,7 +71,8 @@ pub fn check(subject: ProgramSubject) -> ProgramCheck {
     let ProgramSubject { map, name, folder, map_file, registry, store } = &subject;
     let mut problems: Vec<Problem> = map.problems().to_vec();
     let mut program = None;
-    match Program::new(map, name, registry, folder) {
+    // What it may run is asked when it is to run.
+    match Program::allowing(CommandScope::All, map, name, registry, folder) {
         Ok(mut sound) => {
             problems.extend(sound.warnings.iter().cloned());
             if let Some(file) = map_file {
