@@ -60,6 +60,7 @@ fn steps_are_planned_together_as_they_are_alone() {
         let map = Map::load(&path).unwrap();
         let (folder, files) = (path.parent().unwrap(), FileHashes::new());
         for name in map.programs.keys() {
+            let registry = registry.with_maps_of(&map, folder);
             let program = Program::new(&map, name, &registry, folder).unwrap();
             for step in &program.steps {
                 let mut alone = map.clone();

@@ -333,11 +333,18 @@ static MODULES: ModuleList = ModuleList {
         Listed { item: &PICK, source: 3 },
         Listed { item: &READ, source: 4 },
         Listed { item: &WRITE, source: 5 },
-        Listed { item: &TOTAL, source: 6 },
     ],
 };
 
-/// The small modules of this file.
+static MANY: ModuleList =
+    ModuleList { category: "test", modules: &[Listed { item: &TOTAL, source: 6 }] };
+
+/// The small modules of this file, and those that maps in maps are made of.
+pub fn registry_with_maps() -> Registry {
+    registry().with(&[&MANY, &MAP_ENDS], "test")
+}
+
+/// The small modules of this file with one link an input.
 pub fn registry() -> Registry {
-    Registry::new().with(&[&MODULES, &MAP_ENDS], "test")
+    Registry::new().with(&[&MODULES], "test")
 }

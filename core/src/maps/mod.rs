@@ -43,6 +43,12 @@ pub(crate) struct OpenMap {
     folder: PathBuf,
 }
 
+/// Whether a node belongs to one round of a loop: of what all rounds give the loop has a table.
+pub(crate) fn is_of_round(node: &str) -> bool {
+    let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    node.contains('>') || node.split('/').skip(1).any(is_number)
+}
+
 impl OpenMap {
     pub(crate) fn writes_files(&self) -> bool {
         self.map.nodes.values().any(|node| self.registry.writes_files(node))

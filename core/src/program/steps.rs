@@ -12,6 +12,7 @@ use super::Step;
 use super::columns::{Columns, deciders};
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
+use crate::maps::is_of_round;
 use crate::param::{MODULE, Setting};
 use crate::plan::{Plan, PlanNode, PlanOptions, PlanSeries, SeriesPlan, no_file, one_case};
 use crate::problem::Problem;
@@ -104,7 +105,8 @@ impl Steps {
         let plan = planned.plan;
         let id = plan.id.short();
         if self.nodes.is_empty() {
-            self.nodes = plan.nodes.iter().map(|node| node.name.clone()).collect();
+            let names = plan.nodes.iter().map(|node| &node.name);
+            self.nodes = names.filter(|name| !is_of_round(name)).cloned().collect();
         }
         let is_new = self.ids.insert(id.clone());
         let n_before = self.drafts.get(&planned.draft).copied();
@@ -137,7 +139,9 @@ impl Steps {
         }
         if self.known.insert((planned.draft, place, deciders(node))) {
             self.modules.insert(node.info.module.id, node.info.version);
-            self.columns.add(node);
+            if !is_of_round(&node.name) {
+                self.columns.add(node);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mve_core::testing::{plan_options, registry, run_options};
+use mve_core::testing::{plan_options, registry_with_maps as registry, run_options};
 use mve_core::{
     CancelToken, FileHashes, Keep, Map, NodeStatus, Plan, Program, RunOptions, RunOutcome, assign,
     run,
@@ -263,6 +263,14 @@ fn programs_vary_what_a_map_makes_known() {
     let mut ids: Vec<&str> = program.steps.iter().map(|step| step.id.as_str()).collect();
     ids.dedup();
     assert_eq!(ids.len(), 3);
+    let columns: Vec<&String> = program.columns.0.keys().collect();
+    assert_eq!(columns, ["first.sum", "t/one.sum", "t/two.sum", "t.sum", "last.sum"]);
+    let mut looped = with_twice(json!({}));
+    looped["nodes"]["t"]["repeat"] = json!({"times": 3, "feed": {"a": "sum"}});
+    looped["programs"] = json!({"p": {"axes": [{"t.by": [1, 2]}]}});
+    let looped = Program::new(&map(looped), "p", &registry(), Path::new("/nowhere")).ok().unwrap();
+    let columns: Vec<&String> = looped.columns.0.keys().collect();
+    assert_eq!(columns, ["first.sum", "t.sum", "last.sum"]);
     let mut wrong = with_twice(json!({}));
     wrong["programs"] = json!({"p": {"axes": [{"t.bye": [1, 2, 3]}]}});
     let said = Program::new(&map(wrong), "p", &registry(), Path::new("/nowhere")).err().unwrap();

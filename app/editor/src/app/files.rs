@@ -246,6 +246,10 @@ impl Editor {
     /// parameter: of several modules the one for the fewest endings, and of those the first.
     pub(super) fn reader_of(&self, path: &Path) -> Option<(&'static Module, &'static str)> {
         let extension = path.extension()?.to_string_lossy().to_lowercase();
+        // A map, also where a table may be written so.
+        if extension == "json" {
+            return None;
+        }
         let readers = self.shared.registry.modules().iter().filter_map(|info| {
             info.module.params.iter().find_map(|spec| {
                 let endings = spec.input_file()?.extensions;

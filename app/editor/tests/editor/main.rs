@@ -5,6 +5,7 @@ mod document;
 #[allow(dead_code)] // The example that draws the pictures of README uses the rest.
 mod hand;
 mod looking;
+mod maps;
 mod monkey;
 mod nodes;
 mod programs;
