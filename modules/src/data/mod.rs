@@ -1,4 +1,5 @@
-//! What flows through ports: triangle meshes, fields on them, pictures, tables and what was measured.
+//! What flows through ports: triangle meshes, fields on them, pictures, tables and what was
+//! measured.
 
 /// Declares the files of data types, hands the types on, and lists them.
 macro_rules! data_types {

@@ -120,8 +120,9 @@ impl TableColumn {
 
 impl Table {
     /// The table of rows of named cells: a column for each name, in the order in which names first
-    /// appear. What a row lacks is missing. One text makes its column one of texts, in which numbers
-    /// are written in full; flags are texts. Of two cells of one name in a row the last one counts.
+    /// appear. What a row lacks is missing. One text makes its column one of texts, in which
+    /// numbers are written in full; flags are texts. Of two cells of one name in a row the last one
+    /// counts.
     pub fn of_rows(rows: &[Vec<(String, Scalar)>]) -> Self {
         let mut places = HashMap::new();
         let mut columns: Vec<(&str, Vec<Option<&Scalar>>)> = Vec::new();

@@ -4,12 +4,10 @@
 //! [`crate::picture::difference`] and [`crate::picture::flip`].
 
 use crate::data::{Image, Measure, PixelKind, TableColumn};
-use crate::picture::color_map::bytes_of;
-use crate::picture::color_scale::{ColorTable, Scale};
 use crate::picture::difference::{
     Similarity, absolute_difference, in_color, similarity, sum_of_squares,
 };
-use crate::picture::flip::{FlipError, PIXELS_PER_DEGREE, flip};
+use crate::picture::flip::{FlipError, PIXELS_PER_DEGREE, flip, flip_colors};
 use crate::picture::render::to_byte;
 use crate::picture::ssim::SsimError;
 use crate::prelude::*;
@@ -194,15 +192,7 @@ fn compare(
         Shown::Absolute => difference,
         Shown::Ssim => similarity.map.clone(),
         Shown::Flip => map(PixelKind::Gray, values.into_iter().map(to_byte).collect()),
-        Shown::FlipColors => {
-            let magma = ColorTable::new(Scale::Magma);
-            let mut bytes = Vec::with_capacity(3 * values.len());
-            for (place, &value) in values.iter().enumerate() {
-                control.part(1.0, 1.0).item(place, values.len())?;
-                bytes.extend(bytes_of(magma.color(value)));
-            }
-            map(PixelKind::Rgb, bytes)
-        }
+        Shown::FlipColors => map(PixelKind::Rgb, flip_colors(&values, control.part(1.0, 1.0))?),
     };
     shown.name.clone_from(&image.name);
     Ok(Found { squares, n_values, similarity, flip_mean, flip_max, shown })

@@ -156,6 +156,12 @@ impl Metric for AttributeDeviationMetric {
             let measures = quantities.iter().zip(found);
             scalars.extend(measures.map(|(quantity, value)| Measure::of(quantity, value)));
         }
+        if deviation.is_nan() {
+            let message = "no point of either surface has an attribute there and at the nearest \
+                           point of the other; faces with area whose corners have values are \
+                           expected";
+            return Err(MetricError::Failed(message.to_owned()));
+        }
         scalars.insert(0, Measure::of(&DEVIATION, deviation));
         Ok(Comparison { scalars, warnings, ..Comparison::default() })
     }
@@ -268,6 +274,10 @@ mod tests {
         assert_eq!(found.scalar("color_rms"), None);
         let lacks = ["colors", "normals"].map(|x| format!("only one of the two meshes has {x}"));
         assert_eq!(found.warnings, lacks);
+        let mut empty = whole.clone();
+        empty.layers.iter_mut().for_each(|layer| layer.index.fill(NO_VALUE));
+        let message = compared(&whole, &empty).unwrap_err().to_string();
+        assert!(message.starts_with("no point of either surface"), "{message}");
         bare.layers.clear();
         let message = compared(&whole, &bare).unwrap_err().to_string();
         assert!(message.starts_with("the simplified mesh has no texture coordinates"), "{message}");

@@ -133,8 +133,8 @@ const EDGE_SAMPLES: Param<i64> = Param::integer(
 const MAX_PARTS: Param<i64> = Param::integer(
     "max_parts",
     "Parts of faces that the search for the maximum may look at on each mesh, beyond all faces and \
-     their quarters. Where that is not enough, max_upper_bound says how well it is known; more take \
-     more time and memory.",
+     their quarters. Where that is not enough, max_upper_bound says how well it is known; more \
+     take more time and memory.",
     DEFAULT.max_parts as i64,
 )
 .between((0, 1_000_000_000))

@@ -25,8 +25,8 @@ pub use crate::geometry::distance::hausdorff::MeshRole;
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =
         METRIC in
-            area_ratio, attribute_deviation, dame, flip, fmpd, hausdorff, image_rms, image_ssim, msdm, msdm2,
-            normal_deviation, triangle_quality, vertex_shift, volume_difference;
+            area_ratio, attribute_deviation, dame, flip, fmpd, hausdorff, image_rms, image_ssim,
+            msdm, msdm2, normal_deviation, triangle_quality, vertex_shift, volume_difference;
 }
 
 /// All metrics, for the parameters of modules.

@@ -9,7 +9,7 @@
 use mve_core::{Control, Entry};
 
 use super::nearest::{Trees, trees, warnings};
-use super::{Comparison, MakeMetric, Metric, MetricError};
+use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
 use crate::data::Measure;
 use crate::geometry::distance::pointwise::{Difference, FacePoint, Pointwise, angle_rad};
 use crate::prelude::*;
@@ -94,6 +94,14 @@ impl Metric for NormalDeviationMetric {
         let back = Pointwise { from: simplified, to: original, tree: &of_original };
         let (from_original, original_field) = self.directed(&there, control.part(0.2, 0.6))?;
         let (from_simplified, simplified_field) = self.directed(&back, control.part(0.6, 1.0))?;
+        let sides = [(MeshRole::Original, from_original), (MeshRole::Simplified, from_simplified)];
+        if let Some((mesh, _)) = sides.into_iter().find(|(_, difference)| difference.n == 0) {
+            let message = format!(
+                "no point of the {mesh} mesh has a normal there and at the nearest point of the \
+                 other; faces with area are expected on both sides"
+            );
+            return Err(MetricError::Input { mesh, message });
+        }
         let larger = |value: fn(&Difference) -> f64| {
             value(&from_original).max(value(&from_simplified)).to_degrees()
         };
@@ -168,6 +176,9 @@ mod tests {
         let found = compared(&square(90.0), &mesh).unwrap();
         assert!((found.scalar("max").unwrap() - 90.0).abs() < 1e-9);
         assert!(found.simplified_fields[0].values[2].is_nan());
+        let flat = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], &[[0, 1, 2]]);
+        let message = compared(&flat, &flat).unwrap_err().to_string();
+        assert!(message.starts_with("no point of the original mesh has a normal"), "{message}");
         let message = compared(&mesh, &TriMesh::default()).unwrap_err().to_string();
         assert_eq!(message, "the simplified mesh has no faces; surfaces are compared");
     }

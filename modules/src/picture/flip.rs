@@ -8,14 +8,14 @@
 //! - colors (sRGB) become YCxCz, are filtered by the contrast sensitivity of the eye at that many
 //!   pixels per degree, become L\*a\*b\* with Hunt's effect, and differ by HyAB, raised to 0.7 and
 //!   mapped to 0 to 1 so that 0.4 of the largest difference is 0.95;
-//! - edges and points of the unfiltered luminance, found by derivatives of a Gaussian as wide as the
-//!   eye sees, differ by the larger of both, over √2 and raised to 0.5;
+//! - edges and points of the unfiltered luminance, found by derivatives of a Gaussian as wide as
+//!   the eye sees, differ by the larger of both, over √2 and raised to 0.5;
 //! - the value is the color difference raised to 1 less that of the features.
 //!
-//! It is 0 where the pictures look the same and at most 1. Beyond its border a picture goes on with
-//! the pixels at it. Values are computed in `f64`, the authors' in `f32`. Powers and cubic roots are
-//! those of the system's library, so that last bits may differ between machines, but not between
-//! numbers of threads.
+//! It is 0 where the pictures look the same and at most 1. Beyond its border a picture goes on
+//! with the pixels at it. Values are computed in `f64`, the authors' in `f32`. Powers and cubic
+//! roots are those of the system's library, so that last bits may differ between machines, but not
+//! between numbers of threads.
 
 use std::f64::consts::PI;
 
@@ -24,6 +24,8 @@ use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::color_map::bytes_of;
+use super::color_scale::{ColorTable, Scale};
 use crate::data::{Image, PixelKind};
 
 /// Pixels per degree at 0.7 m from a screen of 3,840 pixels in 0.7 m.
@@ -105,6 +107,21 @@ pub fn flip(
         Ok::<_, Cancelled>(())
     })?;
     Ok(map)
+}
+
+/// Values as the authors show them: in the colors of Magma, from black over purple to pale yellow,
+/// three bytes a pixel.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn flip_colors(values: &[f64], control: Control) -> Result<Vec<u8>, Cancelled> {
+    let magma = ColorTable::new(Scale::Magma);
+    let mut bytes = Vec::with_capacity(3 * values.len());
+    for (place, &value) in values.iter().enumerate() {
+        control.item(place, values.len())?;
+        bytes.extend(bytes_of(magma.color(value)));
+    }
+    Ok(bytes)
 }
 
 /// The difference of two colors (L\*, and a\*, b\* by Hunt), 0 to 1.

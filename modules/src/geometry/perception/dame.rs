@@ -2,9 +2,9 @@
 //! faces.
 //!
 //! L. Váša and J. Rus, "Dihedral angle mesh error: a fast perception correlated distortion measure
-//! for fixed connectivity triangle meshes", Computer Graphics Forum 31(5), 2012. At each edge of two
-//! faces the angle between their normals, positive where the edge is convex and negative where it
-//! is a valley, is compared with that of the original. The difference counts less where the
+//! for fixed connectivity triangle meshes", Computer Graphics Forum 31(5), 2012. At each edge of
+//! two faces the angle between their normals, positive where the edge is convex and negative where
+//! it is a valley, is compared with that of the original. The difference counts less where the
 //! original is bent anyway, by exp(−(k α)²) with k = √(ln 100) / π, so that a fold of 180° counts a
 //! hundredth, and more the better both faces can be seen; the value is the mean over the edges.
 //!

@@ -7,9 +7,9 @@
 //! - the Gaussian curvature of a vertex is what its angles lack of 2π, or of π at a border;
 //! - its roughness is by how much the magnitude of that differs from the mean of its neighbors',
 //!   weighted by cotangents, half of each between 0.001 and 1000;
-//! - it is clamped from 0.0005 to 0.2, or to five times the mean roughness of the smoother mesh where
-//!   that is more, and raised to 0.15, less what the least one gives; of what is then beyond the
-//!   value of that mean roughness half counts, since rough regions hide more;
+//! - it is clamped from 0.0005 to 0.2, or to five times the mean roughness of the smoother mesh
+//!   where that is more, and raised to 0.15, less what the least one gives; of what is then beyond
+//!   the value of that mean roughness half counts, since rough regions hide more;
 //! - the roughness of a mesh is the mean over its area, and the distance eight times the difference
 //!   of the two, at most 1.
 //!
@@ -280,8 +280,8 @@ mod tests {
         assert_eq!(nothing.unwrap_err(), FmpdError::NoArea(MeshRole::Simplified, 1));
     }
 
-    /// Values of a program in numpy with sparse matrices, as the authors' has them, written for this
-    /// test alone.
+    /// Values of a program in numpy with sparse matrices, as the authors' has them, written for
+    /// this test alone.
     #[test]
     fn pairs_of_the_references() {
         let Some(original) = reference_mesh("models/spot.obj.gz") else { return };
