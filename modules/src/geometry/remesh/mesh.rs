@@ -269,7 +269,7 @@ impl WorkMesh {
             let others = corners.map(|v| if v == gone { kept } else { v });
             let is_same =
                 |other: &u32| others.iter().all(|v| self.faces[*other as usize].contains(v));
-            corners.contains(&kept) || !self.around[kept as usize].iter().any(|f| is_same(f))
+            corners.contains(&kept) || !self.around[kept as usize].iter().any(is_same)
         })
     }
 }
