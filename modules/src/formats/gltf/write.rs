@@ -259,7 +259,13 @@ impl GlbFile<'_> {
                 _ => {}
             }
         }
-        // Sets without a gap, in the order of their numbers.
+        self.texcoords(mesh, &mut all)?;
+        Ok(all)
+    }
+
+    /// Writes the sets of texture coordinates, without a gap, in the order of their numbers.
+    fn texcoords(&mut self, mesh: &TriMesh, all: &mut Vec<Attribute>) -> io::Result<()> {
+        let n = mesh.positions.len();
         let mut sets: Vec<(usize, &Layer)> = mesh
             .layers
             .iter()
@@ -276,7 +282,7 @@ impl GlbFile<'_> {
             };
             all.push(self.attribute(format!("TEXCOORD_{number}"), "VEC2", n, value)?);
         }
-        Ok(all)
+        Ok(())
     }
 
     fn materials(
