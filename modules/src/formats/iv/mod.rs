@@ -2,8 +2,8 @@
 //!
 //! After J. Wernecke, "The Inventor Mentor", Addison-Wesley, 1994, and "The Inventor Toolmaker",
 //! 1994 (file format); fields and their defaults as the reference pages of Coin have them.
-//! `lexer.rs` and `values.rs` read words and values, `parse.rs` makes nodes of them, `scene.rs` goes
-//! through these with the state that each leaves to those behind it.
+//! `lexer.rs` and `values.rs` read words and values, `parse.rs` makes nodes of them, `scene.rs`
+//! goes through these with the state that each leaves to those behind it.
 //!
 //! Read are face sets and triangle strips, indexed or not, where transforms put them, with
 //! materials, colors, normals and texture coordinates by any binding, and the pictures of textures.
