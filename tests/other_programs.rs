@@ -58,7 +58,7 @@ fn quantized_and_packed_numbers_are_those_before() {
     let (_, index, LayerValues::Vec2(uvs)) = values(&mesh, Layer::TEXCOORD) else {
         panic!("texture coordinates")
     };
-    // The picture lies once around the axis, from the lower pole up: trimesh counts rows from below.
+    // The picture lies once around the axis, and from pole to pole.
     for (corner, vertex) in mesh.faces.iter().flatten().enumerate() {
         let (uv, p) = (uvs[index[corner] as usize], mesh.positions[vertex.idx()]);
         assert!((uv.y - p.z.clamp(-1.0, 1.0).acos() / std::f64::consts::PI).abs() < 2e-3);

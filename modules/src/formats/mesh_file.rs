@@ -68,6 +68,9 @@ pub fn load(
     scope: FileScope,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ModuleError> {
+    if read_beginning(path, N_BYTES).is_ok_and(|bytes| bytes.trim_ascii().is_empty()) {
+        return Err(ModuleError::io(path, "the file is empty"));
+    }
     match Format::of_file(path) {
         Some(Format::Ply) => ply::load(path, scope, control),
         Some(Format::Stl) => load_with(path, control, stl::read_stl),

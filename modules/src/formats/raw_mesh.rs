@@ -142,20 +142,7 @@ impl RawMesh {
         for (name, values) in self.face_numbers {
             put(&name, Domain::Face, LayerValues::Number(values), of_faces());
         }
-        for layer in self.corner_layers.into_iter().filter(|layer| !layer.index.is_empty()) {
-            let CornerLayer { name, values, index, is_of_faces } = layer;
-            let value = |at: usize| index.get(at).copied().unwrap_or(NO_VALUE);
-            let of_corners: Vec<u32> = match &cut_corners {
-                Some(sources) => sources.iter().map(|at| value(*at as usize)).collect(),
-                None => (0..n_corners as usize).map(value).collect(),
-            };
-            let is_pair = matches!(values, LayerValues::Vec2(_));
-            let (domain, index) = match is_pair {
-                true => (Domain::Corner, of_corners),
-                false => smallest_domain(&mesh, of_corners, is_of_faces),
-            };
-            mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
-        }
+        put_corner_layers(&mut mesh, self.corner_layers, cut_corners.as_deref());
         if mesh.layer(Layer::TEXCOORD).is_none() && !self.texcoords.is_empty() {
             let index = mesh.faces.iter().flatten().map(|v| v.0).collect();
             let values = LayerValues::Vec2(self.texcoords);
@@ -164,6 +151,24 @@ impl RawMesh {
         }
         mesh.materials = self.materials;
         Ok((mesh, self.warnings.into_list()))
+    }
+}
+
+/// Puts the values of corners in, where each is that of the corner of a polygon.
+fn put_corner_layers(mesh: &mut TriMesh, layers: Vec<CornerLayer>, sources: Option<&[u32]>) {
+    for layer in layers.into_iter().filter(|layer| !layer.index.is_empty()) {
+        let CornerLayer { name, values, index, is_of_faces } = layer;
+        let value = |at: usize| index.get(at).copied().unwrap_or(NO_VALUE);
+        let of_corners: Vec<u32> = match sources {
+            Some(sources) => sources.iter().map(|at| value(*at as usize)).collect(),
+            None => (0..3 * mesh.faces.len()).map(value).collect(),
+        };
+        let is_pair = matches!(values, LayerValues::Vec2(_));
+        let (domain, index) = match is_pair {
+            true => (Domain::Corner, of_corners),
+            false => smallest_domain(mesh, of_corners, is_of_faces),
+        };
+        mesh.set_layer(Layer { name: name.to_owned(), domain, values, index });
     }
 }
 

@@ -24,8 +24,8 @@ const PATH: Param<PathBuf> = Param::input_file(
 const WELD: Param<bool> = Param::flag(
     "weld",
     "Join the vertices of a node that lie at one place. A vertex of glTF has one normal and one \
-     texture coordinate, so files repeat vertices along seams, and without this the surface is open \
-     there.",
+     texture coordinate, so files repeat vertices along seams, and without this the surface is \
+     open there.",
     true,
 );
 const ALLOW_OUTSIDE: Param<bool> = Param::flag(
@@ -36,9 +36,9 @@ const ALLOW_OUTSIDE: Param<bool> = Param::flag(
 );
 const MESH_OUT: Out<TriMesh> = Out::new(
     "mesh",
-    "The meshes of all nodes of the scene where they stand, as one mesh: triangles, strips and fans, \
-     with normals, colors, texture coordinates, materials and their pictures. Each node with a name \
-     is an object.",
+    "The meshes of all nodes of the scene where they stand, as one mesh: triangles, strips and \
+     fans, with normals, colors, texture coordinates, materials and their pictures. Each node with \
+     a name is an object.",
 );
 
 pub static MODULE: Module = Module {

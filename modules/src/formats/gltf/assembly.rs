@@ -42,9 +42,12 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Vertices and faces so far.
+    /// Faces, and values of vertices, so far.
     pub fn size(&self) -> usize {
-        self.all.positions.len() + self.faces.len()
+        let lists = [self.all.positions.len(), self.all.normals.len(), self.all.colors.len()];
+        let texcoords = self.texcoords.values().map(Vec::len);
+        let numbers = self.numbers.values().map(Vec::len);
+        self.faces.len() + lists.into_iter().chain(texcoords).chain(numbers).sum::<usize>()
     }
 
     /// Adds vertices; the number of the first.

@@ -18,7 +18,7 @@ impl TryFrom<f64> for Whole {
     fn try_from(number: f64) -> Result<Self, String> {
         /// Beyond it floats leave whole numbers out.
         const MOST: f64 = 9e15;
-        let is_one = number >= 0.0 && number <= MOST && number.fract() == 0.0;
+        let is_one = (0.0..=MOST).contains(&number) && number.fract() == 0.0;
         let message = || format!("found {number}, expected a whole number from 0");
         is_one.then_some(Self(number as usize)).ok_or_else(message)
     }

@@ -21,7 +21,7 @@ use crate::formats::obj::bounds::Bounds;
 use crate::formats::obj::textures::Pictures;
 use crate::formats::warnings::{Warning, Warnings};
 
-/// Vertices and faces of which copies of a small file may consist.
+/// Faces and values of vertices of which copies of a small file may consist.
 const MOST_ELEMENTS: usize = 1 << 25;
 /// And for a byte of the file.
 const MOST_ELEMENTS_A_BYTE: usize = 64;
@@ -108,7 +108,7 @@ fn draco() -> ReadError {
 struct Reader<'a> {
     buffers: &'a Buffers<'a>,
     materials: &'a Materials,
-    /// Vertices and faces that the mesh may have.
+    /// Faces and values of vertices that the mesh may have.
     most: usize,
     control: Control<'a>,
 }
@@ -151,7 +151,8 @@ impl Reader<'_> {
             let first = match same.iter().find(|(other, _)| *other == layout) {
                 Some((_, first)) => *first,
                 None => {
-                    self.check_size(assembly, n_vertices).map_err(about)?;
+                    let n_values = n_vertices.saturating_mul(primitive.attributes.len());
+                    self.check_size(assembly, n_values).map_err(about)?;
                     let attributes = self.attributes(primitive, layout, transform);
                     let first = assembly.add_vertices(attributes.map_err(about)?);
                     same.push((layout, first));
@@ -169,7 +170,7 @@ impl Reader<'_> {
             return Ok(());
         }
         Err(ReadError::Wrong(format!(
-            "the meshes of all nodes have more than {} vertices and faces; split the file",
+            "the meshes of all nodes have more than {} faces and values of vertices; split the file",
             self.most
         )))
     }
@@ -265,7 +266,7 @@ impl Reader<'_> {
             _ => indices.len().saturating_sub(2),
         };
         self.check_size(assembly, n_triangles)?;
-        if mode == 4 && indices.len() % 3 != 0 {
+        if mode == 4 && !indices.len().is_multiple_of(3) {
             let text = "one or two corners at the end of a list of triangles are left out";
             assembly.warnings.add_once(text.to_owned());
         }

@@ -153,7 +153,7 @@ fn sparse_values_take_the_place_of_others_or_of_zeros() {
     assert!(read(&file).unwrap_err().contains("fewer values"));
     file["accessors"][0]["sparse"] = Json::Null;
     file["accessors"][0]["count"] = json!(1_000_000_000_000_u64);
-    assert!(read(&file).unwrap_err().contains("more than 33554432 vertices"));
+    assert!(read(&file).unwrap_err().contains("more than 33554432 faces"));
     file["accessors"][0]["count"] = json!(1_000_000);
     assert!(read(&file).unwrap_err().contains("promises 1000000 elements and has no bytes"));
 }

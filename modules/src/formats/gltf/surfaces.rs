@@ -199,9 +199,9 @@ fn encoded(image: &TextureImage) -> Option<(&'static str, Cow<'_, [u8]>)> {
     }
 }
 
-/// A PNG file without what it says of color spaces, sizes of pixels and motion: the format takes all
-/// pictures of colors for sRGB, and its validator warns of files that say anything else. The pixels
-/// stay as they are.
+/// A PNG file without what it says of color spaces, sizes of pixels and motion: the format takes
+/// all pictures of colors for sRGB, and its validator warns of files that say anything else. The
+/// pixels stay as they are.
 fn without_colors(bytes: &[u8]) -> Cow<'_, [u8]> {
     const UNWANTED: [&[u8; 4]; 8] =
         [b"cHRM", b"gAMA", b"iCCP", b"sRGB", b"pHYs", b"acTL", b"fcTL", b"fdAT"];

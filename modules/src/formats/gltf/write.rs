@@ -41,8 +41,8 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<Vec<String>
     Ok(warnings)
 }
 
-/// Writes a mesh as one binary glTF file with its materials and pictures in it; says what is changed
-/// or left out.
+/// Writes a mesh as one binary glTF file with its materials and pictures in it; says what is
+/// changed or left out.
 ///
 /// Numbers are floats of 32 bits. Vertices with several normals, texture coordinates or colors are
 /// split, and what a vertex lacks is the normal of a face at it, the texture coordinate (0, 0) or
@@ -51,8 +51,8 @@ pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<Vec<String>
 /// origin is moved there, and its node moves it back.
 ///
 /// # Errors
-/// `InvalidInput` when the mesh is not well formed, has a coordinate that is not finite or is larger
-/// than the format can have; whatever the writer reports; `Other` when `control` ends it.
+/// `InvalidInput` when the mesh is not well formed, has a coordinate that is not finite or is
+/// larger than the format can have; whatever the writer reports; `Other` when `control` ends it.
 pub fn write_glb(mesh: &TriMesh, out: &mut dyn Write, control: Control) -> io::Result<Vec<String>> {
     mesh.check().map_err(|fault| invalid(fault.to_string()))?;
     if let Some(v) = mesh.positions.iter().position(|p| !p.as_vec3().is_finite()) {
@@ -259,7 +259,13 @@ impl GlbFile<'_> {
                 _ => {}
             }
         }
-        // Sets without a gap, in the order of their numbers.
+        self.texcoords(mesh, &mut all)?;
+        Ok(all)
+    }
+
+    /// Writes the sets of texture coordinates, without a gap, in the order of their numbers.
+    fn texcoords(&mut self, mesh: &TriMesh, all: &mut Vec<Attribute>) -> io::Result<()> {
+        let n = mesh.positions.len();
         let mut sets: Vec<(usize, &Layer)> = mesh
             .layers
             .iter()
@@ -276,7 +282,7 @@ impl GlbFile<'_> {
             };
             all.push(self.attribute(format!("TEXCOORD_{number}"), "VEC2", n, value)?);
         }
-        Ok(all)
+        Ok(())
     }
 
     fn materials(

@@ -122,21 +122,7 @@ impl<'a> Parser<'a> {
                 children.truncate(1);
                 Ok(Node::Group { scope: Scope::All, children })
             }
-            b"Coordinate3" => {
-                let mut points = Vec::new();
-                self.values.fields(|me, field| me.vectors_of(field, b"point", &mut points))?;
-                Ok(Node::Points(points.into_iter().map(DVec3::from).collect()))
-            }
-            b"Normal" => {
-                let mut normals = Vec::new();
-                self.values.fields(|me, field| me.vectors_of(field, b"vector", &mut normals))?;
-                Ok(Node::Normals(normals.into_iter().map(DVec3::from).collect()))
-            }
-            b"TextureCoordinate2" => {
-                let mut points = Vec::new();
-                self.values.fields(|me, field| me.vectors_of(field, b"point", &mut points))?;
-                Ok(Node::Texcoords(points.into_iter().map(DVec2::from).collect()))
-            }
+            b"Coordinate3" | b"Normal" | b"TextureCoordinate2" => self.vectors(kind),
             b"MaterialBinding" => Ok(Node::MaterialBinding(self.values.binding()?)),
             b"NormalBinding" => Ok(Node::NormalBinding(self.values.binding()?)),
             b"TextureCoordinateBinding" => Ok(Node::TexcoordBinding(self.values.binding()?)),
@@ -175,6 +161,20 @@ impl<'a> Parser<'a> {
                 self.skipped(Node::Nothing)
             }
         }
+    }
+
+    /// A node that is a list of vectors.
+    fn vectors(&mut self, kind: &[u8]) -> Result<Node, ReadError> {
+        if kind == b"TextureCoordinate2" {
+            let mut pairs = Vec::new();
+            self.values.fields(|me, field| me.vectors_of(field, b"point", &mut pairs))?;
+            return Ok(Node::Texcoords(pairs.into_iter().map(DVec2::from).collect()));
+        }
+        let name: &[u8] = if kind == b"Normal" { b"vector" } else { b"point" };
+        let mut vectors = Vec::new();
+        self.values.fields(|me, field| me.vectors_of(field, name, &mut vectors))?;
+        let vectors = vectors.into_iter().map(DVec3::from).collect();
+        Ok(if kind == b"Normal" { Node::Normals(vectors) } else { Node::Points(vectors) })
     }
 
     fn skipped(&mut self, node: Node) -> Result<Node, ReadError> {

@@ -91,7 +91,8 @@ fn transforms_move_what_comes_behind_them() {
         "Transform {{ translation 100 0 0 rotation 0 0 1 {quarter} scaleFactor 2 1 1 \
          scaleOrientation 0 0 1 {quarter} center 1 1 0 }}"
     );
-    // (0, 1, 3) from the center; scaled along the turned x, which is y: (0, 2, 3); turned: (-2, 0, 3).
+    // (0, 1, 3) from the center; scaled along the turned x, which is y: (0, 2, 3);
+    // turned: (-2, 0, 3).
     is_near(moved(&all), [99., 1., 3.]);
     is_near(moved("Separator { Translation { translation 9 9 9 } }"), [1., 2., 3.]);
     is_near(moved("Group { Translation { translation 9 9 9 } }"), [10., 11., 12.]);
@@ -187,7 +188,7 @@ fn what_is_not_known_is_stepped_over_and_named() {
     let body = format!(
         "#Inventor V2.0 ascii\n\nSeparator {{ renderCaching OFF # a comment {{
          SoFancy {{ fields [ SFFloat a, MFString b ] a 3 b [ \"}}\", \"x\\\"}}\" ] child Cube {{ }} }}
-         {SQUARE} Complexity {{ value 0.5 }} ShapeHints {{ faceType (CONVEX | X) creaseAngle 0.5 ~ }}
+         {SQUARE} Complexity {{ value 0.5 }} ShapeHints {{ faceType (CONVEX | X) crease 0.5 ~ }}
          IndexedFaceSet {{ odd [ 1 2 3 ] other 1 2 3 word PLAIN node Cube {{ width 3 }} \
          joined 1 = Engine.out coordIndex [ 0 1 2 -1 ] }} }}"
     );
