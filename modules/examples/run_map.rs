@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cancel = CancelToken::new();
     let options = RunOptions { keep: Keep::All, ..RunOptions::new(Path::new("mve-out"), &cancel) };
     let outcome = run(&plan, &options);
-    for (node, error) in outcome.failures() {
+    if let Some((node, error)) = outcome.failures().next() {
         return Err(format!("{node}: {error}").into());
     }
     let value = outcome.value(output.0, output.1).ok_or("the map has no such output")?;

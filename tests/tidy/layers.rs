@@ -12,7 +12,7 @@ use super::sources::{Token, tokens};
 const LISTS: [&str; 5] = ["io", "generate", "filters", "measure", "images"];
 
 /// The parts of `core/src`; each may name those before it.
-const CORE: [&str; 29] = [
+const CORE: [&str; 30] = [
     "fingerprint",
     "machine",
     "json",
@@ -20,6 +20,7 @@ const CORE: [&str; 29] = [
     "template",
     "cancel",
     "control",
+    "outside",
     "memory",
     "error",
     "files",

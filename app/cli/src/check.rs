@@ -18,8 +18,8 @@ use crate::out;
   mve check maps/obj_file.json --set simplify.target_faces=300
   mve check --json - < map.json
 
-Nothing is run and nothing is written; outside programs that the map would run are listed. The exit code is 3 where there are errors; warnings alone \
-give 0.")]
+Nothing is run and nothing is written; outside programs that the map would run are listed. The \
+exit code is 3 where there are errors; warnings alone give 0.")]
 pub struct Args {
     /// The maps' files; - for standard input
     #[arg(required = true, value_name = "MAP")]

@@ -141,7 +141,7 @@ fn parse_shard(text: &str) -> Result<Shard, String> {
     }
 }
 
-fn parse_only(text: &str) -> Result<(String, Json), String> {
+pub fn parse_only(text: &str) -> Result<(String, Json), String> {
     let form = "write NODE.PARAM=VALUE, such as simplify.cost=Quadric";
     let (path, value) = text.split_once('=').ok_or(form)?;
     let value = serde_json::from_str(value).unwrap_or_else(|_| Json::from(value));

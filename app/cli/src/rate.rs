@@ -7,7 +7,7 @@ use std::sync::Arc;
 use clap::ValueEnum;
 use mve_core::{
     Cache, CancelToken, Control, FileHashes, Fingerprint, Keep, Map, OutputScope, Plan, PlanFile,
-    PlanOptions, PortRef, Problem, Registry, RunOptions, Step, StepStatus, Store, assign,
+    PlanOptions, PortRef, Problem, Registry, RunOptions, Step, StepStatus, Store, assign, meant,
 };
 use mve_modules::data::{PixelKind, TriMesh};
 use mve_modules::formats::png::write_png;
@@ -16,12 +16,14 @@ use mve_modules::picture::render::{
 };
 use mve_modules::picture::turntable::{Upright, sheet, turntable};
 use mve_report::rating::{RatingItem, RatingPage};
+use serde_json::Value as Json;
 
 use crate::check::count;
 use crate::exit::{Exit, Stop};
 use crate::load::CommandArgs;
 use crate::machine::set_threads;
 use crate::out;
+use crate::program::parse_only;
 use crate::progress::Progress;
 use crate::stop::Signals;
 
@@ -44,13 +46,14 @@ const STOPPING: &str = "stopping; nothing is written";
 #[command(after_help = "Examples:
   mve rate mve-out/vase-costs                    writes mve-out/vase-costs/rate.html
   mve rate mve-out/vase-costs --out study.html --shading smooth
+  mve rate mve-out/vase-costs --only simplify.target_faces=300 --up z
   mve rate mve-out/vase-costs --original load.mesh --result simplify.mesh
   mve report mve-out/vase-costs --ratings anna.json,ben.json
 
 The page is one file that opens in any browser, without a network: send it to whom you ask. It \
-shows the original beside each result, turning, without a word of how that was made and in an order \
-of its own for each person, takes marks from 0 (no difference) to 10, goes back, keeps what was \
-marked when it is closed, and saves a file to send back. `mve report --ratings` takes these files.
+shows the original beside each result, turning, without a word of how that was made and in an \
+order of its own for each person, takes marks from 0 (no difference) to 10, goes back, keeps what \
+was marked when it is closed, and saves a file to send back. `mve report --ratings` takes them.
 
 Which outputs are shown is found from the node that compares an original with a simplified mesh; \
 --original and --result name others. Values that the store keeps are taken from there, others are \
@@ -69,6 +72,9 @@ pub struct Args {
     /// Output with the mesh to be marked
     #[arg(long, value_name = "NODE.OUTPUT", value_parser = parse_port)]
     result: Option<PortRef>,
+    /// Show only steps that set a parameter so, by its value or by the id of an entry
+    #[arg(long, value_name = "NODE.PARAM=VALUE", value_parser = parse_only)]
+    only: Vec<(String, Json)>,
     /// Pictures around each mesh
     #[arg(long, value_name = "N", default_value_t = 24)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=90))]
@@ -189,21 +195,29 @@ impl<'a> Study<'a> {
     fn steps(&self) -> Result<Vec<&Step>, Stop> {
         let mut known = HashSet::new();
         let mut steps = Vec::new();
+        let only = self.args.only.iter().map(|(path, wanted)| {
+            let values = self.plan.steps.iter().filter_map(|step| step.params.get(path));
+            (path.as_str(), meant(wanted, values))
+        });
+        let only: Vec<(&str, Vec<&Json>)> = only.collect();
         for step in &self.plan.steps {
             let is_done = self.store.record(&step.id).is_some_and(|r| r.status == StepStatus::Done);
             let mut params: Vec<String> =
                 step.params.iter().map(|(path, value)| format!("{path}={value}")).collect();
             params.sort();
-            if is_done && known.insert(params) {
+            let is_meant = |(path, values): &(&str, Vec<&Json>)| {
+                step.params.get(*path).is_some_and(|value| values.contains(&value))
+            };
+            if is_done && only.iter().all(is_meant) && known.insert(params) {
                 steps.push(step);
             }
         }
         match steps.is_empty() {
             true => {
                 let folder = self.args.store.display();
-                Err(Stop::refused(format!(
-                    "{folder}: no step is done, so there is nothing to mark"
-                )))
+                let which = if only.is_empty() { "no step" } else { "no such step" };
+                let message = format!("{folder}: {which} is done, so there is nothing to mark");
+                Err(Stop::refused(message))
             }
             false => Ok(steps),
         }

@@ -60,9 +60,9 @@ pub struct Args {
     columns: Vec<String>,
     /// Files that people saved on the page of `mve rate`; any number of them
     ///
-    /// Each person's marks are spread from 0 to 1. The report shows the mean of each result with its
-    /// 95 % confidence interval, and how well each measure agrees with the means. Who gave every
-    /// result the same mark is left out.
+    /// Each person's marks are spread from 0 to 1. The report shows the mean of each result with
+    /// its 95 % confidence interval, and how well each measure agrees with the means. Who gave
+    /// every result the same mark is left out.
     #[arg(long, value_name = "FILE", num_args = 1.., value_delimiter = ',')]
     ratings: Vec<PathBuf>,
     /// What to write

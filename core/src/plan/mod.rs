@@ -42,8 +42,8 @@ pub struct PlanOptions<'a> {
 }
 
 impl<'a> PlanOptions<'a> {
-    /// Of a map in a folder, whose runs have fresh folders of outputs each: savers stay in them, and
-    /// no outside program runs.
+    /// Of a map in a folder, whose runs have fresh folders of outputs each: savers stay in them,
+    /// and no outside program runs.
     pub fn new(map_folder: &'a Path, files: &'a FileHashes) -> Self {
         Self {
             map_folder,

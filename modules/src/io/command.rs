@@ -229,6 +229,7 @@ fn read_back(
     Ok(mesh)
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 #[path = "command_tests.rs"]
 mod tests;

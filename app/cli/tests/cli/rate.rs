@@ -41,6 +41,10 @@ fn the_page_has_each_result_beside_its_original_and_its_marks_come_back() {
     let of_first = items.iter().filter(|item| item["original"] == 0).count();
     assert_eq!((items.len(), of_first), (6, 3));
     assert_eq!(page["results"].as_array().unwrap().len(), 6);
+    folder.mve(&[&rate[..], &["--only", "simplify.target_faces=100"]].concat()).succeeds();
+    assert_eq!(data(&folder)["items"].as_array().unwrap().len(), 2);
+    let none = folder.mve(&[&rate[..], &["--only", "simplify.target_faces=101"]].concat());
+    none.fails(3, "no such step is done");
     // The same page once more, from values that are kept.
     folder.mve(&rate).succeeds();
     assert_eq!(data(&folder), page);

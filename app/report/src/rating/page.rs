@@ -9,11 +9,12 @@ use base64::engine::general_purpose::STANDARD;
 use mve_core::Fingerprint;
 use serde_json::json;
 
-use crate::html::escape;
-
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 const BODY: &str = include_str!("page.html");
+
+/// The name of every page: nothing tells what is compared.
+const TITLE: &str = "How far does it look from the original?";
 
 /// What is to be rated.
 #[derive(Clone, Debug, Default)]
@@ -67,12 +68,11 @@ impl RatingPage {
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"generator\" content=\"mve {}\">\n<title>{}</title>\n\
+             <meta name=\"generator\" content=\"mve {}\">\n<title>{TITLE}</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n{BODY}\
              <script type=\"application/json\" id=\"data\">{data}</script>\n\
              <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
             mve_core::VERSION,
-            escape("How far does it look from the original?"),
         )
     }
 
