@@ -4,6 +4,7 @@ mod audience;
 mod listener;
 mod options;
 mod record;
+mod state;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -15,6 +16,7 @@ use listener::Listener;
 pub use options::{Keep, RunOptions};
 pub use record::{NodeRecord, NodeStatus};
 use serde::Serialize;
+use state::State;
 
 use crate::cache::{Cache, CacheUse, Claim};
 use crate::data::Value;
@@ -24,7 +26,7 @@ use crate::module::{Arrived, Io};
 use crate::node_outputs::{LogLine, NodeOutputs};
 use crate::panics::contained;
 use crate::param::{Setting, Settings};
-use crate::plan::{Plan, PlanNode, Source};
+use crate::plan::{Plan, PlanNode};
 use crate::stored::Stored;
 
 /// Progress of one node is told at most this often.
@@ -172,51 +174,6 @@ struct Runner<'a> {
     attempt: Attempt,
     state: Mutex<State>,
     changed: Condvar,
-}
-
-struct State {
-    /// Nodes that can start; the last one starts first, so that values find their consumers soon.
-    ready: Vec<usize>,
-    /// For each node, how many nodes it still waits for.
-    waiting: Vec<usize>,
-    /// For each node and output, the value while somebody needs it, and for how many it still is.
-    values: Vec<Vec<(Option<Value>, usize)>>,
-    outcomes: Vec<Option<NodeOutcome>>,
-    n_ended: usize,
-    /// Whether a node failed on a value whose file was damaged.
-    is_damaged: bool,
-}
-
-impl State {
-    fn new(plan: &Plan) -> Self {
-        let mut values: Vec<Vec<_>> = Vec::with_capacity(plan.nodes.len());
-        let mut waiting = vec![0; plan.nodes.len()];
-        for node in &plan.nodes {
-            values.push(vec![(None, 0); node.info.module.outputs.len()]);
-            node.sources().for_each(|source| values[source.node][source.output].1 += 1);
-            node.consumers.iter().for_each(|consumer| waiting[*consumer] += 1);
-        }
-        let ready = (0..plan.nodes.len()).rev().filter(|place| waiting[*place] == 0).collect();
-        let outcomes = plan.nodes.iter().map(|_| None).collect();
-        Self { ready, waiting, values, outcomes, n_ended: 0, is_damaged: false }
-    }
-
-    /// Tells the consumers of a node that it has ended: those that waited for it alone are ready.
-    fn release(&mut self, consumers: &[usize]) {
-        for consumer in consumers.iter().rev() {
-            self.waiting[*consumer] -= 1;
-            if self.waiting[*consumer] == 0 && self.outcomes[*consumer].is_none() {
-                self.ready.push(*consumer);
-            }
-        }
-    }
-
-    /// The value of an output; the last one to ask owns it alone.
-    fn fetch(&mut self, source: Source) -> Option<Value> {
-        let (value, needed) = &mut self.values[source.node][source.output];
-        *needed -= 1;
-        if *needed == 0 { value.take() } else { value.clone() }
-    }
 }
 
 impl Runner<'_> {

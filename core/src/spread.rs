@@ -6,8 +6,8 @@ use std::time::Duration;
 use indexmap::{IndexMap, IndexSet};
 use serde_json::Value as Json;
 
-use crate::pattern::{self, Bounds};
 use crate::map::Axis;
+use crate::pattern::{self, Bounds};
 
 /// No table that a person reads is longer; it stops a slip from filling the memory.
 pub(crate) const MOST_STEPS: usize = 1_000_000;

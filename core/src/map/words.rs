@@ -77,7 +77,9 @@ pub(super) fn of_form(section: &str, field: Option<&str>) -> &'static str {
             "how often the node runs, such as {\"times\": 5}, {\"each\": {\"ratio\": [0.5, 0.2]}} \
              or {\"times\": 20, \"until\": {\"output\": \"distance\", \"below\": 0.01}}"
         }
-        ("parameters", _) => "the path of a parameter, such as \"simplify.ratio\", or a list of them",
+        ("parameters", _) => {
+            "the path of a parameter, such as \"simplify.ratio\", or a list of them"
+        }
         ("nodes", _) => "an object, such as {\"ratio\": 0.5}",
         ("layout", _) => "two numbers, such as [240, 80]",
         (_, None) => "an object with \"axes\" or \"steps\"",

@@ -226,10 +226,11 @@ pub(crate) fn repeated(module: &'static Module, registry: &Registry) -> &'static
     let collect = registry.find(COLLECT).map(|info| info.module);
     let table = collect.and_then(|collect| collect.outputs.first());
     let own = module.outputs.iter().map(|spec| (spec.name.to_owned(), *spec));
-    let table = table.filter(|_| module.outputs.iter().all(|spec| spec.name != TABLE)).map(|spec| {
-        let doc = "A row of numbers for each round.";
-        (TABLE.to_owned(), OutputSpec { doc, ..*spec })
-    });
+    let table =
+        table.filter(|_| module.outputs.iter().all(|spec| spec.name != TABLE)).map(|spec| {
+            let doc = "A row of numbers for each round.";
+            (TABLE.to_owned(), OutputSpec { doc, ..*spec })
+        });
     registry.interner().intern(Draft {
         id: module.id.to_owned(),
         summary: module.summary.to_owned(),
@@ -241,8 +242,7 @@ pub(crate) fn repeated(module: &'static Module, registry: &Registry) -> &'static
 }
 
 fn params_of(module: &Module) -> Vec<(String, &'static str, ParamSpec, Option<Json>)> {
-    let param =
-        |spec: &ParamSpec| (spec.name.to_owned(), spec.doc, *spec, spec.preset.cloned());
+    let param = |spec: &ParamSpec| (spec.name.to_owned(), spec.doc, *spec, spec.preset.cloned());
     module.params.iter().map(param).collect()
 }
 
@@ -304,9 +304,10 @@ pub(super) const NEWER: &str = "value";
 pub(super) fn faults(map: &Map, registry: &Registry) -> Vec<Problem> {
     let mut faults = Vec::new();
     let mut known: Vec<(&str, &str)> = Vec::new();
-    let ends = map.nodes.iter().filter(|(_, node)| {
-        [MAP_INPUT.id, MAP_OUTPUT.id].contains(&node.module.as_str())
-    });
+    let ends = map
+        .nodes
+        .iter()
+        .filter(|(_, node)| [MAP_INPUT.id, MAP_OUTPUT.id].contains(&node.module.as_str()));
     for (name, node) in ends {
         let port = (node.module.as_str(), port_name(name, node));
         if known.contains(&port) {

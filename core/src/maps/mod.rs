@@ -77,12 +77,7 @@ impl Registry {
         self.with_maps(map, folder, &mut Vec::new())
     }
 
-    pub(crate) fn with_maps(
-        &self,
-        map: &Map,
-        folder: &Path,
-        problems: &mut Vec<Problem>,
-    ) -> Self {
+    pub(crate) fn with_maps(&self, map: &Map, folder: &Path, problems: &mut Vec<Problem>) -> Self {
         if !map.has_maps() && map.maps.is_empty() {
             return self.clone();
         }

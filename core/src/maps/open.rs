@@ -315,7 +315,8 @@ impl Opener<'_> {
         let mut at = from.clone();
         for _ in 0..=self.aliases.len() + self.defaults.len() {
             if let Some(list) = self.lists.get(&at).cloned() {
-                let all = list.iter().filter_map(|from| self.sources(from)).flat_map(|(all, _)| all);
+                let all =
+                    list.iter().filter_map(|from| self.sources(from)).flat_map(|(all, _)| all);
                 return Some((all.collect(), true));
             }
             let Some(next) = self.aliases.get(&at).or_else(|| self.defaults.get(&at)) else {

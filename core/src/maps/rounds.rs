@@ -215,10 +215,14 @@ fn rounds_of(
             };
             Ok((0..n_rounds).map(of_round).collect())
         }
-        (Some(_), Some(_)) => Err("has both \"times\" and \"each\"; the list of \"each\" says how \
+        (Some(_), Some(_)) => {
+            Err("has both \"times\" and \"each\"; the list of \"each\" says how \
                                    many rounds there are"
-            .to_owned()),
-        (None, None) => Err("says neither \"times\" nor \"each\": how many rounds are there?".to_owned()),
+                .to_owned())
+        }
+        (None, None) => {
+            Err("says neither \"times\" nor \"each\": how many rounds are there?".to_owned())
+        }
     }
 }
 
@@ -235,7 +239,8 @@ fn fed(repeat: &Repeat, module: &Module) -> Result<Vec<(String, String)>, String
         return Ok(alike.map(|input| (input.name.to_owned(), input.name.to_owned())).collect());
     };
     for (input, output) in feed {
-        let is_param = |param: &crate::ParamSpec| param.name == input && param.link_type().is_some();
+        let is_param =
+            |param: &crate::ParamSpec| param.name == input && param.link_type().is_some();
         let is_input = module.inputs.iter().any(|known| known.name == input);
         if !is_input && !module.params.iter().any(is_param) {
             let hint = did_you_mean(input, module.inputs.iter().map(|input| input.name));

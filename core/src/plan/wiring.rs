@@ -201,11 +201,11 @@ fn check_required(map: &Map, wiring: &Wiring, problems: &mut Vec<Problem>) {
         let Some(info) = wiring.modules[place] else { continue };
         for (input, source) in info.module.inputs.iter().zip(&wiring.inputs[place]) {
             // A link that was refused has said so already.
-            let is_named = || {
-                map.links.iter().any(|link| link.to.node == *name && link.to.port == input.name)
+            let is_named =
+                || map.links.iter().any(|link| link.to.node == *name && link.to.port == input.name);
+            let has_many = || {
+                wiring.many[place].iter().any(|(to, _)| info.module.inputs[*to].name == input.name)
             };
-            let has_many =
-                || wiring.many[place].iter().any(|(to, _)| info.module.inputs[*to].name == input.name);
             if input.is_required && source.is_none() && !has_many() && !is_named() {
                 problems.push(nothing_linked(name, info.module, input));
             }

@@ -38,7 +38,8 @@ type Cells = Vec<(String, Scalar)>;
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (names, values) = (io.param(NAMES)?, io.all_any(VALUES_IN));
-    let names: Vec<&str> = names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    let names: Vec<&str> =
+        names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
     let before = rows(&io.param(ROWS)?).map_err(|why| ModuleError::param(&ROWS, why))?;
     let mut before = before.into_iter();
     let mut table = Vec::new();
@@ -115,9 +116,8 @@ mod tests {
     fn numbers_make_a_column_and_rows_of_measures_several() {
         let trial = Trial::of(&MODULE).input("values", 1.0).input("values", 2.5);
         assert_eq!(table(trial), [numbers("value", &[1.0, 2.5])]);
-        let measures = |rms: f64| {
-            Measures(vec![Measure::of(&Quantity::new("rms", "An error."), rms)])
-        };
+        let measures =
+            |rms: f64| Measures(vec![Measure::of(&Quantity::new("rms", "An error."), rms)]);
         let trial = Trial::of(&MODULE)
             .set("names", "faces, error")
             .set("rows", r#"[{"scan": "cow"}, {"scan": "owl"}]"#);

@@ -31,7 +31,10 @@ impl Editor {
         };
         let outer = session.document.id();
         let is_it = |session: &Session| {
-            session.inside.as_ref().is_some_and(|inside| (inside.document, &inside.name) == (outer, &name))
+            session
+                .inside
+                .as_ref()
+                .is_some_and(|inside| (inside.document, &inside.name) == (outer, &name))
         };
         if let Some(place) = self.sessions.iter().position(is_it) {
             self.active = place;

@@ -32,12 +32,7 @@ pub fn show(ui: &mut Ui, session: &Session, shared: &Shared, wishes: &mut Vec<Wi
 }
 
 /// The parameters of several nodes, by module: what is set is set in all of one module.
-fn several(
-    ui: &mut Ui,
-    session: &Session,
-    names: &[&String],
-    wishes: &mut Vec<Wish>,
-) {
+fn several(ui: &mut Ui, session: &Session, names: &[&String], wishes: &mut Vec<Wish>) {
     ui.label(format!("{} nodes are selected.", names.len()));
     let map = session.document.map();
     let mut groups: IndexMap<&str, Vec<&String>> = IndexMap::new();
@@ -230,7 +225,8 @@ pub fn port_table(
     let links = &session.document.map().links;
     egui::Grid::new(("ports", name)).num_columns(3).striped(true).show(ui, |ui| {
         for input in module.inputs {
-            let mut all = links.iter().filter(|link| link.to.node == name && link.to.port == input.name);
+            let mut all =
+                links.iter().filter(|link| link.to.node == name && link.to.port == input.name);
             let (link, n_others) = (all.next(), all.count());
             ui.label(format!("in: {}", input.name)).on_hover_text(input.doc);
             ui.weak(input.data_type.id);

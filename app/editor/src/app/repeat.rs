@@ -8,13 +8,7 @@ use crate::canvas::Action;
 use crate::document::Edit;
 
 /// How often a node runs.
-pub(super) fn form(
-    ui: &mut Ui,
-    name: &str,
-    node: &Node,
-    module: &Module,
-    wishes: &mut Vec<Wish>,
-) {
+pub(super) fn form(ui: &mut Ui, name: &str, node: &Node, module: &Module, wishes: &mut Vec<Wish>) {
     let mut set = |repeat: Option<Repeat>| {
         let edit = Edit::SetRepeat { node: name.to_owned(), repeat };
         wishes.push(Wish::Canvas(Action::Edit(vec![edit])));

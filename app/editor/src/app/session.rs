@@ -238,9 +238,7 @@ impl Session {
     /// such nodes write files.
     pub fn has_changes_to_run(&self) -> Option<bool> {
         let is_old = |name: &str| matches!(self.runner.status(name), Status::New | Status::Dirty);
-        let writes = |node: &Node| {
-            self.runner.registry().writes_files(node)
-        };
+        let writes = |node: &Node| self.runner.registry().writes_files(node);
         let nodes = self.document.map().nodes.iter();
         let old = nodes.filter(|(name, node)| node.mode == NodeMode::Active && is_old(name));
         old.map(|(_, node)| writes(node)).reduce(|all, writes| all && writes)

@@ -94,13 +94,7 @@ pub fn of_node(
 }
 
 /// What makes maps of nodes, and nodes of maps.
-fn map_menu(
-    ui: &mut Ui,
-    name: &str,
-    nodes: &[String],
-    scene: &Scene,
-    actions: &mut Vec<Action>,
-) {
+fn map_menu(ui: &mut Ui, name: &str, nodes: &[String], scene: &Scene, actions: &mut Vec<Action>) {
     let make = if nodes.len() > 1 { "Make a map of these" } else { "Make a map of it" };
     if item(ui, make, "Ctrl+G") {
         actions.push(make_map(nodes));

@@ -230,6 +230,25 @@ impl Edit {
         }
     }
 
+    /// Whether it would move nodes that have no place of their own.
+    pub(super) fn moves_others(&self) -> bool {
+        matches!(
+            self,
+            Self::AddNode { .. }
+                | Self::Remove(_)
+                | Self::Connect(_)
+                | Self::Disconnect(_)
+                | Self::Move(_)
+                | Self::AddReroute { .. }
+                | Self::Paste { .. }
+                | Self::Align { .. }
+                | Self::Distribute { .. }
+                | Self::Arrange { .. }
+                | Self::MakeMap { .. }
+                | Self::Unpack { .. }
+        )
+    }
+
     /// What a quick run of edits is of: those of one target are undone as one. `None` where each
     /// edit stands for itself.
     pub(super) fn target(&self) -> Option<String> {

@@ -52,9 +52,8 @@ impl Transaction<'_> {
             inner.layout.extend(at.map(|at| (node.clone(), at)));
         }
         let places: Vec<[f64; 2]> = inner.layout.values().copied().collect();
-        let middle = |k: usize| {
-            places.iter().map(|at| at[k]).sum::<f64>() / places.len().max(1) as f64
-        };
+        let middle =
+            |k: usize| places.iter().map(|at| at[k]).sum::<f64>() / places.len().max(1) as f64;
         let at = offset([middle(0), middle(1)], [0.0, 0.0])?;
         let links = std::mem::take(&mut self.map.links);
         let is_inside = |end: &PortRef| inner.nodes.contains_key(&end.node);

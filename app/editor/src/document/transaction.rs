@@ -10,11 +10,11 @@ use serde_json::{Map as JsonMap, Value as Json};
 use super::arrange::{self, Area};
 use super::edit::{Edit, EditError, EditOutcome};
 use super::extras::{CanvasFrame, Extras, Note, Reroute};
-use super::{fits, is_many};
 use super::item::Item;
 use super::names::{free_name, name_after, taken};
 use super::rename::Renaming;
 use super::route;
+use super::{fits, is_many};
 
 /// No place on a canvas lies farther out.
 const FARTHEST: f64 = 1e7;
@@ -65,7 +65,7 @@ pub(super) fn places_of_others(map: &Map) -> IndexMap<String, [f64; 2]> {
 impl Transaction<'_> {
     /// Does one edit.
     pub fn edit(&mut self, edit: &Edit) -> Result<(), EditError> {
-        if moves_others(edit) {
+        if edit.moves_others() {
             // From now on these nodes stay where they were drawn.
             let places = places_of_others(&self.map);
             self.map.layout.extend(places);
@@ -457,25 +457,6 @@ impl Transaction<'_> {
         }
         Ok(())
     }
-}
-
-/// Whether an edit would move nodes that have no place of their own.
-fn moves_others(edit: &Edit) -> bool {
-    matches!(
-        edit,
-        Edit::AddNode { .. }
-            | Edit::Remove(_)
-            | Edit::Connect(_)
-            | Edit::Disconnect(_)
-            | Edit::Move(_)
-            | Edit::AddReroute { .. }
-            | Edit::Paste { .. }
-            | Edit::Align { .. }
-            | Edit::Distribute { .. }
-            | Edit::Arrange { .. }
-            | Edit::MakeMap { .. }
-            | Edit::Unpack { .. }
-    )
 }
 
 pub(super) fn check_name(name: &str) -> Result<(), EditError> {

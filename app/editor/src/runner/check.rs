@@ -65,8 +65,7 @@ pub fn check(subject: &Subject, part: Part, shared: &Shared) -> (MapCheck, Optio
         !checked.keys.contains_key(*name) && (plan.is_some() || node.mode != NodeMode::Active)
     };
     let reason = |name: &str| {
-        let of_it =
-            |problem: &&Problem| problem.place.node.as_deref().map(outermost) == Some(name);
+        let of_it = |problem: &&Problem| problem.place.node.as_deref().map(outermost) == Some(name);
         let problem = checked.problems.iter().find(of_it);
         problem.map_or("is muted or bypassed".to_owned(), |problem| problem.message.clone())
     };

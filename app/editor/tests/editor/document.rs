@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use mve_core::{Link, Map, ProgramSpec, Registry};
-use mve_editor::document::{Clip, DiskChange, Document, Edit, Extras, Item, Recovery, fits, is_many};
+use mve_editor::document::{
+    Clip, DiskChange, Document, Edit, Extras, Item, Recovery, fits, is_many,
+};
 use mve_modules::registry;
 use serde_json::{Value as Json, json};
 
