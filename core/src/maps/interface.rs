@@ -13,7 +13,7 @@ use crate::error::ModuleError;
 use crate::map::{Map, Node, PortRef};
 use crate::module::{Io, Module};
 use crate::param::{ParamSpec, chosen, declared_at, given_at};
-use crate::plan::{nothing_linked, passed_on};
+use crate::plan::{nothing_linked, passed_on_inside};
 use crate::port::{ANY, InputSpec, OutputSpec};
 use crate::problem::Problem;
 use crate::quantity::{Quantities, Quantity, Role};
@@ -167,7 +167,7 @@ fn input(map: &Map, registry: &Registry, node: &str) -> Option<InputSpec> {
 
 /// What an output of a node inside of a map gives.
 fn output(map: &Map, registry: &Registry, from: &PortRef) -> Option<OutputSpec> {
-    let from = passed_on(map, registry, from)?;
+    let from = passed_on_inside(map, registry, from)?;
     let node = map.nodes.get(&from.node)?;
     if node.module == MAP_INPUT.id {
         let taken = input(map, registry, &from.node)?.data_type;
@@ -219,6 +219,12 @@ fn param(
     let spec = declared_at(specs, Some(&node.params), param)?;
     let params = with_files_of(folder, specs, &node.params);
     Some((spec, given_at(&params, param).cloned().or(spec.preset.cloned())))
+}
+
+/// Whether an output gives numbers that a table can hold.
+pub(super) fn has_numbers(output: &OutputSpec) -> bool {
+    let is_row = !matches!(output.quantities, Quantities::Plain);
+    output.name != TABLE && (output.is_cell || is_row)
 }
 
 /// The declaration of a node that runs more than once: what it is otherwise, and a table.

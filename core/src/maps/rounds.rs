@@ -4,14 +4,13 @@ use std::path::Path;
 
 use serde_json::{Map as JsonMap, Value as Json, json};
 
-use super::interface::{COLLECT, NEW, NEWER, OLD, TABLE, newer};
+use super::interface::{COLLECT, NEW, NEWER, OLD, TABLE, has_numbers, newer};
 use super::open::{Level, MOST_NODES, Opener, Supply, port};
 use crate::map::{Axis, Link, Node, PortRef, Repeat, Until};
 use crate::module::Module;
 use crate::param::declared_at;
 use crate::port::OutputSpec;
 use crate::problem::{Problem, did_you_mean};
-use crate::quantity::Quantities;
 use crate::registry::ModuleInfo;
 use crate::spread::Spreader;
 
@@ -123,11 +122,7 @@ impl Opener<'_> {
         let (Some(into), Some(table)) = (collect.inputs.first(), collect.outputs.first()) else {
             return;
         };
-        let has_numbers = |output: &&OutputSpec| {
-            let is_row = !matches!(output.quantities, Quantities::Plain);
-            output.name != TABLE && (output.is_cell || is_row)
-        };
-        let outputs: Vec<_> = module.outputs.iter().filter(has_numbers).collect();
+        let outputs: Vec<_> = module.outputs.iter().filter(|output| has_numbers(output)).collect();
         if outputs.is_empty() {
             return;
         }

@@ -19,7 +19,7 @@ use crate::registry::{ModuleInfo, Registry};
 
 pub use assign::assign;
 pub use modes::passed_on;
-pub(crate) use modes::{Inputs, without_inactive};
+pub(crate) use modes::{Inputs, passed_on_inside, without_inactive};
 pub(crate) use outputs::one_case;
 pub(crate) use series::{PlanSeries, SeriesPlan};
 pub(crate) use wiring::{no_such_input, nothing_linked};

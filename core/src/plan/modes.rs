@@ -21,6 +21,16 @@ pub fn passed_on(map: &Map, registry: &Registry, output: &PortRef) -> Option<Por
     wires.source(output, &wires.left_out()).ok().cloned()
 }
 
+/// The same in a map that is a node of another one.
+pub(crate) fn passed_on_inside(
+    map: &Map,
+    registry: &Registry,
+    output: &PortRef,
+) -> Option<PortRef> {
+    let wires = Wires { inputs: Inputs::FromOutside, ..Wires::of(map, registry) };
+    wires.source(output, &wires.left_out()).ok().cloned()
+}
+
 /// Whether values come into a map where it has a node for them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Inputs {

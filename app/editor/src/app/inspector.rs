@@ -180,6 +180,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
         if ui.button("\u{25b6} Run up to here").clicked() {
             wishes.push(Wish::Canvas(Action::Run(Part::UpTo(vec![name.to_owned()]))));
         }
+        repeat::button(ui, name, node, wishes);
     });
     if !module.params.is_empty() {
         ui.separator();

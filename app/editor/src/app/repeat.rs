@@ -7,20 +7,22 @@ use super::Wish;
 use crate::canvas::Action;
 use crate::document::Edit;
 
-/// How often a node runs.
+fn edit(node: &str, repeat: Option<Repeat>) -> Wish {
+    Wish::Canvas(Action::Edit(vec![Edit::SetRepeat { node: node.to_owned(), repeat }]))
+}
+
+/// What has a node run more than once, where it runs once.
+pub(super) fn button(ui: &mut Ui, name: &str, node: &Node, wishes: &mut Vec<Wish>) {
+    let why = "Have the node run more than once, each time on what it gave before.";
+    if node.repeat.is_none() && ui.button("Repeat…").on_hover_text(why).clicked() {
+        wishes.push(edit(name, Some(Repeat { times: Some(3), ..Repeat::default() })));
+    }
+}
+
+/// How often a node runs that runs more than once.
 pub(super) fn form(ui: &mut Ui, name: &str, node: &Node, module: &Module, wishes: &mut Vec<Wish>) {
-    let mut set = |repeat: Option<Repeat>| {
-        let edit = Edit::SetRepeat { node: name.to_owned(), repeat };
-        wishes.push(Wish::Canvas(Action::Edit(vec![edit])));
-    };
-    let Some(repeat) = &node.repeat else {
-        ui.separator();
-        let button = ui.button("Repeat…").on_hover_text("Have the node run more than once.");
-        if button.clicked() {
-            set(Some(Repeat { times: Some(3), ..Repeat::default() }));
-        }
-        return;
-    };
+    let Some(repeat) = &node.repeat else { return };
+    let mut set = |repeat: Option<Repeat>| wishes.push(edit(name, repeat));
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("It repeats");

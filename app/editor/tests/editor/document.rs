@@ -24,6 +24,7 @@ fn shipped_maps() -> Vec<PathBuf> {
 /// What must hold of an open map after any edit.
 fn check(document: &Document, registry: &Registry) {
     let (map, extras) = (document.map(), document.extras());
+    let registry = &registry.with_maps_of(map, Path::new(""));
     for link in &map.links {
         assert_eq!(fits(map, registry, link), Ok(()), "{link}");
         let n_links = map.links.iter().filter(|other| other.to == link.to).count();

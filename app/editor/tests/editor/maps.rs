@@ -74,7 +74,7 @@ fn a_hand_makes_a_map_changes_it_in_its_tab_and_runs_it() {
     assert!(hand.sees("node cut"));
     hand.click_at("node cut", 0.5, 0.05);
     hand.step();
-    hand.type_number("target_faces", "30");
+    hand.type_number("target faces", "30");
     hand.step();
     hand.press_with(Modifiers::COMMAND, Key::S);
     hand.step();
