@@ -133,7 +133,9 @@ pub fn remesh(
             n_faces = faces_at(&source, length);
         }
     }
-    if source.faces.is_empty() {
+    if source.faces.is_empty() || source.diagonal() == 0.0 {
+        // All at one place, there is nothing to divide.
+        source.positions.iter_mut().for_each(|p| *p /= scale);
         return Ok(Remeshed { mesh: source, length: 0.0, n_left_out });
     }
     if n_faces.is_nan() || n_faces > MOST_FACES as f64 {
@@ -278,7 +280,10 @@ fn target_length(mesh: &TriMesh, target: EdgeTarget, scale: f64) -> f64 {
         EdgeTarget::Length(length) => length * scale,
         EdgeTarget::OfDiagonal(share) => share * mesh.diagonal(),
         // Of an equilateral triangle of the mean area.
-        EdgeTarget::Faces(n) => (4.0 * mesh.area() / (3.0_f64.sqrt() * n.max(1) as f64)).sqrt(),
+        // Without an area it begins with what is far too short.
+        EdgeTarget::Faces(n) => {
+            (4.0 * mesh.area() / (3.0_f64.sqrt() * n.max(1) as f64)).sqrt().max(1e-9)
+        }
     }
 }
 

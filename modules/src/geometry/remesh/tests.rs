@@ -184,6 +184,9 @@ fn what_is_too_fine_or_not_there_is_said() {
     let found = remeshed(&mesh, OPTIONS);
     assert!(found.n_left_out > 3 && found.mesh.check() == Ok(()));
     assert!(remeshed(&TriMesh::default(), OPTIONS).mesh.faces.is_empty());
+    let one_place = mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]);
+    let options = RemeshOptions { target: EdgeTarget::OfDiagonal(0.1), ..OPTIONS };
+    assert_eq!(remeshed(&one_place, options).mesh.faces.len(), 1);
 }
 
 /// Distances that vertices of the result have from the scan, and it from them.
