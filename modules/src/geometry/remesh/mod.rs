@@ -292,10 +292,12 @@ fn faces_at(mesh: &TriMesh, length: f64) -> f64 {
     let of_face = |f: usize| {
         let [a, b, c] = mesh.corners(FaceId(f as u32));
         let area = 0.5 * (b - a).cross(c - a).length();
-        let around = a.distance(b) + b.distance(c) + c.distance(a);
+        let sides = [a.distance(b), b.distance(c), c.distance(a)];
+        let pieces = sides.iter().sum::<f64>() / length;
+        let is_long = sides.iter().any(|side| *side > length);
         let flat = area / (0.433 * length * length);
-        // Long thin faces are cut along their sides.
-        flat + if flat < around / length { around / length } else { 0.0 }
+        // Long thin faces are cut along their sides; short ones become parts of others.
+        flat + if is_long && flat < pieces { pieces } else { 0.0 }
     };
     (0..mesh.faces.len()).map(of_face).sum()
 }

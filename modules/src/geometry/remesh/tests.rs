@@ -116,6 +116,10 @@ fn a_number_of_faces_is_nearly_met() {
     let n_faces = found.mesh.faces.len() as f64;
     assert!((n_faces / 5000.0 - 1.0).abs() < 0.05, "{n_faces}");
     assert_eq!(mesh_info(&found.mesh, Control::none()).unwrap().genus, Some(1));
+    // Many more faces than are wanted, too.
+    let options = RemeshOptions { target: EdgeTarget::Faces(600), ..OPTIONS };
+    let n_faces = remeshed(&torus(2.0, 0.7, 100), options).mesh.faces.len() as f64;
+    assert!((n_faces / 600.0 - 1.0).abs() < 0.1, "{n_faces}");
 }
 
 #[test]
