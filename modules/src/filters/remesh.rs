@@ -29,7 +29,7 @@ const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 const SIZE: Param<Size> = Param::one_of("size", "How the size of triangles is said.", "Share");
 const SHARE: Param<f64> =
     Param::number("share", "The length of edges over the diagonal of the box.", 0.02)
-        .within((1e-6, 1.0))
+        .within((1e-4, 1.0))
         .usually((0.002, 0.1))
         .only_where(Condition::Is { param: "size", value: "Share" });
 const LENGTH: Param<f64> = Param::number("length", "The length of edges.", 0.1)

@@ -9,6 +9,9 @@ use glam::DVec3;
 /// Where there is no vertex.
 const NONE: u32 = u32::MAX;
 
+/// Faces flatter than this have no side of their own: rounding or noise decides of it.
+pub(super) const FLAT: f64 = 0.02;
+
 /// How a vertex may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -36,9 +39,14 @@ pub(super) struct WorkMesh {
 }
 
 impl WorkMesh {
+    /// Whether a face lives.
+    pub fn living_at(&self, face: u32) -> bool {
+        self.faces[face as usize][0] != NONE
+    }
+
     /// The faces that live.
     pub fn living(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.faces.len() as u32).filter(|&face| self.faces[face as usize][0] != NONE)
+        (0..self.faces.len() as u32).filter(|&face| self.living_at(face))
     }
 
     pub fn length_sq(&self, [a, b]: [u32; 2]) -> f64 {
@@ -47,6 +55,9 @@ impl WorkMesh {
 
     /// The sides of living faces that lie on an edge: face, and the corner that the side starts at.
     pub fn sides(&self, [a, b]: [u32; 2]) -> impl Iterator<Item = (u32, usize)> + '_ {
+        // The end with fewer faces: the other may be the hub of a fan.
+        let is_fan = self.around[a as usize].len() > self.around[b as usize].len();
+        let [a, b] = if is_fan { [b, a] } else { [a, b] };
         self.around[a as usize].iter().filter_map(move |&face| {
             let corners = self.faces[face as usize];
             let at = corners.iter().position(|v| *v == a)?;
@@ -91,10 +102,22 @@ impl WorkMesh {
         (b - a).cross(c - a)
     }
 
+    /// The height of a face over its longest side, as a share of that side; 0 where it has none.
+    pub fn flatness(&self, corners: [u32; 3]) -> f64 {
+        let [a, b, c] = corners.map(|v| self.points[v as usize]);
+        let longest_sq =
+            a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let height = (b - a).cross(c - a).length() / longest_sq;
+        if height.is_finite() { height } else { 0.0 }
+    }
+
     /// Whether all faces at a vertex but those in `passed` keep their side, with the vertex at
-    /// another place: none turns by 60° or more, unless it had no area.
+    /// another place: none turns by 60° or more. What is too flat to have a side of its own only
+    /// has to look the way of the others.
     pub fn keeps_sides(&self, v: u32, place: DVec3, passed: impl Fn([u32; 3]) -> bool) -> bool {
-        self.around[v as usize].iter().all(|&face| {
+        let faces = &self.around[v as usize];
+        let all: DVec3 = faces.iter().map(|&face| self.normal(face)).sum();
+        faces.iter().all(|&face| {
             let corners = self.faces[face as usize];
             if passed(corners) {
                 return true;
@@ -102,11 +125,23 @@ impl WorkMesh {
             let old = self.normal(face);
             let [a, b, c] = corners.map(|w| if w == v { place } else { self.points[w as usize] });
             let new = (b - a).cross(c - a);
+            if self.flatness(corners) < FLAT {
+                return all.dot(new) > 0.5 * all.length() * new.length() || all == DVec3::ZERO;
+            }
             let product = old.dot(new);
             let both = old.length_squared() * new.length_squared();
-            // Where there was no side to keep, any will do; a new one without a side will not.
-            old == DVec3::ZERO || (product > 0.0 && product * product > 0.25 * both)
+            product > 0.0 && product * product > 0.25 * both
         })
+    }
+
+    /// Whether an edge lies within a part that is narrower than a length; lines do not.
+    pub fn is_within_needle(&self, edge: [u32; 2], width: f64) -> bool {
+        let height = |face: u32| {
+            let corners = self.faces[face as usize];
+            let sides = [0, 1, 2].map(|k| self.length_sq([corners[k], corners[(k + 1) % 3]]));
+            self.flatness(corners) * sides[0].max(sides[1]).max(sides[2]).sqrt()
+        };
+        self.sides(edge).all(|(face, k)| !self.lines[face as usize][k] && height(face) < width)
     }
 
     /// Whether an edge may be split: it is the longest of all its faces, and no two of them have one

@@ -6,8 +6,8 @@
 //! neighbors, and vertices move to the middles of their faces, by area, within the surface.
 //! Departures: vertices are brought back to the nearest point of the input after each round; sharp
 //! edges, borders and seams are lines whose vertices move along them and are brought back to them;
-//! edges come up by their length; a collapse puts the vertex in the middle where it may; no step
-//! turns a face by 60° or more.
+//! edges come up by their length; a collapse puts the vertex in the middle where it may; edges of
+//! slivers are flipped whatever the numbers of neighbors; no step turns a face by 60° or more.
 //!
 //! Edges of more than two faces, and those at which the orientation changes, are lines whose
 //! vertices stay: they are split, and nothing else is done to them.
@@ -125,8 +125,17 @@ pub fn remesh(
     let mut source = source;
     source.positions.iter_mut().for_each(|p| *p *= scale);
     let mut length = target_length(&source, options.target, scale);
-    let n_faces = faces_at(&source, length);
-    if source.faces.is_empty() {
+    let mut n_faces = faces_at(&source, length);
+    if let EdgeTarget::Faces(n) = options.target {
+        // Needles have hardly an area, and sides all the same.
+        while n_faces > 3.0 * n.max(source.faces.len().min(8)) as f64 && length < 4.0 {
+            length *= 1.25;
+            n_faces = faces_at(&source, length);
+        }
+    }
+    if source.faces.is_empty() || source.diagonal() == 0.0 {
+        // All at one place, there is nothing to divide.
+        source.positions.iter_mut().for_each(|p| *p /= scale);
         return Ok(Remeshed { mesh: source, length: 0.0, n_left_out });
     }
     if n_faces.is_nan() || n_faces > MOST_FACES as f64 {
@@ -161,7 +170,8 @@ pub fn remesh(
             length *= factor.clamp(0.8, 1.25);
         }
     }
-    let mut found = compacted(&work, control.part(0.85, 0.86))?;
+    flip_all(&mut work, control.part(0.85, 0.86))?;
+    let mut found = compacted(&work, control.part(0.86, 0.86))?;
     let places = Places::find((&source, &tree), &found, f64::INFINITY, control.part(0.86, 0.9))?;
     let mut layers = Vec::new();
     for layer in &source.layers {
@@ -181,14 +191,20 @@ fn one_round(
 ) -> Result<(), Cancelled> {
     let (shortest, longest) = (SHORTEST * length, LONGEST * length);
     steps::split_long(work, longest, control.part(0.0, 0.2))?;
-    steps::collapse_short(work, [shortest, longest], control.part(0.2, 0.5))?;
+    steps::collapse_short(work, [shortest, longest], control.part(0.2, 0.48))?;
+    steps::cut_lines(work, longest, control.part(0.48, 0.5))?;
+    flip_all(work, control.part(0.5, 0.65))?;
+    relax(work, ground, control.part(0.65, 1.0))
+}
+
+fn flip_all(work: &mut WorkMesh, control: Control) -> Result<(), Cancelled> {
     for pass in 0..3 {
-        let part = control.part(0.5 + 0.05 * f64::from(pass), 0.55 + 0.05 * f64::from(pass));
-        if steps::flip(work, part)? == 0 {
+        let share = |pass: u32| f64::from(pass) / 3.0;
+        if steps::flip(work, control.part(share(pass), share(pass + 1)))? == 0 {
             break;
         }
     }
-    relax(work, ground, control.part(0.65, 1.0))
+    Ok(())
 }
 
 /// The faces that can be worked on, with vertices along a curve through space and each face
@@ -264,7 +280,10 @@ fn target_length(mesh: &TriMesh, target: EdgeTarget, scale: f64) -> f64 {
         EdgeTarget::Length(length) => length * scale,
         EdgeTarget::OfDiagonal(share) => share * mesh.diagonal(),
         // Of an equilateral triangle of the mean area.
-        EdgeTarget::Faces(n) => (4.0 * mesh.area() / (3.0_f64.sqrt() * n.max(1) as f64)).sqrt(),
+        // Without an area it begins with what is far too short.
+        EdgeTarget::Faces(n) => {
+            (4.0 * mesh.area() / (3.0_f64.sqrt() * n.max(1) as f64)).sqrt().max(1e-9)
+        }
     }
 }
 
@@ -273,10 +292,12 @@ fn faces_at(mesh: &TriMesh, length: f64) -> f64 {
     let of_face = |f: usize| {
         let [a, b, c] = mesh.corners(FaceId(f as u32));
         let area = 0.5 * (b - a).cross(c - a).length();
-        let around = a.distance(b) + b.distance(c) + c.distance(a);
+        let sides = [a.distance(b), b.distance(c), c.distance(a)];
+        let pieces = sides.iter().sum::<f64>() / length;
+        let is_long = sides.iter().any(|side| *side > length);
         let flat = area / (0.433 * length * length);
-        // Long thin faces are cut along their sides.
-        flat + if flat < around / length { around / length } else { 0.0 }
+        // Long thin faces are cut along their sides; short ones become parts of others.
+        flat + if is_long && flat < pieces { pieces } else { 0.0 }
     };
     (0..mesh.faces.len()).map(of_face).sum()
 }

@@ -37,10 +37,13 @@ const DENSITY: f64 = std::f64::consts::SQRT_2;
 const MOST_ROUNDS: usize = 50;
 /// Vertices that are put in at most.
 const MOST_ADDED: usize = 500_000;
+/// How much smaller than those of a round hole with as many edges triangles become at most, where
+/// the edges around it are of very different lengths.
+const FINEST: f64 = 0.25;
 /// The part of the first residual at which the fairing ends.
 const RESIDUAL: f64 = 1e-9;
 /// Rounds of a solution at most.
-const MOST_STEPS: usize = 20_000;
+const MOST_STEPS: usize = 5_000;
 
 /// Refines and fairs the faces from `first` on, which are patches in the surface before them. The
 /// surface around stays as it is; new vertices and faces stand behind all others, with values
@@ -117,8 +120,20 @@ impl Patch {
         }
         found.work.kinds = vec![Kind::Fixed; found.vertices.len()];
         found.mark_lines();
-        found.sizes = (0..found.vertices.len() as u32).map(|v| found.size_at(v)).collect();
+        let least = found.least_size();
+        let size = |v: u32| found.size_at(v).max(least);
+        found.sizes = (0..found.vertices.len() as u32).map(size).collect();
         Ok(found)
+    }
+
+    /// A circle of n edges of length l holds an area of n² l² / 4 π.
+    fn least_size(&self) -> f64 {
+        let new = || (0..self.work.faces.len()).filter(|&face| self.is_new[face]);
+        let area: f64 = new().map(|face| 0.5 * self.work.normal(face as u32).length()).sum();
+        let of_face = |face: usize| self.work.lines[face].iter().filter(|line| **line).count();
+        let n_edges: usize = new().map(of_face).sum();
+        let least = FINEST * (4.0 * std::f64::consts::PI * area).sqrt() / n_edges.max(1) as f64;
+        if least.is_finite() { least } else { 0.0 }
     }
 
     /// All edges that are not within a patch are lines.

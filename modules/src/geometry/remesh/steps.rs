@@ -9,7 +9,10 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
-use super::mesh::{Kind, WorkMesh};
+use super::mesh::{FLAT, Kind, WorkMesh};
+
+/// Faces that are narrower than this share of the longest edge are needles.
+const NARROW: f64 = 0.05;
 
 /// Edges between two looks whether the work was cancelled.
 const STRIDE: usize = 1 << 10;
@@ -56,7 +59,9 @@ pub(super) fn split_long(
         }
         n_done += 1;
         // Longer edges were split before, unless they may not be.
-        if !mesh.has_edge(edge) || !mesh.may_split(edge) {
+        let is_there = mesh.has_edge(edge) && mesh.may_split(edge);
+        // Pieces of a needle would be needles: it collapses or goes by flips.
+        if !is_there || mesh.is_within_needle(edge, NARROW * longest) {
             continue;
         }
         let middle = mesh.split(edge);
@@ -151,7 +156,7 @@ fn may_collapse(mesh: &WorkMesh, (gone, kept, place): (u32, u32, DVec3), longest
 }
 
 /// Flips edges where the numbers of neighbors come closer to six within the surface and on lines
-/// and four at borders, one pass.
+/// and four at borders, or where a sliver goes; one pass.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.
@@ -163,7 +168,18 @@ pub(super) fn flip(mesh: &mut WorkMesh, control: Control) -> Result<usize, Cance
             control.at(place as f64 / edges.len() as f64)?;
         }
         let Some(sides) = mesh.flippable(edge) else { continue };
-        if evens_valences(mesh, edge, sides) && is_gentle(mesh, edge, sides) {
+        let (before, after) = (old_faces(mesh, sides), new_faces(mesh, sides));
+        let least = |faces: [[u32; 3]; 2]| {
+            let [one, two] = faces.map(|corners| mesh.flatness(corners));
+            one.min(two)
+        };
+        let (was, will_be) = (least(before), least(after));
+        let is_better = if was.min(will_be) < SLIVER {
+            will_be > 1.5 * was
+        } else {
+            evens_valences(mesh, edge, sides)
+        };
+        if is_better && is_gentle(mesh, sides, after) {
             mesh.flip(sides);
             n_flipped += 1;
         }
@@ -192,28 +208,69 @@ fn evens_valences(mesh: &WorkMesh, [a, b]: [u32; 2], sides: [(u32, usize); 2]) -
     sum(-1, 1) < sum(0, 0)
 }
 
-/// Whether the two new faces look the way of the old ones, within 45°, and are no slivers.
-fn is_gentle(mesh: &WorkMesh, edge: [u32; 2], sides: [(u32, usize); 2]) -> bool {
+fn old_faces(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [[u32; 3]; 2] {
+    sides.map(|(face, _)| mesh.faces[face as usize])
+}
+
+fn new_faces(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [[u32; 3]; 2] {
     let [c, d] = apexes(mesh, sides);
     let (face, k) = sides[0];
     let corners = mesh.faces[face as usize];
     let (from, to) = (corners[k], corners[(k + 1) % 3]);
-    debug_assert!(edge.contains(&from) && edge.contains(&to));
-    let normal = |v: [u32; 3]| {
-        let [a, b, c] = v.map(|v| mesh.points[v as usize]);
-        let longest_sq =
-            a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        let normal = (b - a).cross(c - a);
-        // A height below a twentieth of the longest side.
-        if normal.length() < 0.05 * longest_sq { DVec3::ZERO } else { normal.normalize_or_zero() }
-    };
-    let old = sides.map(|(face, _)| mesh.normal(face).normalize_or_zero());
-    let new = [normal([from, d, c]), normal([d, to, c])];
-    new.iter().all(|new| {
-        *new != DVec3::ZERO
-            && old.iter().all(|old| *old == DVec3::ZERO || old.dot(*new) > SAME_SIDE)
+    [[from, d, c], [d, to, c]]
+}
+
+/// Whether the two new faces have a side and look the way of the old ones, within 45°.
+fn is_gentle(mesh: &WorkMesh, sides: [(u32, usize); 2], after: [[u32; 3]; 2]) -> bool {
+    let old = sides.map(|(face, _)| {
+        let is_flat = mesh.flatness(mesh.faces[face as usize]) < FLAT;
+        if is_flat { DVec3::ZERO } else { mesh.normal(face).normalize_or_zero() }
+    });
+    after.iter().all(|corners| {
+        let [a, b, c] = corners.map(|v| mesh.points[v as usize]);
+        let new = (b - a).cross(c - a).normalize_or_zero();
+        let is_same = |old: &DVec3| *old == DVec3::ZERO || old.dot(new) > SAME_SIDE;
+        new != DVec3::ZERO && old.iter().all(is_same)
     })
 }
 
 /// cos 45°.
 const SAME_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Faces flatter than this are slivers.
+const SLIVER: f64 = 0.15;
+
+/// Takes flat faces away whose longest side is a line: that is cut where the third vertex lies
+/// beside it, which then goes there.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub(super) fn cut_lines(
+    mesh: &mut WorkMesh,
+    longest: f64,
+    control: Control,
+) -> Result<(), Cancelled> {
+    let n_faces = mesh.faces.len();
+    for face in 0..n_faces as u32 {
+        control.item(face as usize, n_faces)?;
+        let corners = mesh.faces[face as usize];
+        if mesh.living_at(face) && mesh.flatness(corners) < FLAT {
+            let sides = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
+            let length = |k: &usize| mesh.length_sq(sides[*k]);
+            let k = (0..3).max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(0);
+            let (apex, edge) = (corners[(k + 2) % 3], sides[k]);
+            let [a, b] = edge.map(|v| mesh.points[v as usize]);
+            let along = (mesh.points[apex as usize] - a).dot(b - a) / mesh.length_sq(edge);
+            let is_free = mesh.kinds[apex as usize] == Kind::Free;
+            let is_middle = (0.2..0.8).contains(&along);
+            if is_free && is_middle && mesh.lines[face as usize][k] && mesh.may_split(edge) {
+                let middle = mesh.split(edge);
+                mesh.points[middle as usize] = a.lerp(b, along);
+                let way = (apex, middle, mesh.points[middle as usize]);
+                if may_collapse(mesh, way, 2.0 * longest) {
+                    mesh.collapse(way.0, way.1, way.2);
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -116,6 +116,10 @@ fn a_number_of_faces_is_nearly_met() {
     let n_faces = found.mesh.faces.len() as f64;
     assert!((n_faces / 5000.0 - 1.0).abs() < 0.05, "{n_faces}");
     assert_eq!(mesh_info(&found.mesh, Control::none()).unwrap().genus, Some(1));
+    // Many more faces than are wanted, too.
+    let options = RemeshOptions { target: EdgeTarget::Faces(600), ..OPTIONS };
+    let n_faces = remeshed(&torus(2.0, 0.7, 100), options).mesh.faces.len() as f64;
+    assert!((n_faces / 600.0 - 1.0).abs() < 0.1, "{n_faces}");
 }
 
 #[test]
@@ -144,6 +148,24 @@ fn edges_of_three_faces_stay() {
     assert!((7..=20).contains(&info.n_non_manifold_edges), "{}", info.n_non_manifold_edges);
 }
 
+/// Needles, and a face without any area: as many pieces as their sides are long, and no more.
+#[test]
+fn needles_are_cut_along_their_sides() {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1e-9, 0.0], [0.5, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = mesh_of(&points, &[[0, 1, 2], [0, 3, 1], [0, 2, 4]]);
+    for target in [EdgeTarget::Length(0.002), EdgeTarget::Faces(1000)] {
+        let options = RemeshOptions { target, sharp_rad: None, rounds: 3, ..OPTIONS };
+        match remesh(&mesh, &options, Control::none()) {
+            Ok(found) => assert!(found.mesh.faces.len() < 400_000, "{}", found.mesh.faces.len()),
+            Err(error) => panic!("{error}"),
+        }
+    }
+    let thin = mesh_of(&points[..3], &[[0, 1, 2]]);
+    let options = RemeshOptions { target: EdgeTarget::Length(1e-4), ..OPTIONS };
+    let n_faces = remeshed(&thin, options).mesh.faces.len();
+    assert!((1000..60_000).contains(&n_faces), "{n_faces}");
+}
+
 /// Two faces on each other, with a third at one of their edges: the long edges that cannot be split
 /// hold the others.
 #[test]
@@ -166,6 +188,9 @@ fn what_is_too_fine_or_not_there_is_said() {
     let found = remeshed(&mesh, OPTIONS);
     assert!(found.n_left_out > 3 && found.mesh.check() == Ok(()));
     assert!(remeshed(&TriMesh::default(), OPTIONS).mesh.faces.is_empty());
+    let one_place = mesh_of(&[[1.0; 3]; 3], &[[0, 1, 2]]);
+    let options = RemeshOptions { target: EdgeTarget::OfDiagonal(0.1), ..OPTIONS };
+    assert_eq!(remeshed(&one_place, options).mesh.faces.len(), 1);
 }
 
 /// Distances that vertices of the result have from the scan, and it from them.
