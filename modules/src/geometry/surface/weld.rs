@@ -92,15 +92,32 @@ fn layer_of(layer: &Layer, vertices: &[usize], faces: &[usize]) -> Layer {
 /// # Errors
 /// [`Cancelled`] when `control` says so.
 pub fn same_places(positions: &[DVec3], control: Control) -> Result<Vec<u32>, Cancelled> {
-    let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
+    const EMPTY: u32 = u32::MAX;
+    // Adding 0 takes the sign of -0 away.
+    let bits_of = |position: DVec3| position.to_array().map(|x| (x + 0.0).to_bits());
+    // An open table of first vertices, at most half full, so that a chain of full slots ends.
+    let n_bits = (2 * positions.len()).next_power_of_two().max(2).trailing_zeros();
+    let mut slots = vec![EMPTY; 1 << n_bits];
     let mut places = Vec::with_capacity(positions.len());
-    for (vertex, position) in positions.iter().enumerate() {
+    for (vertex, &position) in positions.iter().enumerate() {
         control.item(vertex, positions.len())?;
-        let number = vertex as u32;
-        // Adding 0 takes the sign of -0 away.
-        let bits = position.to_array().map(|x| (x + 0.0).to_bits());
-        let is_finite = position.is_finite();
-        places.push(if is_finite { *first.entry(bits).or_insert(number) } else { number });
+        if !position.is_finite() {
+            places.push(vertex as u32);
+            continue;
+        }
+        let bits = bits_of(position);
+        let mix = |hash: u64, bits: u64| {
+            (hash ^ bits ^ bits >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+        };
+        let hash = bits.into_iter().fold(0, mix).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mut slot = (hash >> (64 - n_bits)) as usize;
+        while slots[slot] != EMPTY && bits_of(positions[slots[slot] as usize]) != bits {
+            slot = (slot + 1) & (slots.len() - 1);
+        }
+        if slots[slot] == EMPTY {
+            slots[slot] = vertex as u32;
+        }
+        places.push(slots[slot]);
     }
     Ok(places)
 }
