@@ -232,11 +232,12 @@ pub(crate) fn repeated(module: &'static Module, registry: &Registry) -> &'static
     let collect = registry.find(COLLECT).map(|info| info.module);
     let table = collect.and_then(|collect| collect.outputs.first());
     let own = module.outputs.iter().map(|spec| (spec.name.to_owned(), *spec));
-    let table =
-        table.filter(|_| module.outputs.iter().all(|spec| spec.name != TABLE)).map(|spec| {
-            let doc = "A row of numbers for each round.";
-            (TABLE.to_owned(), OutputSpec { doc, ..*spec })
-        });
+    let is_free = module.outputs.iter().all(|spec| spec.name != TABLE);
+    let is_made = is_free && module.outputs.iter().any(has_numbers);
+    let table = table.filter(|_| is_made).map(|spec| {
+        let doc = "A row of numbers for each round.";
+        (TABLE.to_owned(), OutputSpec { doc, ..*spec })
+    });
     registry.interner().intern(Draft {
         id: module.id.to_owned(),
         summary: module.summary.to_owned(),
