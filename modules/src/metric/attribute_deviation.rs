@@ -134,8 +134,8 @@ impl Metric for AttributeDeviationMetric {
         }
         let Trees { of_original, of_simplified } =
             trees(original, simplified, control.part(0.0, 0.2))?;
-        let there = Pointwise { from: original, to: simplified, tree: &of_simplified };
-        let back = Pointwise { from: simplified, to: original, tree: &of_original };
+        let there = Pointwise::new(original, simplified, &of_simplified);
+        let back = Pointwise::new(simplified, original, &of_original);
         let measure = |a: &FacePoint, b: &FacePoint| differences(a, b, is_compared);
         let count = (self.n_samples, self.seed);
         let there = there.differences(count, measure, control.part(0.2, 0.6))?;

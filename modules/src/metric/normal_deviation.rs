@@ -90,8 +90,8 @@ impl Metric for NormalDeviationMetric {
     ) -> Result<Comparison, MetricError> {
         let Trees { of_original, of_simplified } =
             trees(original, simplified, control.part(0.0, 0.2))?;
-        let there = Pointwise { from: original, to: simplified, tree: &of_simplified };
-        let back = Pointwise { from: simplified, to: original, tree: &of_original };
+        let there = Pointwise::new(original, simplified, &of_simplified);
+        let back = Pointwise::new(simplified, original, &of_original);
         let (from_original, original_field) = self.directed(&there, control.part(0.2, 0.6))?;
         let (from_simplified, simplified_field) = self.directed(&back, control.part(0.6, 1.0))?;
         let sides = [(MeshRole::Original, from_original), (MeshRole::Simplified, from_simplified)];

@@ -88,15 +88,21 @@ impl Difference {
 /// One surface seen from another.
 #[derive(Clone, Copy, Debug)]
 pub struct Pointwise<'a> {
-    /// The surface whose points are taken.
-    pub from: &'a TriMesh,
-    /// The surface that is looked at from there.
-    pub to: &'a TriMesh,
-    /// The tree of `to`.
-    pub tree: &'a Bvh,
+    from: &'a TriMesh,
+    to: &'a TriMesh,
+    tree: &'a Bvh,
+    /// Faces no farther than the nearest one by this are as near as it.
+    equally_near: f64,
 }
 
-impl Pointwise<'_> {
+impl<'a> Pointwise<'a> {
+    /// From the points of one surface to another, whose tree this is. O(faces).
+    pub fn new(from: &'a TriMesh, to: &'a TriMesh, tree: &'a Bvh) -> Self {
+        let diagonal = to.diagonal();
+        let diagonal = if diagonal.is_finite() { diagonal } else { 0.0 };
+        Self { from, to, tree, equally_near: EQUALLY_NEAR * diagonal }
+    }
+
     /// The mean, RMS and maximum, over the area of `from`, of `N` differences, by `n_samples`
     /// points. `measure` gives the differences of two points; what is not a number does not count.
     ///
@@ -168,16 +174,12 @@ impl Pointwise<'_> {
 struct Look<'a> {
     between: &'a Pointwise<'a>,
     walker: Walker<'a>,
-    equally_near: f64,
     hits: Vec<Hit>,
 }
 
 impl<'a> Look<'a> {
     fn new(between: &'a Pointwise<'a>) -> Self {
-        let walker = between.tree.walker();
-        let diagonal = between.to.diagonal();
-        let diagonal = if diagonal.is_finite() { diagonal } else { 0.0 };
-        Self { between, walker, equally_near: EQUALLY_NEAR * diagonal, hits: Vec::new() }
+        Self { between, walker: between.tree.walker(), hits: Vec::new() }
     }
 
     /// The least differences between a point and those equally near to it.
@@ -190,13 +192,13 @@ impl<'a> Look<'a> {
         let mut least = [f64::NAN; N];
         self.walker.poll(control)?;
         let Some(nearest) = self.walker.closest(sample.point) else { return Ok(least) };
-        let margin = self.equally_near + ROUNDING * sample.point.abs().max_element();
+        let Pointwise { from, to, tree, equally_near } = *self.between;
+        let margin = equally_near + ROUNDING * sample.point.abs().max_element();
         let reach = nearest.distance_sq.sqrt() + margin;
         self.walker.within(sample.point, reach, MOST_FACES, &mut self.hits);
         if self.hits.iter().all(|hit| hit.face != nearest.face) {
             self.hits.push(nearest);
         }
-        let Pointwise { from, to, tree } = *self.between;
         let here = face_point(from, sample.face, sample.point);
         for face in self.hits.iter().flat_map(|hit| tree.same_as(hit)) {
             let there = face_point(to, face, sample.point);
@@ -229,7 +231,7 @@ mod tests {
 
     fn compared(from: &TriMesh, to: &TriMesh) -> Difference {
         let tree = Bvh::build(to, Control::none()).unwrap();
-        let pointwise = Pointwise { from, to, tree: &tree };
+        let pointwise = Pointwise::new(from, to, &tree);
         let angle = |a: &FacePoint, b: &FacePoint| [angle_rad(a.normal, b.normal)];
         let [found] = pointwise.differences((10_000, 0), angle, Control::none()).unwrap();
         found
@@ -270,7 +272,7 @@ mod tests {
         both.faces.extend(turned);
         assert!(compared(&both, &both).max() < 1e-12);
         let tree = Bvh::build(&both, Control::none()).unwrap();
-        let pointwise = Pointwise { from: &both, to: &both, tree: &tree };
+        let pointwise = Pointwise::new(&both, &both, &tree);
         let angle = |a: &FacePoint, b: &FacePoint| angle_rad(a.normal, b.normal);
         let values = pointwise.at_faces(angle, Control::none()).unwrap();
         assert!(values.len() == 24 && values.iter().all(|value| *value < 1e-12));
