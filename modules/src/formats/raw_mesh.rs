@@ -85,6 +85,20 @@ impl RawMesh {
         self.left_out.add(place, fault);
     }
 
+    /// Gives the last faces a value of what only those before them have.
+    fn fill_up(&mut self) {
+        let (n_faces, n_corners) = (self.polygons.len(), self.polygons.n_corners());
+        if !self.face_colors.is_empty() {
+            self.face_colors.resize(n_faces, DVec3::ONE);
+        }
+        if !self.corner_texcoords.is_empty() {
+            self.corner_texcoords.resize(n_corners, DVec2::NAN);
+        }
+        for (_, values) in &mut self.face_numbers {
+            values.resize(n_faces, f64::NAN);
+        }
+    }
+
     /// The mesh and the warnings.
     ///
     /// # Errors
@@ -95,6 +109,7 @@ impl RawMesh {
         if self.positions.len() >= u32::MAX as usize / 3 {
             return Err(ReadError::Wrong("more than 1.4 billion vertices; split the file".into()));
         }
+        self.fill_up();
         let cut = self.polygons.cut(&self.positions, &mut self.warnings, control)?;
         let n_corners = 3 * cut.faces.len() as u64;
         let cut_corners = cut.corners;

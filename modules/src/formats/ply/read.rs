@@ -291,12 +291,35 @@ fn read_faces<S: Source>(
     let numbers = others(element, &known.collect::<Vec<_>>());
     let texcoords = list(&["texcoord"]);
     let mut faces = FaceProperties { corners, texcoords, color, picture, numbers };
+    // A file may have several elements of faces, and strips before them.
+    let n_before = mesh.polygons.len();
+    let colors_before = std::mem::take(&mut mesh.face_colors);
+    if texcoords.is_some() {
+        mesh.corner_texcoords.resize(mesh.polygons.n_corners(), DVec2::NAN);
+    }
+    if !mesh.materials.is_empty() {
+        mesh.face_materials.resize(n_before, u32::MAX);
+    }
     if !read_triangles(element, n_vertices, &mut faces, source, mesh, control)? {
         read_polygons(element, n_vertices, &mut faces, source, mesh, control)?;
     }
-    mesh.face_colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
-    mesh.face_numbers = faces.numbers.into_iter().map(|(_, named)| named).collect();
+    let colors = scaled(std::mem::take(&mut mesh.face_colors), whole_of(element, color));
+    mesh.face_colors = joined(colors_before, n_before, colors, DVec3::ONE);
+    for (_, (name, values)) in faces.numbers {
+        let known = mesh.face_numbers.iter().position(|(known, _)| *known == name);
+        let before = known.map(|at| mesh.face_numbers.swap_remove(at).1).unwrap_or_default();
+        mesh.face_numbers.push((name, joined(before, n_before, values, f64::NAN)));
+    }
     Ok(())
+}
+
+/// Values of the first faces, filled up to so many, and those of the next; none if nobody has one.
+fn joined<T: Copy>(mut before: Vec<T>, n_before: usize, more: Vec<T>, none: T) -> Vec<T> {
+    if !more.is_empty() {
+        before.resize(n_before, none);
+        before.extend(more);
+    }
+    before
 }
 
 /// The material of a face with this number of a picture.

@@ -152,6 +152,27 @@ fn strips_are_taken_apart_each_triangle_the_right_way_round() {
 }
 
 #[test]
+fn several_elements_of_faces_keep_their_values_apart() {
+    let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    let text = format!(
+        "{HEAD}element tristrips 1\nproperty list int int vertex_indices\n{faces}property float a\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\n\
+         {faces}property float b\nproperty list uchar float texcoord\n{faces}end_header\n{SQUARE}\
+         3 0 1 2\n3 0 1 2 5 255 0 0\n3 0 2 3 6 6 1 1 0 0 0.5 0.5\n3 0 1 3\n"
+    );
+    let mesh = read(text.as_bytes());
+    assert_eq!((mesh.faces.len(), mesh.check()), (4, Ok(())));
+    let numbers = |name: &str| -> Vec<String> {
+        vectors(&mesh, name).iter().map(|value| value.x.to_string()).collect()
+    };
+    assert_eq!(numbers("a"), ["NaN", "5", "NaN", "NaN"]);
+    assert_eq!(numbers("b"), ["NaN", "NaN", "6", "NaN"]);
+    assert_eq!(vectors(&mesh, Layer::COLOR)[..3], [DVec3::ONE, DVec3::X, DVec3::ONE]);
+    let texcoords = vectors(&mesh, Layer::TEXCOORD);
+    assert!(texcoords[5].is_nan() && texcoords[6].x == 1.0 && texcoords[9].is_nan());
+}
+
+#[test]
 fn bad_faces_are_left_out_and_said() {
     let faces = "element face 4\nproperty list uchar int vertex_indices\nend_header\n";
     let text = format!("{HEAD}{faces}{SQUARE}3 0 1 4\n2 0 1\n3 0 1 2\n3 -1 0 1\n");
