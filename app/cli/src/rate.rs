@@ -86,9 +86,9 @@ pub struct Args {
     /// How surfaces are lit
     #[arg(long, value_enum, default_value_t = ShadingName::Flat)]
     shading: ShadingName,
-    /// Axis of the models that points upward
-    #[arg(long, value_enum, default_value_t = UprightName::Y)]
-    up: UprightName,
+    /// Axis of the models that points upward [default: the one that seems to, as in the window]
+    #[arg(long, value_enum)]
+    up: Option<UprightName>,
     #[command(flatten)]
     commands: CommandArgs,
 }
@@ -306,9 +306,10 @@ impl<'a> Study<'a> {
             let key = plan.find(&self.original.node).map(|node| node.key);
             let key = (key.unwrap_or(Fingerprint::of(b"")), self.original.port.clone());
             if !originals.contains_key(&key) {
-                let frame = turntable(&original, self.upright(), n_frames).ok_or_else(|| {
-                    failure(format!("step {}: the original has no finite extent", step.id))
-                })?;
+                let frame =
+                    turntable(&original, self.upright(&original), n_frames).ok_or_else(|| {
+                        failure(format!("step {}: the original has no finite extent", step.id))
+                    })?;
                 page.originals.push(self.sheet(&original, &frame, page.columns, cancel)?);
                 originals.insert(key.clone(), (page.originals.len() - 1, frame));
             }
@@ -322,10 +323,11 @@ impl<'a> Study<'a> {
         Ok(page)
     }
 
-    fn upright(&self) -> Upright {
+    fn upright(&self, original: &TriMesh) -> Upright {
         match self.args.up {
-            UprightName::Y => Upright::Y,
-            UprightName::Z => Upright::Z,
+            Some(UprightName::Y) => Upright::Y,
+            Some(UprightName::Z) => Upright::Z,
+            None => original.bounds().map_or(Upright::Y, |(low, high)| Upright::of(low, high)),
         }
     }
 

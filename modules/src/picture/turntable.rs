@@ -17,6 +17,26 @@ pub enum Upright {
     Z,
 }
 
+impl Upright {
+    /// The axis that seems to point up, of a model in a box: y, as in most files, unless it is as
+    /// wide as it is deep along x and y and of another height along z. So are solids of revolution
+    /// and height fields that stand on the xy plane, though simplified ones only about, around the
+    /// z axis.
+    pub fn of(low: DVec3, high: DVec3) -> Self {
+        // Halves first, as the sum may be larger than the largest number.
+        let (size, middle) = (high - low, 0.5 * low + 0.5 * high);
+        let across = size.x.max(size.y);
+        let is_near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * across;
+        let is_round = |share: f64| is_near(size.x, size.y, share);
+        let is_around_z = is_near(middle.x, 0.0, 0.02) && is_near(middle.y, 0.0, 0.02);
+        let stands = size.z > 0.05 * across && !is_near(size.z, across, 0.01);
+        match stands && (is_round(1e-3) || (is_round(0.02) && is_around_z)) {
+            true => Self::Z,
+            false => Self::Y,
+        }
+    }
+}
+
 /// From how far above the cameras look down, as the sine of the angle: about 17°.
 const SINE_ABOVE: f64 = 0.3;
 
@@ -119,6 +139,13 @@ mod tests {
             assert!(fullest > 0.949, "{fullest}");
         }
         assert!(turntable(&TriMesh::default(), Upright::Y, 3).is_none());
+    }
+
+    #[test]
+    fn what_stands_on_the_xy_plane_points_along_z() {
+        let of = |x: f64, y: f64, z: f64| Upright::of(DVec3::ZERO, DVec3::new(x, y, z));
+        assert_eq!([of(1.0, 1.0, 3.0), of(1.0, 3.0, 1.0)], [Upright::Z, Upright::Y]);
+        assert_eq!([of(1.0, 1.0, 1.0), of(1.0, 1.0, 0.01)], [Upright::Y, Upright::Y]);
     }
 
     #[test]

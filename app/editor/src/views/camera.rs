@@ -7,6 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use mve_modules::picture::turntable::Upright;
 use serde::{Deserialize, Serialize};
 
 /// Half of the vertical field of view, as a tangent: 35° in all, which distorts little.
@@ -88,19 +89,11 @@ impl Bounds {
         if largest.is_normal() { (half / largest).length() * largest } else { 1.0 }
     }
 
-    /// The axis that seems to point up: y, as in most files, unless the model is as wide as it is
-    /// deep along x and y and of another height along z. So are solids of revolution and height
-    /// fields that stand on the xy plane, though simplified ones only about, around the z axis.
+    /// The axis that seems to point up.
     pub fn up(&self) -> UpAxis {
-        let (size, middle) = (self.high - self.low, self.center());
-        let across = size.x.max(size.y);
-        let is_near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * across;
-        let is_round = |share: f64| is_near(size.x, size.y, share);
-        let is_around_z = is_near(middle.x, 0.0, 0.02) && is_near(middle.y, 0.0, 0.02);
-        let stands = size.z > 0.05 * across && !is_near(size.z, across, 0.01);
-        match stands && (is_round(1e-3) || (is_round(0.02) && is_around_z)) {
-            true => UpAxis::Z,
-            false => UpAxis::Y,
+        match Upright::of(self.low, self.high) {
+            Upright::Y => UpAxis::Y,
+            Upright::Z => UpAxis::Z,
         }
     }
 

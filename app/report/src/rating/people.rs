@@ -83,10 +83,14 @@ impl People {
         let mut faults = Vec::new();
         for (place, own) in ratings.iter().enumerate() {
             faults.extend(of_another_store(results, own, &place_of));
-            let same = |other: &&Ratings| (&other.rater, &other.marks) == (&own.rater, &own.marks);
-            if let Some(other) = ratings[..place].iter().find(same) {
+            // Whoever saved early has saved again at the end.
+            let is_same = |other: &&Ratings| other.rater == own.rater;
+            if let Some(other) = ratings[..place].iter().find(is_same) {
                 let (first, second, rater) = (&other.file, &own.file, &own.rater);
-                faults.push(format!("{second}: holds the marks of {rater} that {first} holds"));
+                faults.push(format!(
+                    "{second}: is of {rater}, as {first} is; name the one that was saved last, or \
+                     change \"rater\" in one of them if they are two people"
+                ));
             }
         }
         if !faults.is_empty() {

@@ -71,8 +71,11 @@ fn marks_of_another_store_are_refused() {
     let faults = refused(&[anna]);
     assert!(faults[0].starts_with("Anna.json: marks results of another store"), "{faults:?}");
     assert!(faults[0].contains("1 of its 5 steps") && faults[0].contains("0000000000000005"));
-    let twice = file("Ben", &[1.0, 2.0]);
-    let again = Ratings { file: "copy.json".to_owned(), ..twice.clone() };
-    let faults = refused(&[twice, again]);
-    assert_eq!(faults, ["copy.json: holds the marks of Ben that Ben.json holds"]);
+    let early = file("Ben", &[1.0, 2.0]);
+    let last = Ratings { file: "last.json".to_owned(), ..file("Ben", &[1.0, 3.0, 4.0]) };
+    let faults = refused(&[early, last]);
+    assert!(
+        faults[0].starts_with("last.json: is of Ben, as Ben.json is; name the one"),
+        "{faults:?}"
+    );
 }
