@@ -236,8 +236,8 @@ mod tests {
         assert_eq!(ids("wrt", None), ["Write"]);
         // Letters in one piece before the same ones here and there.
         let all = Catalog::new(&mve_modules::registry()).search("comp", None);
-        let ids: Vec<&str> = all.iter().take(3).map(|hit| hit.info.module.id).collect();
-        assert!(ids.iter().all(|id| id.to_lowercase().contains("comp")), "{ids:?}");
+        let first: Vec<&str> = all.iter().take(3).map(|hit| hit.info.module.id).collect();
+        assert!(first.iter().all(|id| id.to_lowercase().contains("comp")), "{first:?}");
         assert_eq!(ids("zzz", None), [""; 0]);
     }
 
