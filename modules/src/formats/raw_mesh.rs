@@ -140,9 +140,8 @@ impl RawMesh {
                 let index = if domain == Domain::Vertex { of_vertices() } else { of_faces() };
                 put(Layer::COLOR, domain, LayerValues::Vec3(colors), index);
             } else if !colors.is_empty() {
-                self.warnings.add_general(
-                    "colors of faces are left out, as the vertices have colors".to_owned(),
-                );
+                let text = "colors of faces are left out, as the vertices have colors";
+                self.warnings.add_general(text.to_owned());
             }
         }
         if !self.materials.is_empty() {
@@ -160,8 +159,7 @@ impl RawMesh {
         put_corner_layers(&mut mesh, self.corner_layers, cut_corners.as_deref());
         if mesh.layer(Layer::TEXCOORD).is_none() && !self.texcoords.is_empty() {
             let index = mesh.faces.iter().flatten().map(|v| v.0).collect();
-            let values = LayerValues::Vec2(self.texcoords);
-            let name = Layer::TEXCOORD.to_owned();
+            let (name, values) = (Layer::TEXCOORD.to_owned(), LayerValues::Vec2(self.texcoords));
             mesh.set_layer(Layer { name, domain: Domain::Corner, values, index });
         }
         mesh.materials = self.materials;
