@@ -33,8 +33,8 @@ mod fingerprint;
 mod json;
 mod listed;
 mod machine;
+mod made;
 mod map;
-mod maps;
 mod memory;
 mod module;
 mod node_outputs;
@@ -71,14 +71,15 @@ pub use map::{
     Axis, Link, Map, MapError, Node, NodeMode, PortRef, Position, ProgramSpec, Promoted, Repeat,
     Until,
 };
-pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 pub use memory::MemoryBudget;
 pub use module::{Io, Module};
 pub use node_outputs::LogLine;
 pub use outside::{Heard, OutsideEnd, OutsideError, OutsideOutcome, OutsideProgram, run_outside};
 pub use panics::contain_panics;
 pub use param::*;
-pub use plan::{OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on};
+pub use plan::{
+    MAP_ENDS, MAP_INPUT, MAP_OUTPUT, OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on,
+};
 pub use port::{AnyIn, In, InputSpec, ManyAnyIn, ManyIn, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};
 pub use program::{

@@ -1,13 +1,14 @@
 //! The modules that a program knows.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
 
 use crate::fingerprint::{Fingerprint, FingerprintBuilder};
 use crate::listed::Listed;
-use crate::map::Node;
-use crate::maps::{Interner, OpenMap, repeated};
+use crate::made::{COLLECT, Interner, repeated};
+use crate::map::{Map, Node};
 use crate::module::Module;
 
 /// The modules of one folder.
@@ -35,6 +36,27 @@ pub struct Registry {
     modules: Vec<ModuleInfo>,
     maps: Arc<IndexMap<String, Arc<OpenMap>>>,
     interner: Interner,
+}
+
+/// A map that nodes of another one may name as their module.
+pub(crate) struct OpenMap {
+    /// What it is as a node.
+    pub info: ModuleInfo,
+    pub map: Map,
+    /// Knows the maps that it names.
+    pub registry: Registry,
+    /// Where its files are, as seen from the map around it.
+    pub folder: PathBuf,
+}
+
+impl OpenMap {
+    pub fn writes_files(&self) -> bool {
+        self.map.nodes.values().any(|node| self.registry.writes_files(node))
+    }
+
+    pub fn runs_programs(&self) -> bool {
+        self.map.nodes.values().any(|node| self.registry.runs_programs(node))
+    }
 }
 
 impl Registry {
@@ -74,7 +96,11 @@ impl Registry {
     pub fn of(&self, node: &Node) -> Option<ModuleInfo> {
         let info = self.find(&node.module)?;
         Some(match node.repeat {
-            Some(_) => ModuleInfo { module: repeated(info.module, self), ..info },
+            Some(_) => {
+                let collect = self.find(COLLECT).map(|info| info.module);
+                let table = collect.and_then(|collect| collect.outputs.first());
+                ModuleInfo { module: repeated(info.module, table, &self.interner), ..info }
+            }
             None => info,
         })
     }

@@ -12,7 +12,7 @@ use super::sources::{Token, tokens};
 const LISTS: [&str; 5] = ["io", "generate", "filters", "measure", "images"];
 
 /// The parts of `core/src`; each may name those before it.
-const CORE: [&str; 30] = [
+const CORE: [&str; 33] = [
     "fingerprint",
     "machine",
     "json",
@@ -31,15 +31,18 @@ const CORE: [&str; 30] = [
     "port",
     "param",
     "module",
+    "made",
     "panics",
     "node_outputs",
     "disk_cache",
     "cache",
+    "map",
+    "pattern",
+    "spread",
     "registry",
     "describe",
     "schema",
     "search",
-    "map",
     "plan",
     "run",
     "program",

@@ -4,9 +4,11 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value as Json;
 
-use super::Axis;
 use crate::param::shown;
 use crate::problem::did_you_mean;
+
+/// Lists of values by the dotted paths of their parameters.
+pub type Axis = IndexMap<String, Vec<Json>>;
 
 /// The keys of values that stand for many.
 const KEYS: [&str; 3] = ["glob", "range", "log"];

@@ -23,8 +23,10 @@ use serde::Serialize;
 use serde_json::{Map as JsonMap, Value as Json};
 use thiserror::Error;
 
+pub use axes::Axis;
 pub use link::{Link, PortRef};
-pub use parts::{Axis, Node, NodeMode, ProgramSpec, Promoted};
+pub(crate) use parts::MAP_INPUT_ID;
+pub use parts::{Node, NodeMode, ProgramSpec, Promoted};
 pub use position::Position;
 pub use repeat::{Repeat, Until};
 
@@ -179,9 +181,9 @@ impl Map {
     /// Whether a map must be opened up before it is planned: some node stands for a map, or runs
     /// more than once, or for what another map gives.
     pub fn has_maps(&self) -> bool {
-        self.nodes.values().any(|node| {
-            node.repeat.is_some() || node.is_map() || node.module == crate::maps::MAP_INPUT.id
-        })
+        self.nodes
+            .values()
+            .any(|node| node.repeat.is_some() || node.is_map() || node.module == MAP_INPUT_ID)
     }
 
     /// Whether a node may have this name: the signs that links, paths and templates are made of are

@@ -4,7 +4,11 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::{Repeat, axes};
+use super::axes::{self, Axis};
+use super::repeat::Repeat;
+
+/// The module of the nodes by which values come into a map.
+pub(crate) const MAP_INPUT_ID: &str = "MapInput";
 
 /// One use of a module.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -74,9 +78,6 @@ impl Promoted {
         }
     }
 }
-
-/// Lists of values by the dotted paths of their parameters.
-pub type Axis = IndexMap<String, Vec<Json>>;
 
 /// A named sweep of the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

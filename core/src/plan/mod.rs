@@ -2,7 +2,9 @@
 
 mod assign;
 mod keys;
+mod maps;
 mod modes;
+mod opened;
 mod outputs;
 mod series;
 mod wiring;
@@ -12,12 +14,13 @@ use std::path::{Path, PathBuf};
 use crate::files::FileHashes;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, Until};
-use crate::maps;
 use crate::param::{CommandLine, CommandScope, Setting, Settings};
 use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
 pub use assign::assign;
+pub(crate) use maps::is_of_round;
+pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 pub use modes::passed_on;
 pub(crate) use modes::{Inputs, passed_on_inside, without_inactive};
 pub(crate) use outputs::one_case;

@@ -9,8 +9,7 @@
 use std::collections::HashMap;
 
 use crate::data::DataType;
-use crate::map::{Link, Map, Node, NodeMode, PortRef};
-use crate::maps::MAP_INPUT;
+use crate::map::{Link, MAP_INPUT_ID, Map, Node, NodeMode, PortRef};
 use crate::problem::Problem;
 use crate::registry::Registry;
 
@@ -63,7 +62,7 @@ pub(crate) fn without_inactive(
     for name in map.nodes.keys() {
         // What comes into a map that runs alone is nothing to tell of.
         let from = PortRef { node: name.clone(), port: String::new() };
-        let is_input = map.nodes[name].module == MAP_INPUT.id;
+        let is_input = map.nodes[name].module == MAP_INPUT_ID;
         if let Some(problem) = left_out.get(name.as_str())
             && !(is_input && wires.passed_on(&from).is_some())
         {
@@ -109,7 +108,7 @@ impl<'a> Wires<'a> {
 
     /// Whether a node runs. Where a map runs alone, what comes in is what is linked there.
     fn mode(&self, node: &Node) -> NodeMode {
-        let is_input = self.inputs == Inputs::Alone && node.module == MAP_INPUT.id;
+        let is_input = self.inputs == Inputs::Alone && node.module == MAP_INPUT_ID;
         if is_input && node.mode.is_active() { NodeMode::Bypassed } else { node.mode }
     }
 
@@ -181,8 +180,9 @@ impl<'a> Wires<'a> {
         if self.mode(node) != NodeMode::Bypassed {
             return None;
         }
-        if node.module == MAP_INPUT.id {
-            let default = MAP_INPUT.inputs.first()?;
+        if node.module == MAP_INPUT_ID {
+            let info = self.registry.find(MAP_INPUT_ID)?;
+            let default = info.module.inputs.first()?;
             return self.into.get(&(output.node.as_str(), default.name)).copied();
         }
         let module = self.registry.of(node)?.module;

@@ -12,9 +12,10 @@ use super::Step;
 use super::columns::{Columns, deciders};
 use crate::fingerprint::Fingerprint;
 use crate::map::Map;
-use crate::maps::is_of_round;
 use crate::param::{MODULE, Setting};
-use crate::plan::{Plan, PlanNode, PlanOptions, PlanSeries, SeriesPlan, no_file, one_case};
+use crate::plan::{
+    Plan, PlanNode, PlanOptions, PlanSeries, SeriesPlan, is_of_round, no_file, one_case,
+};
 use crate::problem::Problem;
 use crate::registry::Registry;
 

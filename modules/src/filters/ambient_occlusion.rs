@@ -13,7 +13,7 @@ const RAYS: Param<i64> = Param::integer(
     "Rays from each vertex: the values are exact to about one over their number.",
     128,
 )
-.between((1, 1_000_000))
+.between((1, 65_536))
 .mostly((16, 1024))
 .unit("rays");
 const DISTANCE: Param<Option<f64>> = Param::maybe_number(

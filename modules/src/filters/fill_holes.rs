@@ -1,7 +1,7 @@
 //! Closes holes of a surface.
 //!
-//! Unlike in MeshLab, the best of all triangulations of a hole is found, and what is filled can go on
-//! as smoothly as the surface around it.
+//! Unlike in MeshLab, the best of all triangulations of a hole is found, and what is filled can go
+//! on as smoothly as the surface around it.
 
 use crate::geometry::edit::holes::{HoleWeight, fill_holes};
 use crate::geometry::remesh::patch::smooth_patches;

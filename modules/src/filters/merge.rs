@@ -25,6 +25,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mut meshes: Vec<TriMesh> = io.take_all(MESH_IN)?;
+    io.progress(0.0)?;
     let (mut made, n) = (0, meshes.len());
     // Two and two, so that no mesh is copied more often than the number of meshes has digits.
     while meshes.len() > 1 {

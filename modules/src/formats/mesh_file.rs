@@ -1,5 +1,7 @@
 //! Mesh files of any format: read by how they begin, written by how their names end.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -59,6 +61,23 @@ impl Format {
     }
 }
 
+/// Whether a file that is not text has about the length that binary STL says of itself. Of a
+/// compressed file the length is not known.
+fn can_be_stl(path: &Path) -> bool {
+    let Ok(bytes) = read_beginning(path, N_BYTES) else { return true };
+    if bytes.trim_ascii_start().to_ascii_lowercase().starts_with(b"solid") {
+        return true;
+    }
+    let mut raw = [0; 2];
+    let file = File::open(path).and_then(|mut file| {
+        let n_bytes = file.metadata()?.len();
+        file.read_exact(&mut raw).map(|()| n_bytes)
+    });
+    let (Ok(n_bytes), Some(count)) = (file, bytes.get(80..84)) else { return true };
+    let n_faces = count.iter().rev().fold(0, |n, byte| n << 8 | u64::from(*byte));
+    raw == [0x1f, 0x8b] || n_bytes <= 2 * (84 + 50 * n_faces) + N_BYTES
+}
+
 /// Reads a file by its format's reader.
 ///
 /// # Errors
@@ -72,6 +91,11 @@ pub fn load(
         return Err(ModuleError::io(path, "the file is empty"));
     }
     match Format::of_file(path) {
+        Some(Format::Stl) if !can_be_stl(path) => Err(ModuleError::io(
+            path,
+            "is no mesh file that mve knows: it is not text, and not as long as an STL file of its \
+             number of faces is; StlLoader reads it nonetheless",
+        )),
         Some(Format::Ply) => ply::load(path, scope, control),
         Some(Format::Stl) => load_with(path, control, stl::read_stl),
         Some(Format::Off) => load_with(path, control, off::read_off),
@@ -124,5 +148,26 @@ pub fn save(mesh: Arc<TriMesh>, path: &Path, control: Control) -> Result<Vec<Str
             let message = format!("its ending says no format; end it in one of {known}");
             Err(ModuleError::io(path, message))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_is_no_mesh() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ls");
+        // Byte 80 of a program may be anything.
+        let mut bytes = vec![0_u8; 50_000];
+        (bytes[0], bytes[80]) = (0x7f, 64);
+        std::fs::write(&path, &bytes).unwrap();
+        let error = load(&path, FileScope::Folder, Control::none()).unwrap_err().to_string();
+        assert!(error.contains("is no mesh file that mve knows"), "{error}");
+        bytes.truncate(84 + 50 * 64);
+        std::fs::write(&path, &bytes).unwrap();
+        let (mesh, _) = load(&path, FileScope::Folder, Control::none()).unwrap();
+        assert_eq!(mesh.faces.len(), 64);
     }
 }

@@ -2,18 +2,9 @@
 
 use mve_core::Map;
 
-use super::{Editor, Session};
+use super::Editor;
+use super::session::{Inside, Session};
 use crate::document::{Document, Edit};
-
-/// Of a map that is edited in a tab of its own: where it belongs.
-pub struct Inside {
-    /// The number of the document around it.
-    document: u64,
-    /// Its name there.
-    pub name: String,
-    /// The revisions of both when they were the same last: its own, that of the map around it.
-    same: (u64, u64),
-}
 
 impl Editor {
     /// Opens the map that a node stands for: that of a file in the tab of that file, that of this

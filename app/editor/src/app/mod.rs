@@ -30,8 +30,7 @@ use crate::programs::ProgramAction;
 use crate::runner::{Part, Shared};
 use crate::views::Still;
 
-pub use inner::Inside;
-pub use session::Session;
+pub use session::{Inside, Session};
 pub use settings::{Settings, Theme};
 
 /// The map that a first start shows.

@@ -8,7 +8,6 @@ use indexmap::IndexSet;
 use mve_core::{MapError, Node, NodeMode, PortRef, Registry, Value};
 use mve_modules::data::{Field, TriMesh};
 
-use super::Inside;
 use super::commands::{CommandQuestion, WaitingRun};
 use crate::canvas::Canvas;
 use crate::catalog::Catalog;
@@ -54,6 +53,16 @@ pub struct Session {
     checked: Option<u64>,
     /// The state of the map that was run on edit.
     run_for: Option<u64>,
+}
+
+/// Of a map that is edited in a tab of its own: where it belongs.
+pub struct Inside {
+    /// The number of the document around it.
+    pub(super) document: u64,
+    /// Its name there.
+    pub name: String,
+    /// The revisions of both when they were the same last: its own, that of the map around it.
+    pub(super) same: (u64, u64),
 }
 
 impl Session {

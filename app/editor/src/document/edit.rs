@@ -82,8 +82,8 @@ pub enum Edit {
     Distribute { items: Vec<Item>, along: Direction },
     /// Nodes in layers from left to right along their links; all of them if none is named.
     Arrange { nodes: Vec<String> },
-    /// Nodes go into a map of their own, under this name or one that is free; a node for it stands in
-    /// their place.
+    /// Nodes go into a map of their own, under this name or one that is free; a node for it stands
+    /// in their place.
     MakeMap { nodes: Vec<String>, name: Option<String> },
     /// The nodes of a map of this file stand in the place of the node for it.
     Unpack { node: String },

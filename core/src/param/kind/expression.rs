@@ -90,9 +90,9 @@ enum Function {
     Three(fn(f64, f64, f64) -> f64),
 }
 
-/// The functions, by name. Angles are in radians; `log` is the natural logarithm. `step(edge, x)` is
-/// 0 below the edge and 1 from there on, `clamp(x, low, high)` the nearest number of the range, and
-/// `if(test, then, else)` the last of them where the first is 0.
+/// The functions, by name. Angles are in radians; `log` is the natural logarithm. `step(edge, x)`
+/// is 0 below the edge and 1 from there on, `clamp(x, low, high)` the nearest number of the range,
+/// and `if(test, then, else)` the last of them where the first is 0.
 const FUNCTIONS: [(&str, Function); 18] = [
     ("sqrt", Function::One(f64::sqrt)),
     ("abs", Function::One(f64::abs)),

@@ -2,8 +2,8 @@
 //!
 //! Source: K. Perlin, "Improving noise", SIGGRAPH 2002, for the quintic blend of gradients at the
 //! points of a grid, here of two dimensions with directions of any angle; B. Mandelbrot and J. Van
-//! Ness, "Fractional Brownian motions, fractional noises and applications", SIAM Review 10(4), 1968,
-//! for the sum of octaves.
+//! Ness, "Fractional Brownian motions, fractional noises and applications", SIAM Review 10(4),
+//! 1968, for the sum of octaves.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -37,9 +37,9 @@ pub struct NoiseHeights {
     pub roughness: f64,
 }
 
-/// Makes a grid in the xy plane, looking along z, of [`PlaneOptions`]; heights are between `-height`
-/// and `height` of noise, and from 0 to `height` of a picture. A place has the same height at any
-/// number of segments.
+/// Makes a grid in the xy plane, looking along z, of [`PlaneOptions`]; heights are between
+/// `-height` and `height` of noise, and from 0 to `height` of a picture. A place has the same
+/// height at any number of segments.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.

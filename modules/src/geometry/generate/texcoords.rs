@@ -132,8 +132,8 @@ fn wrap(
     Ok(())
 }
 
-/// Numbers, on a circle of length 1 where they wrap: those of its lower half are moved up by 1 where
-/// they lie more than half of it apart. What is open is the mean of the others.
+/// Numbers, on a circle of length 1 where they wrap: those of its lower half are moved up by 1
+/// where they lie more than half of it apart. What is open is the mean of the others.
 fn unwrapped(places: [Option<f64>; 3], wraps: bool) -> [f64; 3] {
     let known = || places.iter().flatten().copied();
     let (low, high) = known()

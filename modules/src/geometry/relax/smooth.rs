@@ -73,8 +73,8 @@ const MAX_ROUNDS: usize = 2000;
 
 /// Moves the vertices of a mesh; faces and layers stay, and normals are computed anew. Vertices
 /// without a neighbor, and those that are not finite, stay where they are, as do those that are not
-/// among `chosen` where that is given; then the volume is not kept. O(n) a step, and O(n) a round of
-/// an implicit one.
+/// among `chosen` where that is given; then the volume is not kept. O(n) a step, and O(n) a round
+/// of an implicit one.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.

@@ -144,8 +144,8 @@ impl WorkMesh {
         self.sides(edge).all(|(face, k)| !self.lines[face as usize][k] && height(face) < width)
     }
 
-    /// Whether an edge may be split: it is the longest of all its faces, and no two of them have one
-    /// apex. Those would lie on each other and get an edge of four faces; as their longest edge
+    /// Whether an edge may be split: it is the longest of all its faces, and no two of them have
+    /// one apex. Those would lie on each other and get an edge of four faces; as their longest edge
     /// stays, so must the others, or they would be split for ever.
     pub fn may_split(&self, edge: [u32; 2]) -> bool {
         let apex = |(face, k): (u32, usize)| self.faces[face as usize][(k + 2) % 3];

@@ -2,8 +2,8 @@
 //!
 //! An element of the target has the values at the nearest point of the source: interpolated between
 //! the corners of the face there, and those of a face by its middle. Values over corners do not
-//! cross seams: all corners of a face take theirs from the chart that its middle lies on, even where
-//! another one is nearer.
+//! cross seams: all corners of a face take theirs from the chart that its middle lies on, even
+//! where another one is nearer.
 
 pub mod charts;
 mod mixing;

@@ -3,6 +3,7 @@
 use crate::data::DecodeError;
 use crate::error::ModuleError;
 use crate::listed::Listed;
+use crate::map::MAP_INPUT_ID;
 use crate::module::Module;
 use crate::param::Param;
 use crate::port::{ANY, AnyIn, InputSpec, OutputSpec};
@@ -35,7 +36,7 @@ pub(super) const INSIDE: OutputSpec = OutputSpec {
 
 /// Where a value comes into a map.
 pub static MAP_INPUT: Module = Module {
-    id: "MapInput",
+    id: MAP_INPUT_ID,
     summary: "A port by which a value comes into this map, where the map is a node of another one.",
     inputs: &[DEFAULT],
     outputs: &[INSIDE],

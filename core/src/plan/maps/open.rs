@@ -5,39 +5,17 @@ use std::path::{Path, PathBuf};
 
 use super::ends::{DEFAULT, INSIDE, MAP_INPUT, MAP_OUTPUT};
 use super::interface::{port_name, stand_in};
-use super::{OpenMap, paths};
+use super::level::Level;
+use super::paths;
 use crate::map::{Link, Map, Node, NodeMode, PortRef, Until};
 use crate::module::Module;
+use crate::plan::opened::Opened;
 use crate::plan::{Inputs, assign, no_such_input, nothing_linked, without_inactive};
 use crate::problem::Problem;
-use crate::registry::{ModuleInfo, Registry};
+use crate::registry::{ModuleInfo, OpenMap, Registry};
 
 /// The most nodes that opening gives; it stops a slip in a loop from filling the memory.
 pub(super) const MOST_NODES: usize = 100_000;
-
-/// A map of modules alone.
-pub(crate) struct Opened {
-    /// The nodes and links.
-    pub map: Map,
-    /// The modules, with those that opening made: by node where it has one of these.
-    pub made: HashMap<String, ModuleInfo>,
-    /// Nodes that run only while a loop has not ended: the number that says so.
-    pub gates: Vec<(String, PortRef, Until)>,
-}
-
-/// One map on its way into the outermost one.
-pub(super) struct Level<'a> {
-    pub map: &'a Map,
-    pub registry: &'a Registry,
-    /// What the names of its nodes begin with: `reduce/`, or nothing.
-    pub prefix: String,
-    /// Its folder as seen from the outermost map's.
-    pub folder: PathBuf,
-    /// Node and path of each parameter that came from outside.
-    pub given: HashSet<(String, String)>,
-    /// The rounds before the one that it is in.
-    pub gates: Vec<(PortRef, Until)>,
-}
 
 /// Where a value goes that comes to a port of a map.
 #[derive(Clone)]

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde_json::{Map as JsonMap, Value as Json, json};
 
-use super::interface::{COLLECT, NEW, NEWER, OLD, TABLE, has_numbers, newer};
-use super::open::{Level, MOST_NODES, Opener, Supply, port};
+use super::interface::{NEW, NEWER, OLD, newer};
+use super::level::Level;
+use super::open::{MOST_NODES, Opener, Supply, port};
+use crate::made::{COLLECT, TABLE, has_numbers};
 use crate::map::{Axis, Link, Node, PortRef, Repeat, Until};
 use crate::module::Module;
 use crate::param::declared_at;

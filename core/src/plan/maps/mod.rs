@@ -12,6 +12,7 @@
 
 mod ends;
 mod interface;
+mod level;
 mod open;
 mod paths;
 mod rounds;
@@ -21,42 +22,20 @@ use std::sync::Arc;
 
 pub use ends::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 use indexmap::IndexMap;
-pub(crate) use interface::{Interner, repeated};
-pub(crate) use open::{Opened, open};
+pub(crate) use open::open;
 
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, MapError};
 use crate::problem::Problem;
-use crate::registry::{ModuleInfo, Registry};
+use crate::registry::{ModuleInfo, OpenMap, Registry};
 
 /// How deep maps stand in maps.
 const DEEPEST: usize = 32;
-
-/// A map that nodes of another one may name as their module.
-pub(crate) struct OpenMap {
-    /// What it is as a node.
-    pub info: ModuleInfo,
-    map: Map,
-    /// Knows the maps that it names.
-    registry: Registry,
-    /// Where its files are, as seen from the map around it.
-    folder: PathBuf,
-}
 
 /// Whether a node belongs to one round of a loop: of what all rounds give the loop has a table.
 pub(crate) fn is_of_round(node: &str) -> bool {
     let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     node.contains('>') || node.split('/').skip(1).any(is_number)
-}
-
-impl OpenMap {
-    pub(crate) fn writes_files(&self) -> bool {
-        self.map.nodes.values().any(|node| self.registry.writes_files(node))
-    }
-
-    pub(crate) fn runs_programs(&self) -> bool {
-        self.map.nodes.values().any(|node| self.registry.runs_programs(node))
-    }
 }
 
 /// A map that names others, and where it stands.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::open::Level;
+use super::level::Level;
 use crate::map::Node;
 use crate::param::{ParamSpec, all_given, given_at_mut};
 use crate::template::{Piece, pieces};
