@@ -49,26 +49,36 @@ pub fn schema(registry: &Registry) -> Json {
                 "type": "object"
             },
             "programs": programs(),
-            "parameters": {
-                "description": "Parameters that the map has as a node of another one.",
-                "type": "object",
-                "additionalProperties": {
-                    "anyOf": [
-                        { "type": "string", "pattern": "^[^.]+\\..+$" },
-                        { "type": "array", "minItems": 1, "items": { "type": "string" } }
-                    ]
-                }
-            },
-            "maps": {
-                "description": "Maps that nodes may name as their module.",
-                "type": "object",
-                "propertyNames": { "pattern": "^[^\\sA-Z./\\\\{}>][^\\s./\\\\{}>]*$" },
-                "additionalProperties": {
-                    "type": "object",
-                    "required": ["nodes"],
-                    "properties": { "nodes": { "$ref": "#/properties/nodes" } }
-                }
-            }
+            "parameters": parameters(),
+            "maps": maps()
+        }
+    })
+}
+
+/// The schema of the parameters that a map has as a node of another one.
+fn parameters() -> Json {
+    json!({
+        "description": "Parameters that the map has as a node of another one.",
+        "type": "object",
+        "additionalProperties": {
+            "anyOf": [
+                { "type": "string", "pattern": "^[^.]+\\..+$" },
+                { "type": "array", "minItems": 1, "items": { "type": "string" } }
+            ]
+        }
+    })
+}
+
+/// The schema of the maps that nodes may name.
+fn maps() -> Json {
+    json!({
+        "description": "Maps that nodes may name as their module.",
+        "type": "object",
+        "propertyNames": { "pattern": "^[^\\sA-Z./\\\\{}>][^\\s./\\\\{}>]*$" },
+        "additionalProperties": {
+            "type": "object",
+            "required": ["nodes"],
+            "properties": { "nodes": { "$ref": "#/properties/nodes" } }
         }
     })
 }

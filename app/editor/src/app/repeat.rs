@@ -39,56 +39,48 @@ pub(super) fn form(ui: &mut Ui, name: &str, node: &Node, module: &Module, wishes
             set(None);
         }
     });
-    let numbers = module.outputs.iter().filter(|output| output.data_type.id == "Number");
-    let numbers: Vec<&str> = numbers.map(|output| output.name).collect();
-    match &repeat.until {
-        Some(until) => {
-            ui.horizontal(|ui| {
-                let (word, limit) = match (until.below, until.above) {
-                    (Some(limit), _) => ("below", limit),
-                    (None, limit) => ("above", limit.unwrap_or(0.0)),
-                };
-                ui.label(format!("until {} is", until.output));
-                let mut next = until.clone();
-                if ui.button(word).on_hover_text("below or above").clicked() {
-                    (next.below, next.above) = match word {
-                        "below" => (None, Some(limit)),
-                        _ => (Some(limit), None),
-                    };
-                    set(Some(Repeat { until: Some(next), ..repeat.clone() }));
-                    return;
-                }
-                let mut number = limit;
-                let speed = (limit.abs() * 0.02).max(1e-6);
-                if ui.add(egui::DragValue::new(&mut number).speed(speed)).changed() {
-                    let (below, above) = match word {
-                        "below" => (Some(number), None),
-                        _ => (None, Some(number)),
-                    };
-                    let next = Until { below, above, ..next };
-                    set(Some(Repeat { until: Some(next), ..repeat.clone() }));
-                }
-                if ui.button("\u{d7}").on_hover_text("Run all rounds.").clicked() {
-                    set(Some(Repeat { until: None, ..repeat.clone() }));
-                }
-            });
-        }
-        None if !numbers.is_empty() => {
-            ui.menu_button("Until…", |ui| {
-                for output in numbers {
-                    if ui.button(output).clicked() {
-                        let output = output.to_owned();
-                        let until = Until { output, below: Some(0.0), above: None };
-                        set(Some(Repeat { until: Some(until), ..repeat.clone() }));
-                    }
-                }
-            });
-        }
-        None => {}
-    }
+    until_form(ui, repeat, module, &mut set);
     for (param, values) in repeat.each.iter().flatten() {
         ui.label(format!("{param}: {values}")).on_hover_text(
             "One round for each value. The list is edited in the map's text: \"repeat\".",
         );
     }
+}
+
+/// Where a loop ends before its last round.
+fn until_form(ui: &mut Ui, repeat: &Repeat, module: &Module, set: &mut impl FnMut(Option<Repeat>)) {
+    let with = |until: Option<Until>| Some(Repeat { until, ..repeat.clone() });
+    let Some(until) = &repeat.until else {
+        let numbers = module.outputs.iter().filter(|output| output.data_type.id == "Number");
+        let numbers: Vec<&str> = numbers.map(|output| output.name).collect();
+        if !numbers.is_empty() {
+            ui.menu_button("Until…", |ui| {
+                for output in numbers.into_iter().filter(|output| ui.button(*output).clicked()) {
+                    let output = output.to_owned();
+                    set(with(Some(Until { output, below: Some(0.0), above: None })));
+                }
+            });
+        }
+        return;
+    };
+    ui.horizontal(|ui| {
+        let (is_below, limit) = (until.below.is_some(), until.below.or(until.above));
+        let mut limit = limit.unwrap_or(0.0);
+        let to = |is_below: bool, limit: f64| {
+            let (below, above) = (is_below.then_some(limit), (!is_below).then_some(limit));
+            with(Some(Until { below, above, ..until.clone() }))
+        };
+        ui.label(format!("until {} is", until.output));
+        let word = if is_below { "below" } else { "above" };
+        if ui.button(word).on_hover_text("Below or above.").clicked() {
+            set(to(!is_below, limit));
+        }
+        let speed = (limit.abs() * 0.02).max(1e-6);
+        if ui.add(egui::DragValue::new(&mut limit).speed(speed)).changed() {
+            set(to(is_below, limit));
+        }
+        if ui.button("\u{d7}").on_hover_text("Run all rounds.").clicked() {
+            set(with(None));
+        }
+    });
 }

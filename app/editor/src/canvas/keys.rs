@@ -101,18 +101,7 @@ impl Canvas {
         let selection = scene.document.selection();
         let nodes: Vec<String> = selection.iter().filter_map(node_of).map(str::to_owned).collect();
         if modifiers.command {
-            match key {
-                Key::G if modifiers.shift => {
-                    let edits = nodes.into_iter().map(|node| Edit::Unpack { node });
-                    actions.push(Action::Edit(edits.collect()));
-                }
-                Key::G if !nodes.is_empty() => actions.push(menu::make_map(&nodes)),
-                Key::D => actions.push(Action::Duplicate),
-                Key::A => {
-                    actions.push(Action::Select(scene.document.all_items()));
-                }
-                _ => {}
-            }
+            actions.extend(with_command(key, modifiers, nodes, scene));
             return;
         }
         match key {
@@ -184,5 +173,24 @@ impl Canvas {
         let title = "Frame".to_owned();
         actions.push(Action::Edit(vec![Edit::AddFrame { title, at, size }]));
         self.wants_to_write = true;
+    }
+}
+
+/// What a key with Ctrl asks for.
+fn with_command(
+    key: Key,
+    modifiers: Modifiers,
+    nodes: Vec<String>,
+    scene: &Scene,
+) -> Option<Action> {
+    match key {
+        Key::G if modifiers.shift => {
+            let edits = nodes.into_iter().map(|node| Edit::Unpack { node });
+            Some(Action::Edit(edits.collect()))
+        }
+        Key::G if !nodes.is_empty() => Some(menu::make_map(&nodes)),
+        Key::D => Some(Action::Duplicate),
+        Key::A => Some(Action::Select(scene.document.all_items())),
+        _ => None,
     }
 }

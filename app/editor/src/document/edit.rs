@@ -164,13 +164,17 @@ impl EditError {
     }
 }
 
+/// One thing by its name, or how many there are.
+fn count(n: usize, one: &str, many: &str) -> String {
+    match n {
+        1 => one.to_owned(),
+        n => format!("{n} {many}"),
+    }
+}
+
 impl Edit {
     /// What the edit does, for the menu entry that undoes it.
     pub fn label(&self) -> String {
-        let count = |n: usize, one: &str, many: &str| match n {
-            1 => one.to_owned(),
-            n => format!("{n} {many}"),
-        };
         match self {
             Self::AddNode { module, .. } => format!("Add {module}"),
             Self::Remove(items) => match items.as_slice() {

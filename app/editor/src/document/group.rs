@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 use mve_core::{Link, MAP_INPUT, MAP_OUTPUT, Map, Node, PortRef, Promoted, assign};
 use serde_json::{Map as JsonMap, Value as Json};
 
-use super::edit::EditError;
+use super::edit::{Edit, EditError};
 use super::item::Item;
 use super::names::free_name;
 use super::rename::Renaming;
@@ -30,6 +30,22 @@ fn end(module: &str, own: &str, name: &str) -> Node {
 }
 
 impl Transaction<'_> {
+    /// Does an edit of the maps of this file.
+    pub fn edit_maps(&mut self, edit: &Edit) -> Result<(), EditError> {
+        match edit {
+            Edit::MakeMap { nodes, name } => self.make_map(nodes, name.as_deref()),
+            Edit::Unpack { node } => self.unpack(node),
+            Edit::SetMap { name, .. } if !Map::can_name_a_map(name) => {
+                Err(EditError::name(name, "the name of a map begins with a small letter"))
+            }
+            Edit::SetMap { name, map } => {
+                self.map.maps.insert(name.clone(), (**map).clone());
+                Ok(())
+            }
+            _ => Err(EditError::WrongKind("this is no edit of a map of this file")),
+        }
+    }
+
     /// Puts nodes into a map of their own, and a node for it in their place. Values that came from
     /// outside come in by its inputs; parameters that programs vary become its own.
     pub fn make_map(&mut self, nodes: &[String], name: Option<&str>) -> Result<(), EditError> {
@@ -211,11 +227,8 @@ impl Transaction<'_> {
         self.map.links.extend(all);
         // What programs vary, and what reports quote, has its place of before.
         self.vary_inside(name, &inner.parameters, &names);
-        for (own, new) in &names {
-            let old = format!("{name}/{own}");
-            let renaming = Renaming::new([(old, new.clone())]);
-            renaming.apply(&mut self.map, &mut self.extras, self.registry);
-        }
+        let inside = names.iter().map(|(own, new)| (format!("{name}/{own}"), new.clone()));
+        Renaming::new(inside).apply(&mut self.map, &mut self.extras, self.registry);
         if !self.map.nodes.values().any(|other| other.module == node.module) {
             self.map.maps.shift_remove(&node.module);
         }

@@ -106,15 +106,8 @@ impl Transaction<'_> {
                 items.iter().zip(places).try_for_each(|(item, at)| self.place(item, at))
             }
             Edit::Arrange { nodes } => self.arrange(nodes),
-            Edit::MakeMap { nodes, name } => self.make_map(nodes, name.as_deref()),
-            Edit::Unpack { node } => self.unpack(node),
-            Edit::SetMap { name, map } => {
-                if !Map::can_name_a_map(name) {
-                    let why = "the name of a map begins with a small letter";
-                    return Err(EditError::name(name, why));
-                }
-                self.map.maps.insert(name.clone(), (**map).clone());
-                Ok(())
+            Edit::MakeMap { .. } | Edit::Unpack { .. } | Edit::SetMap { .. } => {
+                self.edit_maps(edit)
             }
             Edit::SetRepeat { node, repeat } => {
                 self.node(node)?.repeat.clone_from(repeat);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use indexmap::IndexMap;
 use serde_json::{Map as JsonMap, Value as Json, json};
 
 use super::interface::{NEW, NEWER, OLD, newer};
@@ -164,63 +165,72 @@ fn rounds_of(
             Err(format!("\"times\" is {times}; the most is {most}"))
         }
         (Some(times), None) => Ok(vec![JsonMap::new(); times as usize]),
-        (None, Some(each)) => {
-            let mut axis = Axis::new();
-            for (path, values) in each {
-                let spec = declared_at(module.params, None, path).ok_or_else(|| {
-                    let hint = did_you_mean(path, module.params.iter().map(|param| param.name));
-                    format!("\"each\": {} has no parameter \"{path}\"{hint}", module.id)
-                })?;
-                if path.contains('.') {
-                    return Err(format!(
-                        "\"each\": name the parameter {} alone, and give whole values, such as \
-                         {{\"Entry\": {{…}}}}",
-                        spec.name
-                    ));
-                }
-                let list = match values {
-                    Json::Array(list) => list.clone(),
-                    spread => vec![spread.clone()],
-                };
-                axis.insert(path.clone(), list);
-            }
-            let is_whole = |path: &str| {
-                let spec = module.params.iter().find(|param| param.name == path);
-                spec.is_some_and(|spec| spec.integer().is_some() || spec.seed().is_some())
-            };
-            let spreader = Spreader { folder, is_whole: &is_whole };
-            let axis = spreader.spread(&axis).map_err(|(_, why)| format!("\"each\": {why}"))?.axis;
-            let n_rounds = axis.values().map(Vec::len).max().unwrap_or(0);
-            if axis.values().any(|list| list.len() != n_rounds) {
-                return Err("\"each\": the lists must be equally long".to_owned());
-            }
-            if n_rounds == 0 {
-                return Err("\"each\" gives no values: nothing would run".to_owned());
-            }
-            let is_file = |path: &str| {
-                let spec = module.params.iter().find(|param| param.name == path);
-                spec.is_some_and(|spec| spec.input_file().is_some())
-            };
-            let value = |path: &String, json: &Json| match json.as_str() {
-                Some(text) if is_file(path) && Path::new(text).is_relative() => {
-                    Json::from(seen.join(text).to_string_lossy().replace('\\', "/"))
-                }
-                _ => json.clone(),
-            };
-            let of_round = |round: usize| {
-                axis.iter().map(|(path, list)| (path.clone(), value(path, &list[round]))).collect()
-            };
-            Ok((0..n_rounds).map(of_round).collect())
-        }
+        (None, Some(each)) => rounds_over(each, module, folder, seen),
         (Some(_), Some(_)) => {
-            Err("has both \"times\" and \"each\"; the list of \"each\" says how \
-                                   many rounds there are"
-                .to_owned())
+            let message =
+                "has both \"times\" and \"each\", whose list says how many rounds there are";
+            Err(message.to_owned())
         }
         (None, None) => {
             Err("says neither \"times\" nor \"each\": how many rounds are there?".to_owned())
         }
     }
+}
+
+/// The rounds of a loop over values, one a round. Files are found from `folder`, and named as seen
+/// from that of the outermost map, from which the map's is `seen`.
+fn rounds_over(
+    each: &IndexMap<String, Json>,
+    module: &Module,
+    folder: &Path,
+    seen: &Path,
+) -> Result<Rounds, String> {
+    let mut axis = Axis::new();
+    for (path, values) in each {
+        let spec = declared_at(module.params, None, path).ok_or_else(|| {
+            let hint = did_you_mean(path, module.params.iter().map(|param| param.name));
+            format!("\"each\": {} has no parameter \"{path}\"{hint}", module.id)
+        })?;
+        if path.contains('.') {
+            return Err(format!(
+                "\"each\": name the parameter {} alone, and give whole values, such as \
+                         {{\"Entry\": {{…}}}}",
+                spec.name
+            ));
+        }
+        let list = match values {
+            Json::Array(list) => list.clone(),
+            spread => vec![spread.clone()],
+        };
+        axis.insert(path.clone(), list);
+    }
+    let is_whole = |path: &str| {
+        let spec = module.params.iter().find(|param| param.name == path);
+        spec.is_some_and(|spec| spec.integer().is_some() || spec.seed().is_some())
+    };
+    let spreader = Spreader { folder, is_whole: &is_whole };
+    let axis = spreader.spread(&axis).map_err(|(_, why)| format!("\"each\": {why}"))?.axis;
+    let n_rounds = axis.values().map(Vec::len).max().unwrap_or(0);
+    if axis.values().any(|list| list.len() != n_rounds) {
+        return Err("\"each\": the lists must be equally long".to_owned());
+    }
+    if n_rounds == 0 {
+        return Err("\"each\" gives no values: nothing would run".to_owned());
+    }
+    let is_file = |path: &str| {
+        let spec = module.params.iter().find(|param| param.name == path);
+        spec.is_some_and(|spec| spec.input_file().is_some())
+    };
+    let value = |path: &String, json: &Json| match json.as_str() {
+        Some(text) if is_file(path) && Path::new(text).is_relative() => {
+            Json::from(seen.join(text).to_string_lossy().replace('\\', "/"))
+        }
+        _ => json.clone(),
+    };
+    let of_round = |round: usize| {
+        axis.iter().map(|(path, list)| (path.clone(), value(path, &list[round]))).collect()
+    };
+    Ok((0..n_rounds).map(of_round).collect())
 }
 
 /// What a round takes from the one before: outputs and inputs.
