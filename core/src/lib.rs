@@ -12,7 +12,7 @@
 //! # From another crate
 //!
 //! [`Map::load`] or a [`Map`] that is filled in code, [`Plan::new`] with [`PlanOptions::new`],
-//! [`run`] with [`RunOptions::new`], and [`RunOutcome::value`] are all that it takes to run a map.
+//! [`run()`] with [`RunOptions::new`], and [`RunOutcome::value`] are all that it takes to run one.
 //! `modules/examples/run_map.rs` does that with the modules of mve. For a sweep it is
 //! [`Program::new`], [`Store::open`] and [`run_program`].
 //!

@@ -123,6 +123,12 @@ mod tests {
     }
 
     #[test]
+    fn faces_at_no_place_hide_nothing() {
+        let far = mesh_of(&[[1e200, 0.0, 0.0], [0.0, 1e200, 0.0], [0.0, 0.0, 0.0]], &[[0, 1, 2]]);
+        assert_eq!(shares(&far, OPTIONS).len(), 3);
+    }
+
+    #[test]
     fn planes_and_convex_bodies_are_open_and_their_insides_closed() {
         let plane = plane(&PlaneOptions { segments: [5, 5], ..PlaneOptions::DEFAULT });
         let sphere = ico_sphere(1.0, 2, Control::none()).unwrap();

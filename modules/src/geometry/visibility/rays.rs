@@ -117,6 +117,11 @@ impl RayTree {
         n_done: &mut usize,
         control: &Control,
     ) -> Result<(), Cancelled> {
+        // Without a face of which all corners are places there is no node: a node of no faces is
+        // one of two others.
+        if items.is_empty() {
+            return Ok(());
+        }
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (mut first, mut last) = (low, high);
         for item in items.iter() {
