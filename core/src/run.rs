@@ -158,7 +158,9 @@ fn run_once(
     let state = runner.state.into_inner().unwrap_or_else(PoisonError::into_inner);
     let names = plan.nodes.iter().map(|node| node.name.clone());
     let outcomes = state.outcomes.into_iter().flatten();
-    (RunOutcome { nodes: names.zip(outcomes).collect() }, state.is_damaged)
+    let mut outcome = RunOutcome { nodes: names.zip(outcomes).collect() };
+    outcome.add_up_what_is_inside();
+    (outcome, state.is_damaged)
 }
 
 /// The files that values are handles to.

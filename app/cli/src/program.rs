@@ -157,6 +157,8 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let signals = Signals::listen(args.json)?;
+    // Before anything else: plans look into files, on all threads where they are large.
+    let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let loaded = args.map.load()?;
     let is_named =
         |problem: &&Problem| problem.place.program.is_some() && problem.place.program == args.name;
@@ -202,7 +204,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
         return report::dry_run(&program, known.as_ref(), &folder, how, args.json);
     }
     let store = Store::open(&folder)?;
-    let outcome = run_steps(args, quiet, &program, &store, (part, &signals))?;
+    let outcome = run_steps(args, quiet, &program, &store, (part, &signals, threads))?;
     // Whoever stops a program wants it to stop; `mve report` shows what is there.
     let is_wanted = !args.no_report && !outcome.is_stopped;
     let page = is_wanted.then(|| write_report(&folder)).flatten();
@@ -290,10 +292,9 @@ fn run_steps(
     quiet: bool,
     program: &Program,
     store: &Store,
-    (part, signals): (Part, &Signals),
+    (part, signals, threads): (Part, &Signals, usize),
 ) -> Result<ProgramOutcome, Stop> {
     let disk_cache = cache_of(args, store)?;
-    let threads = set_threads(args.threads.or(args.timing.map(|_| 1)))?;
     let places = program.places(&part);
     let finished = report::finished(program, store, args.timings());
     let is_found = |place: &&usize| {

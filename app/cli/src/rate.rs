@@ -116,8 +116,8 @@ fn parse_port(text: &str) -> Result<PortRef, String> {
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let signals = Signals::listen(false)?;
-    let study = Study::open(args)?;
     let threads = set_threads(None)?;
+    let study = Study::open(args)?;
     let steps = study.steps()?;
     let cancel = CancelToken::new();
     let progress = Progress::new("results", steps.len(), 0, !quiet);

@@ -62,6 +62,8 @@ pub fn open_cache(folder: &Path, budget: u64) -> Result<DiskCache, Stop> {
 /// Runs the command.
 pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     let signals = Signals::listen(args.json)?;
+    // Before anything else: a plan looks into files, on all threads where they are large.
+    let threads = set_threads(args.threads)?;
     let loaded = args.map.load()?;
     let scope = if args.allow_outside { OutputScope::Anywhere } else { OutputScope::Folder };
     let plan = loaded
@@ -74,7 +76,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
     // Values in memory would have no second reader within one run.
     let cache = args.cache.as_deref().map(|folder| open_cache(folder, DiskCache::USUAL_BYTES));
     let cache = cache.transpose()?.map(|disk| Cache::new(0, Some(disk)));
-    let threads = set_threads(args.threads)?;
     let cancel = CancelToken::new();
     let progress = Progress::new("nodes", plan.nodes.len(), 0, !quiet && !args.json);
     signals.stop(&cancel, &progress, STOPPING);

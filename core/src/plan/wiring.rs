@@ -42,7 +42,8 @@ pub(super) fn wire(
         .map(|(name, node)| {
             let made = opened.and_then(|opened| opened.made.get(name)).copied();
             let info = made.or_else(|| registry.find(&node.module));
-            if info.is_none() {
+            // Of the file of a map that is not there, or is none, it was told why.
+            if info.is_none() && !node.module.ends_with(".json") {
                 let ids = registry.modules().iter().map(|info| info.module.id);
                 let maps = registry.names_of_maps().chain(map.maps.keys().map(String::as_str));
                 let hint = did_you_mean(&node.module, ids.chain(maps));

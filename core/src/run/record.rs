@@ -1,10 +1,12 @@
 //! What is kept of the run of a node.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use super::RunOutcome;
 use crate::cache::CacheUse;
 use crate::control::MissedTarget;
 use crate::data::Scalar;
@@ -71,6 +73,24 @@ pub struct NodeRecord {
     /// What its module said.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<LogLine>,
+}
+
+impl RunOutcome {
+    /// Gives nodes that stand for maps and loops the seconds of all that ran inside of them.
+    pub(super) fn add_up_what_is_inside(&mut self) {
+        let mut inside: HashMap<String, f64> = HashMap::new();
+        for (name, node) in &self.nodes {
+            for (end, _) in name.match_indices('/') {
+                *inside.entry(name[..end].to_owned()).or_default() +=
+                    node.record.seconds.unwrap_or(0.0);
+            }
+        }
+        for (name, seconds) in inside {
+            if let Some(node) = self.nodes.get_mut(&name) {
+                node.record.seconds = Some(seconds);
+            }
+        }
+    }
 }
 
 impl NodeRecord {

@@ -74,6 +74,8 @@ fn a_map_is_a_node_with_the_keys_of_what_is_inside() {
     assert_eq!(number(&outcome, "last", "sum"), 116.0);
     assert_eq!(number(&outcome, "t", "sum"), 16.0);
     assert_eq!(number(&outcome, "t/one", "sum"), 13.0);
+    let seconds = |name: &str| outcome.nodes[name].record.seconds.unwrap();
+    assert_eq!(seconds("t"), seconds("t/one") + seconds("t/two"));
     let flat = plan(json!({
         "nodes": {"first": {"module": "Add", "params": {"amount": 10}},
                   "x": {"module": "Add", "params": {"amount": 3}},
@@ -144,6 +146,7 @@ fn maps_come_from_files_with_files_of_their_own() {
     let outer = map(json!({"nodes": {"r": {"module": "lib/no.json"}}}));
     let said = plan_in(folder.path(), &outer).unwrap_err();
     assert!(said[0].starts_with("r.module: ") && said[0].contains("lib/no.json"), "{said:?}");
+    assert_eq!(said.len(), 1, "{said:?}");
 }
 
 #[test]

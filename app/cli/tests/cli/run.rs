@@ -295,3 +295,17 @@ fn warnings_are_told_and_do_not_fail() {
     let answer = folder.mve(&["run", "warn.json"]).succeeds();
     assert!(answer.err.contains("warning: warn.json:4:48: twice.value: is set"), "{}", answer.err);
 }
+
+#[test]
+fn threads_are_there_before_a_plan_looks_into_a_large_file() {
+    let folder = Folder::new();
+    let comments = "# a scan of many megabytes\n".repeat(250_000);
+    folder.write("scan.obj", &format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n{comments}"));
+    folder.write(
+        "map.json",
+        r#"{"mve": 1, "nodes": {"a": {"module": "ObjLoader", "params": {"path": "scan.obj"}}},
+            "programs": {"p": {"axes": [{"a.path": ["scan.obj"]}]}}}"#,
+    );
+    folder.mve(&["run", "map.json", "--threads", "1"]).succeeds();
+    folder.mve(&["program", "map.json", "--threads", "1", "--out", "store"]).succeeds();
+}
