@@ -78,7 +78,8 @@ pub use outside::{Heard, OutsideEnd, OutsideError, OutsideOutcome, OutsideProgra
 pub use panics::contain_panics;
 pub use param::*;
 pub use plan::{
-    MAP_ENDS, MAP_INPUT, MAP_OUTPUT, OutputScope, Plan, PlanNode, PlanOptions, assign, passed_on,
+    MAP_ENDS, MAP_INPUT, MAP_OUTPUT, OutputScope, Plan, PlanNode, PlanOptions, assign, is_of_round,
+    passed_on,
 };
 pub use port::{AnyIn, In, InputSpec, ManyAnyIn, ManyIn, MaybeIn, Out, OutputSpec};
 pub use problem::{Place, Problem, Severity, did_you_mean, is_steering, nearest, printable};

@@ -6,7 +6,7 @@ use std::time::Instant;
 use indexmap::IndexMap;
 use mve_core::{
     Cache, CancelToken, DiskCache, Event, EventKind, Keep, NodeOutcome, NodeRecord, NodeStatus,
-    OutputScope, RunOptions, RunOutcome, Scalar, brief,
+    OutputScope, RunOptions, RunOutcome, Scalar, brief, is_of_round,
 };
 use serde::Serialize;
 
@@ -236,8 +236,11 @@ fn report(outcome: &RunOutcome, out: &Path, took: f64) -> String {
     let header = ["node", "status", "seconds", "output", "value"].map(str::to_owned).to_vec();
     let mut rows = Vec::new();
     let is_past = |node: &NodeOutcome| node.record.status == NodeStatus::Past;
-    // What a loop makes of two rounds is given by the loop, too.
-    let is_told = |name: &String, node: &NodeOutcome| !is_past(node) && !name.contains('>');
+    // What a round gave the loop has in its table, unless it failed.
+    let is_told = |name: &str, node: &NodeOutcome| {
+        let is_failed = matches!(node.record.status, NodeStatus::Failed { .. });
+        is_failed || !(is_past(node) || is_of_round(name))
+    };
     for (name, node) in outcome.nodes.iter().filter(|(name, node)| is_told(name, node)) {
         let record = &node.record;
         let scalars = brief_cells(&record.scalars);

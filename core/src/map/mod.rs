@@ -219,7 +219,14 @@ impl Map {
         Self { programs: IndexMap::new(), source: None, ..self.clone() }
     }
 
-    /// Nothing of the map but what it was read from.
+    /// What stands for the map where another one names it: its nodes with their links, and the
+    /// parameters that it makes known.
+    pub(crate) fn as_inside(&self) -> Self {
+        let (nodes, links) = (self.nodes.clone(), self.links.clone());
+        Self { nodes, links, parameters: self.parameters.clone(), ..self.emptied() }
+    }
+
+    /// Nothing of the map but its title.
     pub(crate) fn emptied(&self) -> Self {
         Self { title: self.title.clone(), ..Self::default() }
     }

@@ -19,8 +19,7 @@ use crate::problem::{Problem, did_you_mean};
 use crate::registry::{ModuleInfo, Registry};
 
 pub use assign::assign;
-pub(crate) use maps::is_of_round;
-pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
+pub use maps::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT, is_of_round};
 pub use modes::passed_on;
 pub(crate) use modes::{Inputs, passed_on_inside, without_inactive};
 pub(crate) use outputs::one_case;

@@ -165,6 +165,30 @@ fn a_map_that_contains_itself_is_refused() {
 }
 
 #[test]
+fn maps_that_name_each_other_by_many_ways_are_opened_once() {
+    // 2 to the 30th ways lead to the last.
+    let last = json!({"nodes": {"x": {"module": "Add"}}});
+    let level = |n: usize| {
+        let next = |side: &str| json!({"module": format!("{side}{}", n + 1)});
+        json!({"nodes": {"l": next("a"), "r": next("b")}})
+    };
+    let both =
+        |n: usize, map: Json| [("a", map.clone()), ("b", map)].map(|(s, m)| (format!("{s}{n}"), m));
+    let maps = (0..30).flat_map(|n| both(n, level(n))).chain(both(30, last));
+    let maps: serde_json::Map<String, Json> = maps.collect();
+    let said = plan(json!({"nodes": {"n": {"module": "a0"}}, "maps": maps})).err().unwrap();
+    assert!(said[0].contains("give more than 100000 nodes"), "{}", said[0]);
+    // All of them in a circle with all others.
+    let all: Vec<String> = (0..24).map(|n| format!("m{n}")).collect();
+    let nodes: serde_json::Map<String, Json> =
+        all.iter().map(|name| (name.clone(), json!({"module": name}))).collect();
+    let maps: serde_json::Map<String, Json> =
+        all.iter().map(|name| (name.clone(), json!({"nodes": nodes.clone()}))).collect();
+    let said = plan(json!({"nodes": {"n": {"module": "m0"}}, "maps": maps})).unwrap_err();
+    assert!(said.iter().any(|said| said.contains("the map contains itself")), "{}", said[0]);
+}
+
+#[test]
 fn a_map_runs_alone_on_its_defaults() {
     let mut alone = twice();
     let said = plan(alone.clone()).unwrap();

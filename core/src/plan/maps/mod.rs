@@ -17,13 +17,15 @@ mod open;
 mod paths;
 mod rounds;
 
-use std::path::{Path, PathBuf};
+use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 pub use ends::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 use indexmap::IndexMap;
 pub(crate) use open::open;
 
+use crate::files::refuse_special;
 use crate::fingerprint::Fingerprint;
 use crate::map::{Map, MapError};
 use crate::problem::Problem;
@@ -33,7 +35,7 @@ use crate::registry::{ModuleInfo, OpenMap, Registry};
 const DEEPEST: usize = 32;
 
 /// Whether a node belongs to one round of a loop: of what all rounds give the loop has a table.
-pub(crate) fn is_of_round(node: &str) -> bool {
+pub fn is_of_round(node: &str) -> bool {
     let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     node.contains('>') || node.split('/').skip(1).any(is_number)
 }
@@ -43,11 +45,17 @@ pub(crate) fn is_of_round(node: &str) -> bool {
 struct Around<'a> {
     map: &'a Map,
     folder: &'a Path,
+    /// What tells it from all others: its file, and the names that lead to it there.
+    identity: &'a str,
     /// The map around this one, if it stands in that one's file.
     outer: Option<&'a Around<'a>>,
     /// The maps that lead here, each by what tells it from others and as a person names it.
     way: &'a [(String, String)],
 }
+
+/// Maps that were found, by what tells them from others and as they are named: each is opened once,
+/// however many ways lead to it.
+type Found = HashMap<(String, String), Arc<OpenMap>>;
 
 impl Registry {
     /// The same modules, with the maps that this one names. What is wrong with those is told when
@@ -60,20 +68,26 @@ impl Registry {
         if !map.has_maps() && map.maps.is_empty() {
             return self.clone();
         }
-        find_all(self, Around { map, folder, outer: None, way: &[] }, problems)
+        let around = Around { map, folder, identity: "", outer: None, way: &[] };
+        find_all(self, around, &mut Found::new(), problems)
     }
 }
 
 /// The registry for a map: the maps that its nodes name.
-fn find_all(registry: &Registry, around: Around, problems: &mut Vec<Problem>) -> Registry {
+fn find_all(
+    registry: &Registry,
+    around: Around,
+    found: &mut Found,
+    problems: &mut Vec<Problem>,
+) -> Registry {
     let mut maps = IndexMap::new();
     for (name, node) in around.map.nodes.iter().filter(|(_, node)| node.is_map()) {
         if maps.contains_key(&node.module) {
             continue;
         }
         let mut inside = Vec::new();
-        match find(registry, &node.module, around, &mut inside) {
-            Ok(Some(map)) => drop(maps.insert(node.module.clone(), Arc::new(map))),
+        match find(registry, &node.module, around, (found, &mut inside)) {
+            Ok(Some(map)) => drop(maps.insert(node.module.clone(), map)),
             // Where an inner map is looked at alone, those around it are known.
             Ok(None) => {
                 let known = registry.open_map(&node.module);
@@ -86,9 +100,9 @@ fn find_all(registry: &Registry, around: Around, problems: &mut Vec<Problem>) ->
     // Those that no node names yet can be put in.
     for name in around.map.maps.keys() {
         if !maps.contains_key(name)
-            && let Ok(Some(map)) = find(registry, name, around, &mut Vec::new())
+            && let Ok(Some(map)) = find(registry, name, around, (found, &mut Vec::new()))
         {
-            maps.insert(name.clone(), Arc::new(map));
+            maps.insert(name.clone(), map);
         }
     }
     registry.with_open_maps(maps)
@@ -109,15 +123,14 @@ fn find(
     registry: &Registry,
     id: &str,
     around: Around,
-    problems: &mut Vec<Problem>,
-) -> Result<Option<OpenMap>, String> {
+    (found, problems): (&mut Found, &mut Vec<Problem>),
+) -> Result<Option<Arc<OpenMap>>, String> {
     let mut place = Some(&around);
     while let Some(here) = place {
         if let Some(map) = here.map.maps.get(id) {
-            // Of two maps in one file that have one name, the text tells which it is.
-            let identity = format!("{}\n{id}\n{}", here.folder.display(), map.to_json());
-            let inner = Around { map, outer: Some(here), ..around };
-            return opened(registry, id, identity, inner, PathBuf::new(), problems).map(Some);
+            let identity = format!("{}\n{id}", here.identity);
+            let inner = Around { map, identity: &identity, outer: Some(here), ..around };
+            return opened(registry, id, inner, Path::new(""), (found, problems)).map(Some);
         }
         place = here.outer;
     }
@@ -125,41 +138,54 @@ fn find(
         return Ok(None);
     }
     let path = around.folder.join(id);
+    let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
+    let identity = identity.to_string_lossy().into_owned();
+    if let Some(known) = found.get(&(identity.clone(), id.to_owned())) {
+        return Ok(Some(Arc::clone(known)));
+    }
+    // A link may lead to a map; a pipe would be waited for.
+    refuse_special(Path::new(&identity)).map_err(|why| format!("{}: {why}", path.display()))?;
     let map = Map::load(&path).map_err(|error| match error {
         MapError::Io { .. } => format!("{error}; paths in a map are relative to its folder"),
         error => format!("{}: {error}", path.display()),
     })?;
-    let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
-    let folder = Path::new(id).parent().unwrap_or(Path::new("")).to_owned();
-    let inner_folder = around.folder.join(&folder);
-    let inner = Around { map: &map, folder: &inner_folder, outer: None, ..around };
-    let identity = identity.to_string_lossy().into_owned();
-    opened(registry, id, identity, inner, folder, problems).map(Some)
+    let folder = Path::new(id).parent().unwrap_or(Path::new(""));
+    let inner_folder = around.folder.join(folder);
+    let (identity, way) = (identity.as_str(), around.way);
+    let inner = Around { map: &map, folder: &inner_folder, identity, outer: None, way };
+    opened(registry, id, inner, folder, (found, problems)).map(Some)
 }
 
+/// Opens a map that was found; its files are in `folder`, as seen from the map that names it.
 fn opened(
     registry: &Registry,
     id: &str,
-    identity: String,
     inner: Around,
-    folder: PathBuf,
-    problems: &mut Vec<Problem>,
-) -> Result<OpenMap, String> {
+    folder: &Path,
+    (found, problems): (&mut Found, &mut Vec<Problem>),
+) -> Result<Arc<OpenMap>, String> {
+    let name = (inner.identity.to_owned(), id.to_owned());
+    if let Some(known) = found.get(&name) {
+        return Ok(Arc::clone(known));
+    }
     let mut way = inner.way.to_vec();
-    way.push((identity, id.to_owned()));
-    let (last, before) = way.split_last().ok_or_else(String::new)?;
-    if let Some(first) = before.iter().position(|known| known.0 == last.0) {
-        let names: Vec<&str> = way[first..].iter().map(|(_, name)| name.as_str()).collect();
+    if let Some(first) = way.iter().position(|known| known.0 == inner.identity) {
+        let names = way[first..].iter().map(|(_, name)| name.as_str()).chain([id]);
+        let names: Vec<&str> = names.collect();
         return Err(format!("the map contains itself: {}", names.join(" -> ")));
     }
+    way.push(name.clone());
     if way.len() > DEEPEST {
         return Err(format!("maps stand in maps more than {DEEPEST} deep"));
     }
     problems.extend(inner.map.problems().iter().cloned());
-    let registry = find_all(registry, Around { way: &way, ..inner }, problems);
-    let module = interface::interface(id, inner.map, &registry, &folder);
+    let registry = find_all(registry, Around { way: &way, ..inner }, found, problems);
+    let module = interface::interface(id, inner.map, &registry, folder);
     let version = Fingerprint::of(b"mve: a map as a node");
     let info = ModuleInfo { module, category: "structure", version };
     problems.extend(interface::faults(inner.map, &registry));
-    Ok(OpenMap { info, map: inner.map.clone(), registry, folder })
+    let (map, folder) = (inner.map.as_inside(), folder.to_owned());
+    let open = Arc::new(OpenMap { info, map, registry, folder });
+    found.insert(name, Arc::clone(&open));
+    Ok(open)
 }

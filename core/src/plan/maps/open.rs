@@ -43,6 +43,8 @@ pub(super) struct Opener<'p> {
     pub supplies: HashMap<PortRef, Vec<Supply>>,
     /// Links by whole names, before it is known what gives their values.
     pub links: Vec<Link>,
+    /// Whether it was told that there are too many nodes.
+    is_told: bool,
 }
 
 pub(super) fn port(node: &str, port: &str) -> PortRef {
@@ -71,6 +73,7 @@ pub(crate) fn open(
         lists: HashMap::new(),
         supplies: HashMap::new(),
         links: Vec::new(),
+        is_told: false,
     };
     let (prefix, folder) = (String::new(), PathBuf::new());
     let (given, gates) = (HashSet::new(), Vec::new());
@@ -120,13 +123,12 @@ impl Opener<'_> {
 
     /// Whether there are too many nodes; the first time it is told.
     pub(super) fn is_full(&mut self, name: &str) -> bool {
-        let n_nodes = self.opened.map.nodes.len();
-        if n_nodes == MOST_NODES {
+        let is_full = self.opened.map.nodes.len() >= MOST_NODES;
+        if is_full && !std::mem::replace(&mut self.is_told, true) {
             let message = format!("loops and maps give more than {MOST_NODES} nodes");
             self.problems.push(Problem::error(message).at(name));
-            self.opened.map.nodes.insert(String::new(), Node::default());
         }
-        n_nodes >= MOST_NODES
+        is_full
     }
 
     /// Puts one node in.
@@ -180,7 +182,7 @@ impl Opener<'_> {
     ) {
         let Some(open) = level.registry.open_map(&node.module) else { return };
         let OpenMap { info, map, registry, folder } = &**open;
-        let mut map = map.without_programs();
+        let mut map = map.clone();
         let mut given = HashSet::new();
         for (name, promoted) in &map.parameters.clone() {
             for path in promoted.paths() {
