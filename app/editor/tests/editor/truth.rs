@@ -6,18 +6,19 @@ use crate::window::cube;
 use eframe::egui::{Key, Modifiers};
 use mve_modules::data::TriMesh;
 
-/// A vase of 159,200 faces that is simplified, which takes a while.
+/// A box whose mesh waits for a minute before it is cut.
 const SLOW: &str = r#"{"mve": 1, "nodes": {
-    "vase": {"module": "Vase", "params": {"segments": 400, "profile_segments": 200}},
-    "cut": {"module": "Simplificator", "params": {"target_faces": 4000}}},
-    "links": ["vase.mesh -> cut.mesh"]}"#;
+    "box": {"module": "Box"},
+    "slow": {"module": "Wait", "params": {"seconds": 60}},
+    "cut": {"module": "Simplificator", "params": {"target_faces": 400}}},
+    "links": ["box.mesh -> slow.mesh", "slow.mesh -> cut.mesh"]}"#;
 
 fn n_faces(hand: &Hand, node: &str) -> usize {
     hand.value::<TriMesh>(node, "mesh").faces.len()
 }
 
-fn type_target(hand: &mut Hand, from: &str, to: &str) {
-    hand.click(&format!("cut.target_faces: {from}"));
+fn type_value(hand: &mut Hand, field: &str, from: &str, to: &str) {
+    hand.click(&format!("{field}: {from}"));
     hand.type_text(to);
     hand.press(Key::Enter);
 }
@@ -27,14 +28,19 @@ fn on_edit_the_last_value_counts_also_when_it_is_typed_during_a_run() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = Hand::with_text(folder.path(), SLOW);
     hand.click("on edit");
-    type_target(&mut hand, "4000", "3000");
-    hand.wait_until_it_runs();
-    type_target(&mut hand, "3000", "300");
-    assert!(hand.editor().session().runner.is_running(), "the vase is too small for this test");
+    type_value(&mut hand, "cut.target_faces", "400", "350");
+    hand.wait_until_it_works("slow");
+    type_value(&mut hand, "cut.target_faces", "350", "300");
+    type_value(&mut hand, "slow.seconds", "60", "0");
     hand.wait_until_up_to_date();
     assert_eq!(n_faces(&hand, "cut"), 300);
     // A run that a person asked for goes on to its end; then the change runs.
-    type_target(&mut hand, "300", "200");
+    hand.click("on edit");
+    type_value(&mut hand, "slow.seconds", "0", "2");
+    hand.press(Key::F5);
+    hand.wait_until_it_works("slow");
+    hand.click("on edit");
+    type_value(&mut hand, "cut.target_faces", "300", "200");
     hand.wait_until_up_to_date();
     assert_eq!(n_faces(&hand, "cut"), 200);
 }
@@ -44,10 +50,10 @@ fn a_stopped_run_and_a_changed_file_are_not_up_to_date() {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
     let mut hand = Hand::with_text(folder.path(), SLOW);
     hand.click("\u{25b6} Run");
-    hand.wait_until_it_runs();
+    hand.wait_until_it_works("slow");
     hand.click("\u{23f9} Stop");
     hand.wait_for_the_run();
-    assert!(hand.sees("cut was stopped before it was done: Run (F5) starts it again."));
+    assert!(hand.sees("slow was stopped before it was done: Run (F5) starts it again."));
 
     let path = cube(folder.path());
     let mut hand = Hand::new(folder.path());

@@ -1,5 +1,7 @@
 //! A hand at the window: it knows things by their accessible names, and nothing else.
 
+mod wait;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -104,7 +106,8 @@ impl Hand {
                 render: Some(render.clone()),
                 ..Start::default()
             };
-            let new = || Editor::new(ui.ctx(), mve_modules::registry(), start());
+            let registry = || mve_modules::registry().with(&[&wait::LIST], "tests");
+            let new = || Editor::new(ui.ctx(), registry(), start());
             editor.get_or_insert_with(new).show(ui);
         };
         let harness =
@@ -451,9 +454,12 @@ impl Hand {
         self.step();
     }
 
-    /// Draws frames until a run is under way.
-    pub fn wait_until_it_runs(&mut self) {
-        self.wait(|session| session.runner.is_running());
+    /// Draws frames until a node works.
+    pub fn wait_until_it_works(&mut self, node: &str) {
+        self.wait(|session| {
+            let working = session.runner.progress().and_then(|progress| progress.working);
+            working.is_some_and(|(working, _)| working == node)
+        });
     }
 
     /// Draws frames until all outputs are those of the map as it stands.
