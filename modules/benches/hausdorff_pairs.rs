@@ -10,8 +10,8 @@ use glam::{DQuat, DVec3};
 use mve_core::Control;
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::geometry::distance::hausdorff::{HausdorffOptions, hausdorff};
-use mve_modules::geometry::distance::sample::IndexedRandom;
 use mve_modules::mesh::fixtures::torus;
+use mve_modules::mesh::random::IndexedRandom;
 
 const N_FACES: u32 = 100_000;
 

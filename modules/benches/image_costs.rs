@@ -126,7 +126,7 @@ fn measure<D: Difference>(
 }
 
 fn model(name: &str) -> Option<TriMesh> {
-    let text = std::fs::read(mve_modules::testing::model(name)?).ok()?;
+    let text = std::fs::read(mve_modules::mesh::testing::model(name)?).ok()?;
     let mut no_mtl = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     mve_modules::formats::obj::parse(&text, &mut no_mtl, Control::none()).ok().map(|found| found.0)
 }

@@ -18,7 +18,7 @@ pub use tokens::{Token, tokens, without_tests};
 
 /// Files that only tests use, though they are built always: other crates' tests need them too.
 pub const FOR_TESTS: [&str; 3] =
-    ["core/src/testing.rs", "modules/src/mesh/fixtures.rs", "modules/src/testing.rs"];
+    ["core/src/testing.rs", "mesh/src/fixtures.rs", "mesh/src/testing.rs"];
 
 /// What [`source_hashes`] gives.
 #[derive(Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Triangle meshes, the algorithms on them, and the modules, costs and metrics of mve.
 //!
-//! `data` is what flows through ports; `mesh`, `geometry`, `picture`, `image_driven` and `formats`
-//! are plain data and free functions over it, with no ports; the other folders hold one file per
-//! module, cost, placement or metric.
+//! `data` is what flows through ports, of the crate `mve-mesh`, which is `mesh` here; `formats` is
+//! the crate `mve-formats`. `geometry`, `picture` and `image_driven` are free functions over plain
+//! data, with no ports; the other folders hold one file per module, cost, placement or metric.
 //!
 //! # From another crate
 //!
@@ -13,22 +13,22 @@
 //! `modules/examples/own_module.rs`.
 
 pub mod cost;
-pub mod data;
 pub mod filters;
-pub mod formats;
 pub mod generate;
 pub mod geometry;
 pub mod image_driven;
 pub mod images;
 pub mod io;
 pub mod measure;
-pub mod mesh;
 pub mod metric;
 pub mod picture;
 pub mod placement;
 pub mod prelude;
-#[doc(hidden)]
-pub mod testing;
+#[cfg(test)]
+mod test_models;
+
+pub use mve_formats as formats;
+pub use mve_mesh::{self as mesh, data};
 
 use mve_core::{MAP_ENDS, ModuleList, Registry, Synonym};
 

@@ -10,6 +10,6 @@ pub use mve_core::{
 };
 
 #[allow(unused_imports)]
-pub use crate::data::types::*;
+pub use mve_mesh::data::types::*;
 #[allow(unused_imports)]
-pub use crate::data::{Domain, Layer};
+pub use mve_mesh::data::{Domain, Layer};

@@ -28,9 +28,10 @@ impl Cost for Template {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
     use crate::geometry::simplify::collapse::trial::first_prices;
-    use crate::mesh::fixtures::mesh_of;
     use crate::placement::Endpoint;
 
     #[test]

@@ -34,7 +34,7 @@ pub(super) fn sample(mesh: &TriMesh) -> Template {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::fixtures::tetrahedron;
+    use crate::fixtures::tetrahedron;
 
     #[test]
     fn a_value_says_what_it_holds() {

@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 use mve_core::Control;
+use mve_formats::{ReadError, load};
+use mve_mesh::data::VertexId;
 
-use crate::data::VertexId;
-use crate::formats::{ReadError, load};
 use crate::prelude::*;
 
 /// Bytes of the largest file that is read.

@@ -4,9 +4,9 @@
 //! source: authors, title, venue, year, and every deviation.
 
 use mve_core::{Control, Entry, Quantity};
+use mve_mesh::data::{Measure, TriMesh};
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::{Measure, TriMesh};
 
 /// Which values are better, and the unit, are said here; of `chief` ones each report has a table.
 const AREA: Quantity =
@@ -48,9 +48,9 @@ impl Metric for Template {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::cube;
 
     use super::*;
-    use crate::mesh::fixtures::cube;
 
     #[test]
     fn a_cube_of_half_the_side_has_a_quarter_of_the_area() {

@@ -29,9 +29,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::run_on;
+    use mve_mesh::fixtures::tetrahedron;
 
     use super::*;
-    use crate::mesh::fixtures::tetrahedron;
 
     #[test]
     fn every_vertex_moves() {

@@ -33,9 +33,10 @@ impl Placement for Template {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
     use crate::geometry::simplify::collapse::trial::first_places;
-    use crate::mesh::fixtures::mesh_of;
 
     #[test]
     fn both_quarters_are_proposed() {

@@ -20,13 +20,16 @@ struct Copy {
 impl Copy {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        for path in ["Cargo.toml", "Cargo.lock", "core/Cargo.toml", "modules/Cargo.toml"] {
+        let crates = ["core", "mesh", "formats", "modules"];
+        let manifests = crates.map(|name| format!("{name}/Cargo.toml"));
+        let of_workspace = ["Cargo.toml", "Cargo.lock"].map(str::to_owned);
+        for path in of_workspace.iter().chain(&manifests) {
             let target = folder.path().join(path);
             std::fs::create_dir_all(target.parent().unwrap()).unwrap();
             std::fs::copy(root().join(path), target).unwrap();
         }
-        for path in ["core/src", "modules/src"] {
-            copy_folder(&root().join(path), &folder.path().join(path));
+        for path in crates.map(|name| format!("{name}/src")) {
+            copy_folder(&root().join(&path), &folder.path().join(&path));
         }
         let before = source_hashes(folder.path(), CRATE).unwrap();
         Self { folder, before }
@@ -90,7 +93,7 @@ fn an_entry_changes_its_own_hash_and_shared_code_that_of_all() {
         "modules/src/geometry/distance/hausdorff.rs",
         "modules/src/metric/pictures.rs",
         "modules/src/metric/mod.rs",
-        "modules/src/data/tri_mesh.rs",
+        "mesh/src/data/tri_mesh.rs",
         "core/src/run.rs",
         "core/src/json.rs",
     ] {
@@ -105,8 +108,8 @@ fn tests_comments_and_line_ends_change_nothing() {
         "modules/src/metric/image_rms_tests.rs",
         "modules/src/geometry/simplify/collapse/tests.rs",
         "modules/src/geometry/generate/checks.rs",
-        "modules/src/mesh/test_models.rs",
-        "modules/src/mesh/fixtures.rs",
+        "modules/src/test_models.rs",
+        "mesh/src/fixtures.rs",
         "core/src/testing.rs",
     ] {
         assert_eq!(copy.changed_by(path, with_code), NOTHING, "{path}");
@@ -120,7 +123,7 @@ fn tests_comments_and_line_ends_change_nothing() {
         |text| format!("{text}// A remark: \"quoted\".\n/* And /* one more. */ */\n"),
         |text| text.replace(" = ", "  =  "),
     ];
-    for path in ["modules/src/cost/quadric.rs", "modules/src/mesh/quadric.rs", "core/src/run.rs"] {
+    for path in ["modules/src/cost/quadric.rs", "mesh/src/quadric.rs", "core/src/run.rs"] {
         for edit in edits {
             assert_eq!(copy.changed_by(path, edit), NOTHING, "{path}");
         }
@@ -214,7 +217,7 @@ fn the_lists_hold_the_hashes_of_their_files() {
     let cameras = CAMERA_SETS.entries.iter().find(|listed| listed.item.id == "Fibonacci").unwrap();
     assert_eq!(cameras.source, expected("mve_modules::picture::cameras::fibonacci"));
     assert!(hashes.entries.len() > 30);
-    for part in ["Cargo.lock", "core/src", "modules/src"] {
+    for part in ["Cargo.lock", "core/src", "mesh/src", "formats/src", "modules/src"] {
         assert!(hashes.watched.contains(&root().join(part)), "{part}");
     }
 }

@@ -48,8 +48,15 @@ const CORE: [&str; 33] = [
     "program",
 ];
 
-const FOLDERS: [&str; 5] =
-    ["core/src", "modules/src", "app/report/src", "app/cli/src", "app/editor/src"];
+const FOLDERS: [&str; 7] = [
+    "core/src",
+    "mesh/src",
+    "formats/src",
+    "modules/src",
+    "app/report/src",
+    "app/cli/src",
+    "app/editor/src",
+];
 
 /// Parts of `app/editor/src` that alone may name the document and the runner.
 const HOLDERS: [&str; 2] = ["canvas", "app"];
@@ -267,10 +274,17 @@ fn entries_implement_traits_for_types_of_their_own() {
 
 #[test]
 fn code_names_nothing_that_is_for_tests() {
-    for (folder, module) in [("core/src", "testing"), ("modules/src", "fixtures")] {
+    for (folder, module) in [
+        ("core/src", "testing"),
+        ("mesh/src", "fixtures"),
+        ("formats/src", ""),
+        ("modules/src", ""),
+    ] {
         let graph = Graph::of(folder);
         for file in graph.files.iter().filter(|file| module_of(file) != module) {
-            for (names, line) in paths(&graph.tokens(file), &["crate", "super", "mve_core"]) {
+            for (names, line) in
+                paths(&graph.tokens(file), &["crate", "super", "mve_core", "mve_mesh"])
+            {
                 let is_for_tests = names.iter().any(|name| ["testing", "fixtures"].contains(name));
                 assert!(!is_for_tests, "{folder}/{file}:{line}: {}", names.join("::"));
             }
@@ -281,9 +295,12 @@ fn code_names_nothing_that_is_for_tests() {
 /// No crate names one above it or one that it is to know nothing of; Cargo refuses only circles.
 #[test]
 fn crates_stand_on_those_below_them() {
-    let all = ["eframe", "mve-editor", "mve", "mve-report", "mve-modules"];
+    let all =
+        ["eframe", "mve-editor", "mve", "mve-report", "mve-modules", "mve-formats", "mve-mesh"];
     for (folder, unknown) in [
         ("core", &all[..]),
+        ("mesh", &all[..]),
+        ("formats", &all[..6]),
         ("modules", &all[..4]),
         ("app/report", &all[..]),
         ("app/cli", &all[..2]),

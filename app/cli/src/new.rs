@@ -80,7 +80,7 @@ enum What {
     },
     /// Write a type of data, with a test, and enter it in the list of types
     ///
-    /// Works inside a checkout of mve: writes modules/src/data/NAME.rs.
+    /// Works inside a checkout of mve: writes mesh/src/data/NAME.rs.
     Data {
         /// The type in CamelCase, such as Landmarks
         name: String,

@@ -46,10 +46,9 @@ enum Place {
 }
 
 impl Part {
-    /// An entry of the list in `modules/src/FOLDER/mod.rs`.
+    /// An entry of the list in `FOLDER/mod.rs`.
     fn entry(folder: &str, id: &str, before: &'static str, template: &str) -> Result<Self, Stop> {
         let item = file_name(id)?;
-        let folder = format!("modules/src/{folder}");
         Ok(Self {
             file: format!("{folder}/{item}.rs"),
             text: template.replace("Template", id),
@@ -73,7 +72,8 @@ pub fn module(id: &str, folder: &str) -> Result<Exit, Stop> {
         let message = format!("{} has no list of its own", folder.display());
         return Err(Stop::usage(format!("{message}; name one of {}", lists(&sources, before))));
     }
-    write(&checkout, &Part::entry(folder, id, before, MODULE)?, &test_of("mve-modules", id)?)
+    let part = Part::entry(&format!("modules/src/{folder}"), id, before, MODULE)?;
+    write(&checkout, &part, &test_of("mve-modules", id)?)
 }
 
 /// Writes a cost.
@@ -97,7 +97,7 @@ pub fn metric(id: &str) -> Result<Exit, Stop> {
 }
 
 fn entry(folder: &str, id: &str, before: &'static str, template: &str) -> Result<Exit, Stop> {
-    let part = Part::entry(folder, id, before, template)?;
+    let part = Part::entry(&format!("modules/src/{folder}"), id, before, template)?;
     write(&find_checkout()?, &part, &test_of("mve-modules", id)?)
 }
 
@@ -113,9 +113,9 @@ pub fn loader(id: &str) -> Result<Exit, Stop> {
 
 /// Writes a data type.
 pub fn data(id: &str) -> Result<Exit, Stop> {
-    let mut part = Part::entry("data", id, "data_types! {", DATA)?;
+    let mut part = Part::entry("mesh/src/data", id, "data_types! {", DATA)?;
     part.item = format!("{}: {id}", part.item);
-    write(&find_checkout()?, &part, &test_of("mve-modules", id)?)
+    write(&find_checkout()?, &part, &test_of("mve-mesh", id)?)
 }
 
 /// Writes a view of a data type.
@@ -159,9 +159,9 @@ fn write(checkout: &Path, part: &Part, test: &str) -> Result<Exit, Stop> {
     })?;
     out::write_file(&file, formatted(&part.text, checkout))?;
     out::write_file(&list, &entered)?;
-    let then = match part.file.starts_with("modules/") {
-        true => "then document it: cargo run -p mve -- modules --write docs/modules.md\n",
-        false => "",
+    let then = match part.file.starts_with("app/") {
+        true => "",
+        false => "then document it: cargo run -p mve -- modules --write docs/modules.md\n",
     };
     let (file, list, item) = (file.display(), list.display(), &part.item);
     out::print(&format!("wrote {file}\nentered {item} in {list}\ntest it with: {test}\n{then}"))

@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::DVec3;
 use mve_modules::data::{TriMesh, VertexId};
 use mve_modules::mesh::fixtures::torus;
-use mve_modules::testing;
+use mve_modules::mesh::testing;
 
 /// The model that benches measure where they measure one: 69,451 faces.
 pub const BUNNY: &str = "stanford-bunny.obj";

@@ -34,10 +34,11 @@ impl Cost for EdgeLength {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::FaceId;
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
-    use crate::mesh::fixtures::mesh_of;
     use crate::placement::Midpoint;
     use glam::DVec3;
 

@@ -66,8 +66,9 @@ impl Difference for Squares {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
     use crate::picture::render::Rect;
     use crate::prelude::*;
 

@@ -51,10 +51,11 @@ impl Cost for LindstromTurk {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::FaceId;
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
+
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
     use crate::placement::Endpoint;
     use glam::DVec3;
 

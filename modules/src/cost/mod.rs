@@ -14,9 +14,9 @@ pub use image_mse::Squares;
 pub use lindstrom_turk::LindstromTurk;
 pub use msdm2::Msdm2;
 use mve_core::{Choices, Entry, ModuleError, Settings};
+use mve_mesh::data::TriMesh;
 pub use quadric::Quadric;
 
-use crate::data::TriMesh;
 use crate::geometry::simplify::collapse::Cost;
 
 /// All costs, for the parameters of modules.

@@ -94,8 +94,9 @@ impl Cost for Msdm2 {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::{FaceId, VertexId};
+
     use super::*;
-    use crate::data::{FaceId, VertexId};
     use crate::geometry::generate::{BoxOptions, subdivided_box};
     use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
     use crate::placement::Midpoint;

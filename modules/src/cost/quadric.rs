@@ -40,10 +40,11 @@ pub static COST: Entry<MakeCost> = Entry {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::FaceId;
+    use mve_mesh::fixtures::tetrahedron;
+
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::simplify::collapse::trial::{face_price, first_prices};
-    use crate::mesh::fixtures::tetrahedron;
     use crate::placement::Endpoint;
     use glam::DVec3;
 

@@ -3,7 +3,8 @@
 //! Unlike MeshLab's, which draws pictures, it needs no GPU, and gives the same numbers on any
 //! machine with any number of threads.
 
-use crate::geometry::surface::weld::finite_diagonal;
+use mve_mesh::weld::finite_diagonal;
+
 use crate::geometry::visibility::openness::{OpennessOptions, openness};
 use crate::prelude::*;
 
@@ -59,8 +60,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::cube;
 
-    use crate::mesh::fixtures::cube;
     use crate::prelude::*;
 
     #[test]
@@ -69,7 +70,7 @@ mod tests {
         let wall = cube(DVec3::new(1.5, 0.0, 0.0));
         let first = mesh.positions.len() as u32;
         mesh.positions.extend(wall.positions);
-        let moved = |v: crate::data::VertexId| crate::data::VertexId(v.0 + first);
+        let moved = |v: mve_mesh::data::VertexId| mve_mesh::data::VertexId(v.0 + first);
         mesh.faces.extend(wall.faces.iter().map(|face| face.map(moved)));
         let values = |trial: Trial| {
             let outputs = trial.run().unwrap();

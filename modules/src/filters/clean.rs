@@ -1,8 +1,8 @@
 //! Takes out of a mesh what makes trouble for other programs, and says how much there was.
 
 use mve_core::Quantities;
+use mve_mesh::data::Measure;
 
-use crate::data::Measure;
 use crate::geometry::edit::clean::{CleanOptions, clean};
 use crate::geometry::edit::manifold::Repair;
 use crate::prelude::*;
@@ -131,8 +131,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     /// Three faces at an edge, one of them doubled, and a vertex alone.

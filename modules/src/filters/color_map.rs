@@ -2,7 +2,8 @@
 //!
 //! Colors are display values, as in an sRGB file.
 
-use crate::data::LayerValues;
+use mve_mesh::data::LayerValues;
+
 use crate::picture::color_map::{ColorMapOptions, Outside, color_bar, colors, range_of};
 use crate::picture::color_scale::Scale;
 use crate::prelude::*;
@@ -113,9 +114,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::LayerValues;
+    use mve_mesh::fixtures::tetrahedron;
 
-    use crate::data::LayerValues;
-    use crate::mesh::fixtures::tetrahedron;
     use crate::prelude::*;
 
     fn trial(domain: Domain, values: &[f64]) -> Trial {

@@ -82,8 +82,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::tetrahedron;
 
-    use crate::mesh::fixtures::tetrahedron;
     use crate::prelude::*;
 
     fn trial(domain: Domain, values: &[f64]) -> Trial {

@@ -142,8 +142,8 @@ fn name_of(domain: Domain) -> &'static str {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::tetrahedron;
 
-    use crate::mesh::fixtures::tetrahedron;
     use crate::prelude::*;
 
     fn field(domain: Domain, values: &[f64]) -> Field {

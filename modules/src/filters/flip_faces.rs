@@ -42,8 +42,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::{Trial, run_on};
+    use mve_mesh::fixtures::tetrahedron;
 
-    use crate::mesh::fixtures::tetrahedron;
     use crate::prelude::*;
 
     #[test]

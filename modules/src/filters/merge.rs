@@ -56,8 +56,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{cube, tetrahedron};
 
-    use crate::mesh::fixtures::{cube, tetrahedron};
     use crate::prelude::*;
 
     #[test]

@@ -1,8 +1,9 @@
 //! Moves vertices at random, to try how a method stands noise.
 
+use mve_mesh::weld::finite_diagonal;
+
 use crate::geometry::relax::noise::{NoiseDirection, NoiseOptions, Spread, add_noise, mean_edge};
 use crate::geometry::select::chosen::chosen_vertices;
-use crate::geometry::surface::weld::finite_diagonal;
 use crate::prelude::*;
 
 impl Enumeration for NoiseDirection {
@@ -87,8 +88,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     /// A triangle with sides of 3, 4 and 5, so that the mean edge is 4 and the diagonal 5.

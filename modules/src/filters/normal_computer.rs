@@ -55,8 +55,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::cube;
 
-    use crate::mesh::fixtures::cube;
     use crate::prelude::*;
 
     fn n_normals(crease_angle: Option<f64>) -> (Domain, usize) {

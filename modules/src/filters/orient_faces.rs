@@ -58,7 +58,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
 
     #[test]
     fn a_tetrahedron_inside_out_is_turned_unless_it_may_stay() {

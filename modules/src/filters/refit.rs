@@ -1,11 +1,11 @@
 //! Fits a simplified mesh to its original.
 
-use crate::data::Measure;
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::prelude::*;
 
 use mve_core::Quantities;
+use mve_mesh::data::Measure;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "The mesh whose vertices move, of any origin.");
 const ORIGINAL: In<TriMesh> = In::new("original", "The surface that it should lie on.");
@@ -93,8 +93,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{mesh_of, torus};
 
-    use crate::mesh::fixtures::{mesh_of, torus};
     use crate::prelude::*;
 
     #[test]

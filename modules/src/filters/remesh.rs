@@ -132,8 +132,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::cube;
 
-    use crate::mesh::fixtures::cube;
     use crate::prelude::*;
 
     #[test]

@@ -424,9 +424,9 @@ fn region(io: &Io, mesh: &TriMesh, by: By) -> Result<Region, ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{cube, mesh_of};
     use serde_json::json;
 
-    use crate::mesh::fixtures::{cube, mesh_of};
     use crate::prelude::*;
 
     fn trial() -> Trial {

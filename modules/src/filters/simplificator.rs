@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::cost::{COSTS, MakeCost};
-use crate::data::Measure;
 use crate::geometry::distance::drift::{TEXCOORD_TOLERANCE, drift};
 use crate::geometry::simplify::collapse::{
     Blocked, Boundary, Cost, Outcome, Placement, SMALLEST_IN_BLOCKS, Schedule, Seams, Simplified,
@@ -15,12 +14,13 @@ use crate::geometry::simplify::quadric::Quadric;
 use crate::geometry::simplify::refit::{RefitError, RefitOptions, needs, refit};
 use crate::geometry::surface::components::{small_components, without_faces};
 use crate::geometry::surface::folds::{n_folded_edges, n_slivers};
-use crate::geometry::surface::weld::{coincident_border_edges, finite_diagonal, weld};
-use crate::mesh::adjacency::Adjacency;
 use crate::placement::{MakePlacement, PLACEMENTS};
 use crate::prelude::*;
 
 use mve_core::{Cancelled, Condition, Control, MissedTarget, Quantities};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::Measure;
+use mve_mesh::weld::{coincident_border_edges, finite_diagonal, weld};
 
 impl Enumeration for Boundary {
     const NAMES: &'static [(&'static str, &'static str)] = &[

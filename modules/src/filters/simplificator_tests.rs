@@ -1,11 +1,11 @@
 //! Simplificator as its parameters say.
 
 use mve_core::testing::Trial;
+use mve_mesh::data::VertexId;
+use mve_mesh::fixtures::mesh_of;
 use serde_json::json;
 
-use crate::data::VertexId;
 use crate::geometry::generate::{BoxOptions, subdivided_box};
-use crate::mesh::fixtures::mesh_of;
 use crate::prelude::*;
 
 fn simplified(params: &[(&str, serde_json::Value)]) -> TriMesh {

@@ -159,8 +159,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
 
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
     use crate::prelude::*;
 
     #[test]

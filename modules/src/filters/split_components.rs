@@ -138,8 +138,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     /// A square of two small faces, and a large triangle.

@@ -50,8 +50,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{tetrahedron, torus};
 
-    use crate::mesh::fixtures::{tetrahedron, torus};
     use crate::prelude::*;
 
     #[test]

@@ -3,9 +3,10 @@
 //! Unlike in MeshLab, all corners of a face take their texture coordinates from one chart, so that
 //! no face is smeared over the whole texture where it lies across a seam.
 
-use crate::data::LayerValues;
+use mve_mesh::data::LayerValues;
+use mve_mesh::weld::finite_diagonal;
+
 use crate::geometry::distance::bvh::Bvh;
-use crate::geometry::surface::weld::finite_diagonal;
 use crate::geometry::transfer::{Places, filled};
 use crate::prelude::*;
 
@@ -89,7 +90,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     }
     if io.param(NAMES)? {
         let mut materials = source.materials.clone();
-        let is_new = |own: &&crate::data::Material| {
+        let is_new = |own: &&mve_mesh::data::Material| {
             source.materials.iter().all(|material| material.name != own.name)
         };
         materials.extend(mesh.materials.iter().filter(is_new).cloned());
@@ -120,9 +121,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::data::{LayerValues, NO_VALUE};
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::data::{LayerValues, NO_VALUE};
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     const SQUARE: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

@@ -206,8 +206,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{cube, mesh_of};
 
-    use crate::mesh::fixtures::{cube, mesh_of};
     use crate::prelude::*;
 
     fn trial() -> Trial {

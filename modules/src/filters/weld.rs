@@ -1,6 +1,7 @@
 //! Joins vertices that lie on each other.
 
-use crate::geometry::surface::weld::weld;
+use mve_mesh::weld::weld;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -42,8 +43,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     #[test]

@@ -48,7 +48,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::data::TriMesh;
+    use mve_mesh::data::TriMesh;
 
     #[test]
     fn has_768_triangles_and_the_volume_of_its_sides() {

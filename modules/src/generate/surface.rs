@@ -60,7 +60,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::data::TriMesh;
+    use mve_mesh::data::TriMesh;
 
     #[test]
     fn has_4352_triangles_and_the_volume_of_a_plate() {

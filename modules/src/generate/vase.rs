@@ -55,7 +55,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::data::TriMesh;
+    use mve_mesh::data::TriMesh;
 
     #[test]
     fn has_7808_triangles_and_is_hollow() {

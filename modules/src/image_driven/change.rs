@@ -1,9 +1,9 @@
 //! What a collapse changes: the faces that go and the faces that come.
 
 use glam::DVec3;
+use mve_mesh::data::{FaceId, VertexId};
 use wide::i32x8;
 
-use crate::data::{FaceId, VertexId};
 use crate::geometry::simplify::collapse::{Collapse, Proposal, WorkingMesh};
 use crate::picture::render::{FaceColor, LANES, NO_FACE, normal};
 

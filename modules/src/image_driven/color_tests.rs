@@ -4,16 +4,16 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{Domain, Image, Layer, LayerValues, NO_VALUE, PixelKind};
+use mve_mesh::fixtures::{mesh_of, textured};
 
 use super::tests::{Checked, SMALL, halve, halve_with, picture, small_vase};
 use super::*;
 use crate::cost::Squares;
-use crate::data::{Domain, Image, Layer, LayerValues, NO_VALUE, PixelKind};
 use crate::geometry::simplify::collapse::trial::first_prices;
 use crate::geometry::simplify::collapse::{
     AttributeValue, Candidates, Contraction, LayerId, Placement, Seams,
 };
-use crate::mesh::fixtures::{mesh_of, textured};
 use crate::picture::render::{NormalSource, PictureOptions, Shading, Surface};
 use crate::placement::{Endpoint, Midpoint, Optimal};
 

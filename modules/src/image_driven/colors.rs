@@ -8,8 +8,9 @@
 
 use std::sync::Arc;
 
+use mve_mesh::data::{FaceId, Layer, LayerValues, TextureImage, TriMesh};
+
 use super::change::PatchFace;
-use crate::data::{FaceId, Layer, LayerValues, TextureImage, TriMesh};
 use crate::geometry::simplify::collapse::{AttributeValue, LayerId, Proposal, WorkingMesh};
 use crate::picture::render::{
     Albedo, ColorSources, FaceColor, FaceSide, Facet, LANES, Lens, gray, is_colored, light,

@@ -1,6 +1,7 @@
 //! One camera: its picture, all faces behind it, and how a collapse changes it.
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, VertexId};
 use wide::{f32x8, i32x8};
 
 use super::ImageOptions;
@@ -9,7 +10,6 @@ use super::change::{Change, PatchFace};
 use super::colors::{Colors, Shader, Values};
 use super::layers::{END, Fragment, Layers};
 use super::picture::{Patch, Picture};
-use crate::data::{FaceId, VertexId};
 use crate::geometry::simplify::collapse::WorkingMesh;
 use crate::picture::render::{
     Corner, FaceColor, LANES, Lens, Rect, Sides, Triangle, face_triangles, is_placed, may_be_seen,

@@ -48,10 +48,10 @@ use canvas::Canvas;
 use change::{Change, PatchFace};
 use colors::Colors;
 use layered_view::LayeredView;
+use mve_mesh::data::{FaceId, TriMesh};
 pub use picture::{Difference, Patch, Picture};
 pub use structure::Structure;
 
-use crate::data::{FaceId, TriMesh};
 use crate::geometry::simplify::collapse::{Batch, Collapse, Cost, Reach, Renewal, WorkingMesh};
 use crate::picture::render::{Albedo, CameraSet, Lens, Sides};
 use mve_core::{Cancelled, Control};

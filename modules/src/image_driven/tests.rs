@@ -1,10 +1,10 @@
 //! Prices of active areas against those of whole pictures, and pictures of odd meshes.
 
 use glam::DVec3;
+use mve_mesh::data::{FaceId, VertexId};
 
 use super::*;
 use crate::cost::Squares;
-use crate::data::{FaceId, VertexId};
 use crate::geometry::generate::{VaseOptions, vase};
 use crate::geometry::simplify::collapse::{
     Candidates, Contraction, DyingFace, Placement, Proposal, Seams, SimplifyOptions, Stop, Turns,

@@ -41,8 +41,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::{Image, PixelKind};
 
-    use crate::data::{Image, PixelKind};
     use crate::prelude::*;
 
     #[test]

@@ -1,6 +1,7 @@
 //! Takes pictures of a mesh: see `picture/render` for what a pixel is.
 
-use crate::data::{Image, PixelKind};
+use mve_mesh::data::{Image, PixelKind};
+
 use crate::picture::missing::missing_colors;
 use crate::picture::render::{
     Albedo, Frame, MAX_SIZE, NormalSource, PictureOptions, Surface, pictures,
@@ -174,9 +175,9 @@ fn texture_in_use<'a>(
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::data::{Image, LayerValues, PixelKind};
+    use mve_mesh::fixtures::{cube, mesh_of, textured_square};
 
-    use crate::data::{Image, LayerValues, PixelKind};
-    use crate::mesh::fixtures::{cube, mesh_of, textured_square};
     use crate::prelude::*;
 
     fn trial(mesh: TriMesh) -> Trial {

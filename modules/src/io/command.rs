@@ -14,10 +14,10 @@ use mve_core::{
     CommandLine, CommandLineSpec, CommandPlace, CommandWay, Heard, OutsideEnd, OutsideError,
     OutsideOutcome, OutsideProgram, printable, run_outside,
 };
+use mve_formats::exchange;
+use mve_formats::number_pattern::NumberPatterns;
+use mve_mesh::data::Measure;
 
-use crate::data::Measure;
-use crate::formats::exchange;
-use crate::formats::number_pattern::NumberPatterns;
 use crate::prelude::*;
 
 /// Lines of the beginning of an output that go to the log, and as many of its end.

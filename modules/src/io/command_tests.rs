@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use mve_core::testing::{Outputs, Trial};
 use mve_core::{CancelToken, ModuleError};
+use mve_mesh::data::{Measures, TriMesh};
+use mve_mesh::fixtures::tetrahedron;
 use serde_json::{Value as Json, json};
 
 use super::MODULE;
-use crate::data::{Measures, TriMesh};
-use crate::mesh::fixtures::tetrahedron;
 
 fn trial(command: Json) -> Trial {
     Trial::of(&MODULE).input("mesh", tetrahedron()).set("command", command)

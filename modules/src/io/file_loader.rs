@@ -6,9 +6,9 @@
 use std::io::{Read, Write};
 
 use mve_core::{BLOCK, Stored};
+use mve_formats::FileError;
+use mve_formats::plain_file::open_plain;
 
-use crate::formats::FileError;
-use crate::formats::plain_file::open_plain;
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> = Param::input_file("path", "The file.", &[]);

@@ -4,8 +4,8 @@
 //! beside them.
 
 use mve_core::{BLOCK, Stored};
+use mve_formats::save_atomic;
 
-use crate::formats::save_atomic;
 use crate::prelude::*;
 
 const FILE_IN: In<Stored> = In::new("file", "The bytes of the file.");

@@ -1,7 +1,8 @@
 //! Loads a glTF file, text or binary, as one mesh.
 
-use crate::formats::gltf::{self, Vertices};
-use crate::formats::obj::FileScope;
+use mve_formats::gltf::{self, Vertices};
+use mve_formats::obj::FileScope;
+
 use crate::prelude::*;
 
 /// A triangle and its mirror image, with indices in the file; `tests/contracts.rs` loads it, and

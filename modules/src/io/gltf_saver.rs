@@ -1,6 +1,7 @@
 //! Saves a mesh as a binary glTF file.
 
-use crate::formats::gltf;
+use mve_formats::gltf;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");

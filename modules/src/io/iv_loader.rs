@@ -1,7 +1,8 @@
 //! Loads an Open Inventor file as one mesh.
 
-use crate::formats::iv;
-use crate::formats::obj::FileScope;
+use mve_formats::iv;
+use mve_formats::obj::FileScope;
+
 use crate::prelude::*;
 
 /// A square that is used twice, once moved; `tests/contracts.rs` loads it, and damaged copies.

@@ -1,6 +1,7 @@
 //! Saves a mesh as an Open Inventor file.
 
-use crate::formats::iv;
+use mve_formats::iv;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");

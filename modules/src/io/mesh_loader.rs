@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::formats::mesh_file;
-use crate::formats::obj::FileScope;
+use mve_formats::mesh_file;
+use mve_formats::obj::FileScope;
+
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> = Param::input_file(
@@ -49,10 +50,10 @@ mod tests {
     use flate2::{Compression, write::GzEncoder};
     use mve_core::Control;
     use mve_core::testing::Trial;
+    use mve_formats::{gltf, iv, obj, off, ply, stl};
+    use mve_mesh::fixtures::tetrahedron;
 
     use super::*;
-    use crate::formats::{gltf, iv, obj, off, ply, stl};
-    use crate::mesh::fixtures::tetrahedron;
 
     #[test]
     fn the_beginning_says_what_a_file_is() {

@@ -1,6 +1,7 @@
 //! Saves a mesh as a file of any format that mve writes, by the ending of its name.
 
-use crate::formats::mesh_file;
+use mve_formats::mesh_file;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
@@ -33,10 +34,10 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::Control;
     use mve_core::testing::Trial;
+    use mve_formats::obj::FileScope;
+    use mve_mesh::fixtures::tetrahedron;
 
     use super::*;
-    use crate::formats::obj::FileScope;
-    use crate::mesh::fixtures::tetrahedron;
 
     #[test]
     fn every_ending_gives_a_file_that_loads() {

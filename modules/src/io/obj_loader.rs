@@ -1,6 +1,7 @@
 //! Loads a Wavefront OBJ file with its materials and textures.
 
-use crate::formats::obj::{self, FileScope};
+use mve_formats::obj::{self, FileScope};
+
 use crate::prelude::*;
 
 const PATH: Param<PathBuf> =
@@ -43,7 +44,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::data::TriMesh;
+    use mve_mesh::data::TriMesh;
 
     #[test]
     fn loads_a_file_and_names_it_where_it_is_wrong() {

@@ -1,6 +1,7 @@
 //! Saves a mesh as a Wavefront OBJ file with its materials and textures.
 
-use crate::formats::obj;
+use mve_formats::obj;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -47,10 +48,10 @@ mod tests {
     use mve_core::testing::{Trial, plan_options, run_options};
     use mve_core::{CancelToken, Control, FileHashes, Map, Plan, PlanOptions, RunOutcome, run};
 
-    use crate::data::{Image, PixelKind, TextureRole, TriMesh};
-    use crate::formats::obj;
-    use crate::formats::png::write_png;
-    use crate::mesh::fixtures::tetrahedron;
+    use mve_formats::obj;
+    use mve_formats::png::write_png;
+    use mve_mesh::data::{Image, PixelKind, TextureRole, TriMesh};
+    use mve_mesh::fixtures::tetrahedron;
 
     #[test]
     fn what_is_saved_loads_as_it_was() {
@@ -67,10 +68,11 @@ mod tests {
     fn textured() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         let mut mesh = crate::geometry::generate::subdivided_box(&Default::default());
-        let labels = crate::data::LayerValues::Label(vec!["skin".to_owned()]);
+        let labels = mve_mesh::data::LayerValues::Label(vec!["skin".to_owned()]);
         let index = vec![0; mesh.faces.len()];
-        let (name, domain) = (crate::data::Layer::MATERIAL.to_owned(), crate::data::Domain::Face);
-        mesh.set_layer(crate::data::Layer { name, domain, values: labels, index });
+        let (name, domain) =
+            (mve_mesh::data::Layer::MATERIAL.to_owned(), mve_mesh::data::Domain::Face);
+        mesh.set_layer(mve_mesh::data::Layer { name, domain, values: labels, index });
         let mtl = b"newmtl skin\nmap_Kd tex/skin.png\nmap_Ks tex/gloss.png\n";
         mesh.materials = obj::parse_mtl(mtl).0;
         obj::save(&mesh, &folder.path().join("in.obj"), Control::none()).unwrap();

@@ -1,7 +1,8 @@
 //! Loads an OFF file.
 
-use crate::formats::load_with;
-use crate::formats::off::read_off;
+use mve_formats::load_with;
+use mve_formats::off::read_off;
+
 use crate::prelude::*;
 
 /// A red square; `tests/contracts.rs` loads it, and damaged copies.

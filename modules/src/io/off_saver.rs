@@ -1,6 +1,7 @@
 //! Saves a mesh as an OFF file.
 
-use crate::formats::off;
+use mve_formats::off;
+
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");

@@ -1,8 +1,9 @@
 //! Loads a PLY file with all that it says of vertices and faces.
 
-use crate::data::LayerValues;
-use crate::formats::obj::FileScope;
-use crate::formats::ply;
+use mve_formats::obj::FileScope;
+use mve_formats::ply;
+use mve_mesh::data::LayerValues;
+
 use crate::prelude::*;
 
 /// A square of two colors; `tests/contracts.rs` loads it, and damaged copies.

@@ -1,23 +1,8 @@
 //! Saves a mesh as a PLY file, with colors and a field, to look at it in other programs.
 
-use crate::formats::ply::{self, Encoding, PlyOptions, Precision};
+use mve_formats::ply::{self, Encoding, PlyOptions, Precision};
+
 use crate::prelude::*;
-
-impl Enumeration for Encoding {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Binary", "Small and exact: binary, the lowest byte first."),
-        ("Ascii", "Text that a person can read."),
-    ];
-    const VALUES: &'static [Self] = &[Self::Binary, Self::Ascii];
-}
-
-impl Enumeration for Precision {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Float", "32 bits, 7 digits: what viewers expect."),
-        ("Double", "64 bits: nothing is lost, but not every viewer reads it."),
-    ];
-    const VALUES: &'static [Self] = &[Self::Float, Self::Double];
-}
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
 const FIELD_IN: MaybeIn<Field> = MaybeIn::new(
@@ -56,9 +41,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{cube, tetrahedron};
 
     use crate::geometry::surface::normals::{NormalWeight, corner_normal_layer};
-    use crate::mesh::fixtures::{cube, tetrahedron};
     use crate::prelude::*;
 
     #[test]

@@ -1,7 +1,8 @@
 //! Loads a picture from a PNG file.
 
-use crate::formats::png::read_png;
-use crate::formats::{ReadError, load};
+use mve_formats::png::read_png;
+use mve_formats::{ReadError, load};
+
 use crate::prelude::*;
 
 /// Bytes of the largest file that is read.
@@ -36,9 +37,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_formats::png::write_png;
+    use mve_mesh::data::{Image, PixelKind};
 
-    use crate::data::{Image, PixelKind};
-    use crate::formats::png::write_png;
     use crate::prelude::*;
     use mve_core::Control;
 

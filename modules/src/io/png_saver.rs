@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::formats::png::write_png;
-use crate::formats::save_atomic;
+use mve_formats::png::write_png;
+use mve_formats::save_atomic;
+
 use crate::picture::contact_sheet::{SheetOptions, contact_sheet};
 use crate::prelude::*;
 
@@ -61,9 +62,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_formats::png::read_png;
+    use mve_mesh::data::{Image, PixelKind};
 
-    use crate::data::{Image, PixelKind};
-    use crate::formats::png::read_png;
     use crate::prelude::*;
 
     #[test]

@@ -1,7 +1,8 @@
 //! Loads an STL file.
 
-use crate::formats::load_with;
-use crate::formats::stl::read_stl;
+use mve_formats::load_with;
+use mve_formats::stl::read_stl;
+
 use crate::prelude::*;
 
 /// Two triangles with a common side; `tests/contracts.rs` loads it, and damaged copies.

@@ -1,13 +1,8 @@
 //! Saves the triangles of a mesh as an STL file.
 
-use crate::formats::stl::{self, StlEncoding};
-use crate::prelude::*;
+use mve_formats::stl::{self, StlEncoding};
 
-impl Enumeration for StlEncoding {
-    const NAMES: &'static [(&'static str, &'static str)] =
-        &[("Binary", "Small: 50 bytes a triangle."), ("Ascii", "Text that a person can read.")];
-    const VALUES: &'static [Self] = &[Self::Binary, Self::Ascii];
-}
+use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
 const PATH: Param<PathBuf> = Param::output_file("path", "The file.", &["stl"]);

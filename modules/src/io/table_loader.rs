@@ -1,10 +1,11 @@
 //! Loads a table from a CSV or JSON file.
 //!
 //! Which of the two it is is seen from how the file begins, not from its name; see
-//! [`crate::formats::table`] for the forms that are read.
+//! [`mve_formats::table`] for the forms that are read.
 
-use crate::formats::load_with;
-use crate::formats::table::{CsvOptions, read_table};
+use mve_formats::load_with;
+use mve_formats::table::{CsvOptions, read_table};
+
 use crate::prelude::*;
 
 /// Two rows of a text and a number; `tests/contracts.rs` loads it, and damaged copies.

@@ -1,7 +1,8 @@
 //! Saves a table as a CSV or JSON file.
 
-use crate::formats::save_atomic;
-use crate::formats::table::{write_csv, write_json_columns, write_json_records};
+use mve_formats::save_atomic;
+use mve_formats::table::{write_csv, write_json_columns, write_json_records};
+
 use crate::prelude::*;
 
 /// How JSON is laid out.
@@ -80,8 +81,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::TableColumn;
 
-    use crate::data::TableColumn;
     use crate::prelude::*;
 
     #[test]

@@ -1,9 +1,9 @@
 //! Puts numbers of any number of links into one table.
 
 use mve_core::{Scalar, Value};
+use mve_mesh::data::Table;
 use serde_json::Value as Json;
 
-use crate::data::Table;
 use crate::prelude::*;
 
 const VALUES_IN: ManyAnyIn = ManyAnyIn::new(
@@ -98,9 +98,9 @@ fn rows(text: &str) -> Result<Vec<Cells>, String> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::{ColumnValues, Measure, Measures};
 
     use super::*;
-    use crate::data::{ColumnValues, Measure, Measures};
 
     fn table(trial: Trial) -> Vec<(String, ColumnValues)> {
         let outputs = trial.run().unwrap();

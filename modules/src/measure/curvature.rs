@@ -3,8 +3,8 @@
 //! Convex is positive where faces are counter-clockwise from outside.
 
 use glam::DVec3;
+use mve_mesh::data::{LayerValues, NO_VALUE};
 
-use crate::data::{LayerValues, NO_VALUE};
 use crate::geometry::curvature::{Curvature, FitOptions, discrete, quadric_fit};
 use crate::prelude::*;
 
@@ -117,8 +117,8 @@ fn directions(name: &str, directions: impl Iterator<Item = DVec3>) -> Layer {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::torus;
 
-    use crate::mesh::fixtures::torus;
     use crate::prelude::*;
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! See [`crate::geometry::surface::field_statistics`] for what counts how much.
 
-use crate::data::TableColumn;
+use mve_mesh::data::TableColumn;
+
 use crate::geometry::surface::field_statistics::{FieldStatistics, element_areas};
 use crate::prelude::*;
 
@@ -125,8 +126,8 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     #[test]

@@ -3,7 +3,8 @@
 //! Bins share a range evenly; a value at the end of one belongs to the next, the last one has its
 //! end, too (as numpy's `histogram`).
 
-use crate::data::{ColumnValues, TableColumn};
+use mve_mesh::data::{ColumnValues, TableColumn};
+
 use crate::geometry::surface::field_statistics::element_areas;
 use crate::picture::bar_chart::BarChart;
 use crate::prelude::*;
@@ -217,9 +218,9 @@ fn bin_of(value: f64, [low, high]: [f64; 2], n_bins: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::{Outputs, Trial};
+    use mve_mesh::data::{ColumnValues, TableColumn};
+    use mve_mesh::fixtures::mesh_of;
 
-    use crate::data::{ColumnValues, TableColumn};
-    use crate::mesh::fixtures::mesh_of;
     use crate::prelude::*;
 
     fn numbers(outputs: &Outputs, name: &str) -> Vec<f64> {

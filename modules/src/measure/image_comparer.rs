@@ -3,7 +3,8 @@
 //! The numbers are those of the metrics ImageRms, ImageSsim and Flip on the same pictures; see
 //! [`crate::picture::difference`] and [`crate::picture::flip`].
 
-use crate::data::{Image, Measure, PixelKind, TableColumn};
+use mve_mesh::data::{Image, Measure, PixelKind, TableColumn};
+
 use crate::picture::difference::{
     Similarity, absolute_difference, in_color, similarity, sum_of_squares,
 };
@@ -245,9 +246,9 @@ fn table(images: &Images, found: &[Found]) -> Table {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::{ColumnValues, Image, PixelKind};
+    use mve_mesh::fixtures::torus;
 
-    use crate::data::{ColumnValues, Image, PixelKind};
-    use crate::mesh::fixtures::torus;
     use crate::metric::{ImageRmsMetric, ImageSsimMetric, Metric};
     use crate::picture::render::{Albedo, CameraSet, Shading, Sides};
     use crate::picture::view::View;

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::data::{ColumnValues, TableColumn};
+use mve_mesh::data::{ColumnValues, TableColumn};
+
 use crate::prelude::*;
 
 /// Rows of a result beyond which something is wrong: keys that many rows of both tables have.
@@ -185,8 +186,8 @@ fn both(left: &ColumnValues, right: &ColumnValues, pairs: &[RowPair]) -> ColumnV
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::data::TableColumn;
 
-    use crate::data::TableColumn;
     use crate::prelude::*;
 
     fn texts(name: &str, words: &[&str]) -> TableColumn {

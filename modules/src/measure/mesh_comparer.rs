@@ -94,8 +94,8 @@ fn of_port(error: MetricError) -> ModuleError {
 mod tests {
     use glam::DVec3;
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::cube;
 
-    use crate::mesh::fixtures::cube;
     use crate::prelude::*;
 
     #[test]

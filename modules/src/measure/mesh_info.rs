@@ -130,7 +130,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
 mod tests {
     use mve_core::testing::Trial;
 
-    use crate::mesh::fixtures::tetrahedron;
+    use mve_mesh::fixtures::tetrahedron;
 
     #[test]
     fn a_tetrahedron_by_hand() {

@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::surface_sums::{surface_sums, warnings};
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::prelude::*;
 
 /// Unit of areas.
@@ -70,9 +70,10 @@ impl Metric for AreaRatioMetric {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, tetrahedron};
+
     use super::*;
-    use crate::mesh::fixtures::{cube, tetrahedron};
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Result<Comparison, MetricError> {
         AreaRatioMetric.compare(a, b, Control::none())

@@ -8,10 +8,10 @@
 
 use glam::DVec3;
 use mve_core::{Control, Entry};
+use mve_mesh::data::{LayerValues, Measure, NO_VALUE};
 
 use super::nearest::{Trees, trees, warnings};
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::{LayerValues, Measure, NO_VALUE};
 use crate::geometry::distance::pointwise::{Difference, FacePoint, Pointwise, angle_rad};
 use crate::prelude::*;
 
@@ -215,9 +215,9 @@ fn value_at(point: &FacePoint, name: &str) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
+    use mve_mesh::fixtures::mesh_of;
 
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
 
     /// The unit square whose texture coordinates are x + `shift` and y, with colors from black to
     /// `right` along x, and normals turned by an angle about x.

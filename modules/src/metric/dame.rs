@@ -6,9 +6,9 @@
 //! chosen here.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::perception::dame::{DameError, dame};
 use crate::picture::render::{CameraSet, Frame, Lens, Sides, Visible};
 use crate::prelude::*;
@@ -122,10 +122,10 @@ fn of_metric(error: DameError) -> MetricError {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::data::VertexId;
+    use mve_mesh::fixtures::{cube, torus};
 
     use super::*;
-    use crate::data::VertexId;
-    use crate::mesh::fixtures::{cube, torus};
 
     #[test]
     fn a_cube_is_seen_evenly_and_a_box_within_it_is_not() {

@@ -4,10 +4,10 @@
 //! pictures are taken and why.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::{Image, Images, Measure, PixelKind};
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::{Image, Images, Measure, PixelKind};
 use crate::picture::flip::{FlipError, PIXELS_PER_DEGREE, flip};
 use crate::picture::render::to_byte;
 use crate::picture::view::View;
@@ -119,8 +119,9 @@ fn of_metric(error: FlipError) -> MetricError {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::torus;
+
     use super::*;
-    use crate::mesh::fixtures::torus;
     use crate::metric::pictures::tests::{check_contract, small};
 
     const METRIC: fn() -> FlipMetric =

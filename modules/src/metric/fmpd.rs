@@ -3,9 +3,9 @@
 //! See [`crate::geometry::perception::fmpd`] for the source, the rules and the departures.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::perception::fmpd::{FmpdError, fmpd};
 use crate::prelude::*;
 
@@ -84,9 +84,10 @@ fn of_metric(error: FmpdError) -> MetricError {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::VertexId;
+    use mve_mesh::fixtures::torus;
+
     use super::*;
-    use crate::data::VertexId;
-    use crate::mesh::fixtures::torus;
 
     #[test]
     fn noise_is_rough_and_what_is_left_out_is_said() {

@@ -3,9 +3,9 @@
 //! See [`crate::geometry::distance::hausdorff`] for how they are measured and what is guaranteed.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::distance::hausdorff::{
     Directed, Hausdorff, HausdorffError, HausdorffOptions, hausdorff,
 };
@@ -251,10 +251,10 @@ fn warnings(found: &Hausdorff) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use mve_core::testing::Trial;
+    use mve_mesh::fixtures::{mesh_of, tetrahedron, torus};
     use serde_json::json;
 
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron, torus};
     use crate::registry;
 
     #[test]

@@ -14,10 +14,10 @@
 //! gray pictures have the value that they have in color; the paper compares luminance.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::{Images, Measure};
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::{Images, Measure};
 use crate::picture::difference::{absolute_difference, sum_of_squares};
 use crate::picture::view::View;
 use crate::prelude::*;

@@ -1,12 +1,12 @@
 //! Image RMS of pictures known by hand, and of odd meshes.
 
 use glam::DVec3;
+use mve_mesh::data::{Domain, Image, LayerValues, PixelKind, VertexId};
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, textured};
 
 use super::*;
 use crate::cost::EdgeLength;
-use crate::data::{Domain, Image, LayerValues, PixelKind, VertexId};
 use crate::geometry::simplify::collapse::{Boundary, SimplifyOptions, Stop, simplify};
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, textured};
 use crate::metric::pictures::tests::{check_contract, small};
 use crate::picture::render::{Albedo, Frame, Lens, NO_FACE, Shading, Visible};
 use crate::placement::Endpoint;

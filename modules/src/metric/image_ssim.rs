@@ -5,11 +5,11 @@
 //! compared.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::{Images, Measure};
 use rayon::prelude::*;
 
 use super::pictures::{VIEW, take_pair};
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::{Images, Measure};
 use crate::picture::difference::{Similarity, similarity};
 use crate::picture::ssim::SsimError;
 use crate::picture::view::View;
@@ -129,10 +129,10 @@ fn scalars(found: &[Similarity]) -> Vec<Measure> {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::data::LayerValues;
+    use mve_mesh::fixtures::torus;
 
     use super::*;
-    use crate::data::LayerValues;
-    use crate::mesh::fixtures::torus;
     use crate::metric::pictures::tests::{check_contract, small};
     use crate::picture::render::Albedo;
 

@@ -19,8 +19,8 @@ pub use msdm2::Msdm2Metric;
 
 use mve_core::{Cancelled, Choices, Control, Entry, ModuleError, Quantity, Settings};
 
-use crate::data::{Field, Images, Measure, TriMesh};
 pub use crate::geometry::distance::hausdorff::MeshRole;
+use mve_mesh::data::{Field, Images, Measure, TriMesh};
 
 mve_core::registered! {
     static ENTRIES: Entry<MakeMetric> =

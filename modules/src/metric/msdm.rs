@@ -3,10 +3,10 @@
 //! See [`crate::geometry::perception::msdm`] for the source, the choices and the departures.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::perception::msdm::{MsdmOptions, msdm};
 use crate::prelude::*;
 
@@ -92,8 +92,9 @@ impl Metric for MsdmMetric {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::tetrahedron;
+
     use super::*;
-    use crate::mesh::fixtures::tetrahedron;
 
     #[test]
     fn the_first_measure_is_the_value() {

@@ -3,10 +3,10 @@
 //! See [`crate::geometry::perception::msdm2`] for the source, the rules and the departures.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::perception::warnings;
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::perception::msdm2::{MAX_LEVELS, Msdm2Options, Variant, msdm2};
 use crate::prelude::*;
 
@@ -115,8 +115,9 @@ impl Metric for Msdm2Metric {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
+
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
 
     #[test]
     fn a_mesh_is_not_different_from_itself_and_a_lonely_vertex_is_named() {

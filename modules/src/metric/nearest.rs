@@ -1,9 +1,9 @@
 //! What metrics at nearest points share: the trees of both meshes, and what is not in them.
 
 use mve_core::Control;
+use mve_mesh::data::TriMesh;
 
 use super::{MeshRole, MetricError};
-use crate::data::TriMesh;
 use crate::geometry::distance::bvh::Bvh;
 
 /// The trees of both meshes.

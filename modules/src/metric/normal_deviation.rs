@@ -7,10 +7,10 @@
 //! surface may be nowhere far away and rough everywhere.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::nearest::{Trees, trees, warnings};
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::distance::pointwise::{Difference, FacePoint, Pointwise, angle_rad};
 use crate::prelude::*;
 
@@ -143,9 +143,10 @@ impl NormalDeviationMetric {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Result<Comparison, MetricError> {
         NormalDeviationMetric { n_samples: 20_000, seed: 0 }.compare(a, b, Control::none())
@@ -172,7 +173,7 @@ mod tests {
     fn what_has_no_normal_does_not_count() {
         let mut mesh = square(0.0);
         mesh.positions.extend([glam::DVec3::splat(9.0); 3]);
-        mesh.faces.push([4, 5, 6].map(crate::data::VertexId));
+        mesh.faces.push([4, 5, 6].map(mve_mesh::data::VertexId));
         let found = compared(&square(90.0), &mesh).unwrap();
         assert!((found.scalar("max").unwrap() - 90.0).abs() < 1e-9);
         assert!(found.simplified_fields[0].values[2].is_nan());

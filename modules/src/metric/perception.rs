@@ -1,8 +1,9 @@
 //! What perceptual metrics share: which parts of the meshes do not count, and what cannot be
 //! measured.
 
+use mve_mesh::data::TriMesh;
+
 use super::MetricError;
-use crate::data::TriMesh;
 use crate::geometry::perception::msdm2::{Msdm2, Msdm2Error};
 
 impl From<Msdm2Error> for MetricError {

@@ -1,9 +1,9 @@
 //! What metrics on pictures share: how pictures are taken, and what is not in them.
 
 use mve_core::Control;
+use mve_mesh::data::TriMesh;
 
 use super::{MeshRole, MetricError};
-use crate::data::TriMesh;
 use crate::picture::missing::{lack_of_colors, missing_colors};
 use crate::picture::view::{Pair, View, ViewDefaults, ViewParams, n_unseen};
 

@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 
 use super::*;
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 use crate::metric::Metric;
 use crate::picture::render::{Albedo, CameraSet, Shading, Sides};
 

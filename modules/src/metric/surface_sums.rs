@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
 
 use super::{MeshRole, MetricError};
-use crate::data::{FaceId, TriMesh};
 
 /// Sums over the faces of a mesh whose corners are finite.
 pub struct SurfaceSums {

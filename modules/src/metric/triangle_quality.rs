@@ -8,9 +8,9 @@
 
 use glam::DVec3;
 use mve_core::{Control, Entry};
+use mve_mesh::data::{FaceId, Measure};
 
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::{FaceId, Measure};
 use crate::prelude::*;
 
 /// Unit of angles.
@@ -196,9 +196,10 @@ fn angle_range_rad(corners: [DVec3; 3]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
+
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Comparison {
         TriangleQualityMetric.compare(a, b, Control::none()).unwrap()

@@ -4,9 +4,9 @@
 //! diagonal of the box of the original a shift is at most 1 where vertices stay within the box.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::{Comparison, MakeMetric, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::distance::vertex_shift::{ShiftError, vertex_shift};
 use crate::prelude::*;
 
@@ -102,10 +102,10 @@ fn of_metric(error: ShiftError) -> MetricError {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::cube;
 
     use super::*;
-    use crate::mesh::fixtures::cube;
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     #[test]
     fn a_cube_that_moved_by_its_side() {

@@ -7,10 +7,10 @@
 //! same borders changes in the same way; a warning says so.
 
 use mve_core::{Control, Entry};
+use mve_mesh::data::Measure;
 
 use super::surface_sums::{finite_bounds, surface_sums, warnings};
 use super::{Comparison, MakeMetric, MeshRole, Metric, MetricError};
-use crate::data::Measure;
 use crate::geometry::surface::mesh_info::mesh_info;
 use crate::prelude::*;
 
@@ -104,10 +104,10 @@ impl Metric for VolumeDifferenceMetric {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::{cube, mesh_of, tetrahedron};
 
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of, tetrahedron};
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn compared(a: &TriMesh, b: &TriMesh) -> Comparison {
         VolumeDifferenceMetric.compare(a, b, Control::none()).unwrap()

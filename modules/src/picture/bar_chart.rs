@@ -1,8 +1,9 @@
 //! A chart of bars over a range of numbers, as a picture.
 
+use mve_mesh::data::{Image, PixelKind};
+
 use super::color_map::ticks;
 use super::text::{Font, draw_text};
-use crate::data::{Image, PixelKind};
 
 /// What the chart says, and how large it is.
 #[derive(Clone, Debug, PartialEq)]

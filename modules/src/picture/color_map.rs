@@ -4,11 +4,11 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Field, Image, PixelKind, bytes_of};
 use thiserror::Error;
 
 use super::color_scale::{ColorTable, Scale};
 use super::text::{Font, draw_text};
-use crate::data::{Field, Image, PixelKind};
 
 /// The color of what is not a number, and, if wanted, of what is outside of the range.
 pub const GRAY: DVec3 = DVec3::splat(0.5);
@@ -211,11 +211,6 @@ pub fn color_bar(field: &Field, range: [f64; 2], options: &ColorMapOptions) -> I
         draw_text(&mut image, &label, place, [0; 3]);
     }
     image
-}
-
-/// A display color in bytes; what is not a number is 0.
-pub fn bytes_of(color: DVec3) -> [u8; 3] {
-    color.to_array().map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8)
 }
 
 fn set_pixel(image: &mut Image, [x, y]: [usize; 2], color: [u8; 3]) {

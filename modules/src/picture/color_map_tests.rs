@@ -1,7 +1,8 @@
 //! Tests of ranges, colors and color bars.
 
+use mve_mesh::data::Domain;
+
 use super::*;
-use crate::data::Domain;
 
 const PLAIN: ColorMapOptions = ColorMapOptions {
     scale: Scale::Viridis,

@@ -1,9 +1,9 @@
 //! Many pictures on one sheet.
 
+use mve_mesh::data::{Image, Images, PixelKind};
 use thiserror::Error;
 
 use super::text::{Font, draw_text};
-use crate::data::{Image, Images, PixelKind};
 
 /// Most pixels of a sheet.
 pub const MAX_PIXELS: usize = 1 << 28;

@@ -9,10 +9,10 @@
 use std::borrow::Cow;
 
 use mve_core::Control;
+use mve_mesh::data::{Image, PixelKind};
 
 use super::render::{luma, to_byte};
 use super::ssim::{Ssim, SsimError, ssim};
-use crate::data::{Image, PixelKind};
 
 /// How alike two pictures are in structure; 1 is equal.
 #[derive(Clone, Debug, PartialEq)]

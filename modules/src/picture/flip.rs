@@ -21,12 +21,12 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::bytes_of;
+use mve_mesh::data::{Image, PixelKind};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::color_map::bytes_of;
 use super::color_scale::{ColorTable, Scale};
-use crate::data::{Image, PixelKind};
 
 /// Pixels per degree at 0.7 m from a screen of 3,840 pixels in 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use mve_mesh::testing::reference;
+
 use super::*;
-use crate::testing::reference;
 
 const SIZE: [usize; 2] = [40, 24];
 

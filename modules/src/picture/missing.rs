@@ -1,6 +1,9 @@
 //! What a mesh lacks to be drawn in its colors.
 
-use crate::data::{FaceMaterials, Layer, LayerValues, Texture, TextureRole, TriMesh, shown_name};
+use mve_mesh::data::{
+    FaceMaterials, Layer, LayerValues, Texture, TextureRole, TriMesh, shown_name,
+};
+
 use crate::picture::render::{Albedo, is_colored};
 
 /// What a mesh lacks, and what pictures show instead: ends of sentences that begin with the mesh.
@@ -86,9 +89,10 @@ fn names(textures: &[&Texture]) -> Option<(usize, String)> {
 mod tests {
     use std::sync::Arc;
 
+    use mve_mesh::data::{Image, PixelKind, TextureImage};
+    use mve_mesh::fixtures::{tetrahedron, textured_square};
+
     use super::*;
-    use crate::data::{Image, PixelKind, TextureImage};
-    use crate::mesh::fixtures::{tetrahedron, textured_square};
 
     #[test]
     fn colors_that_no_mesh_has_are_refused_for_one_reason() {

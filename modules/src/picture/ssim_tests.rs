@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use mve_mesh::testing;
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::test_models::reference;
-use crate::testing;
+use crate::test_models::reference;
 
 /// The window written out: a double sum at every pixel.
 fn by_definition(a: &[u8], b: &[u8], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> f64 {

@@ -13,8 +13,8 @@ use embedded_graphics::mono_font::MonoTextStyle;
 use embedded_graphics::mono_font::iso_8859_1::FONT_8X13;
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
+use mve_mesh::data::{Image, PixelKind};
 
-use crate::data::{Image, PixelKind};
 use crate::picture::render::luma_of;
 
 /// The font's measures in pixels.

@@ -4,9 +4,9 @@
 //! pixel from machine to machine.
 
 use glam::DVec3;
+use mve_mesh::data::{Image, Images, TriMesh};
 
 use super::render::{Camera, Frame};
-use crate::data::{Image, Images, TriMesh};
 
 /// Which axis of a model is upright.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,8 +113,9 @@ pub fn sheet(images: &Images, columns: usize) -> Option<Image> {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::PixelKind;
+
     use super::*;
-    use crate::data::PixelKind;
     use crate::geometry::generate::{BoxOptions, subdivided_box};
 
     #[test]

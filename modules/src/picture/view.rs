@@ -8,8 +8,8 @@
 use mve_core::{
     Cancelled, ChoiceParam, Control, Enumeration, ModuleError, Param, ParamSpec, Settings,
 };
+use mve_mesh::data::{Images, PixelKind, TriMesh};
 
-use crate::data::{Images, PixelKind, TriMesh};
 use crate::picture::cameras::{CAMERA_SETS, MakeCameras};
 use crate::picture::render::{
     Albedo, CameraSet, Frame, NormalSource, PictureOptions, Shading, Sides, Surface,
@@ -240,7 +240,7 @@ impl View {
 /// How many faces have a corner that is not finite, and so are in no picture.
 pub fn n_unseen(mesh: &TriMesh) -> usize {
     let is_finite = |face: &[_; 3]| {
-        face.iter().all(|v: &crate::data::VertexId| mesh.positions[v.idx()].is_finite())
+        face.iter().all(|v: &mve_mesh::data::VertexId| mesh.positions[v.idx()].is_finite())
     };
     mesh.faces.iter().filter(|face| !is_finite(face)).count()
 }

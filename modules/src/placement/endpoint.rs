@@ -35,10 +35,11 @@ impl Placement for Endpoint {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::FaceId;
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::simplify::collapse::trial::{face_places, first_places};
-    use crate::mesh::fixtures::mesh_of;
 
     #[test]
     fn both_ends_are_proposed() {

@@ -46,10 +46,11 @@ impl Placement for LindstromTurk {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{mesh_of, tetrahedron, torus};
+
     use super::*;
     use crate::geometry::simplify::collapse::trial::first_places;
     use crate::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
-    use crate::mesh::fixtures::{mesh_of, tetrahedron, torus};
     use glam::DVec3;
     use mve_core::Control;
 

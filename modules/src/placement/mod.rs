@@ -10,9 +10,9 @@ pub use endpoint::Endpoint;
 pub use lindstrom_turk::LindstromTurk;
 pub use midpoint::Midpoint;
 use mve_core::{Choices, Entry, ModuleError, Settings};
+use mve_mesh::data::TriMesh;
 pub use optimal::Optimal;
 
-use crate::data::TriMesh;
 use crate::geometry::simplify::collapse::Placement;
 
 /// All placements, for the parameters of modules.

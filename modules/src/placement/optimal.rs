@@ -27,10 +27,11 @@ pub static PLACEMENT: Entry<MakePlacement> = Entry {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::FaceId;
+    use mve_mesh::fixtures::tetrahedron;
+
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::simplify::collapse::trial::{face_places, first_places};
-    use crate::mesh::fixtures::tetrahedron;
     use glam::DVec3;
 
     #[test]

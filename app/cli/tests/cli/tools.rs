@@ -118,9 +118,14 @@ fn a_new_map_is_written_once() {
 fn checkout() -> Folder {
     let folder = Folder::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    const LISTS: [&str; 7] = ["cost", "data", "filters", "io", "measure", "metric", "placement"];
+    const LISTS: [&str; 6] = ["cost", "filters", "io", "measure", "metric", "placement"];
     let lists = LISTS.map(|name| format!("modules/src/{name}/mod.rs"));
-    let others = ["core/Cargo.toml", "modules/src/lib.rs", "app/editor/src/views/mod.rs"];
+    let others = [
+        "core/Cargo.toml",
+        "mesh/src/data/mod.rs",
+        "modules/src/lib.rs",
+        "app/editor/src/views/mod.rs",
+    ];
     for file in lists.iter().map(String::as_str).chain(others).chain([".rustfmt.toml"]) {
         folder.write(file, &std::fs::read_to_string(root.join(file)).unwrap());
     }
@@ -195,9 +200,9 @@ fn a_new_loader_is_a_file_with_its_reader_and_a_name_in_a_list() {
 fn a_new_type_and_its_view_are_a_file_and_a_line_each() {
     let folder = checkout();
     folder.mve(&["new", "data", "Landmarks"]).succeeds();
-    let data = folder.read("modules/src/data/landmarks.rs");
+    let data = folder.read("mesh/src/data/landmarks.rs");
     assert!(data.contains("impl Data for Landmarks") && !data.contains("emplate"));
-    let list = folder.read("modules/src/data/mod.rs");
+    let list = folder.read("mesh/src/data/mod.rs");
     assert!(list.contains("    images: Images,\n    landmarks: Landmarks,\n"), "{list}");
     folder.mve(&["new", "view", "Landmarks"]).succeeds().says("cargo test -p mve-editor landmarks");
     let view = folder.read("app/editor/src/views/landmarks.rs");

@@ -14,12 +14,12 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, Fans};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 use rayon::prelude::*;
 
 use super::{CHUNK, Curvature, eigen, normalized, tangents};
-use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
-use crate::mesh::adjacency::{Adjacency, Fans};
 
 /// The curvature at each vertex, in time linear in the size of the mesh.
 ///

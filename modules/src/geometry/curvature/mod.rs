@@ -11,7 +11,7 @@ pub use quadric_fit::{FitOptions, quadric_fit};
 
 use glam::DVec3;
 
-use crate::data::TriMesh;
+use mve_mesh::data::TriMesh;
 
 /// Vertices that are worked on in one piece.
 const CHUNK: usize = 1 << 10;

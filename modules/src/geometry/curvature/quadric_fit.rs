@@ -12,12 +12,12 @@
 
 use glam::{DVec2, DVec3};
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::{TriMesh, VertexId};
 use rayon::prelude::*;
 
 use super::{Curvature, eigen, normalized, tangents};
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
-use crate::mesh::adjacency::Adjacency;
 
 /// Vertices that are worked on in one piece: some 20 ms where the rings are widest.
 const CHUNK: usize = 1 << 7;

@@ -1,11 +1,11 @@
 //! Tests of curvature: spheres and tori whose curvature is known, borders, odd meshes.
 
 use mve_core::Control;
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 
 use super::*;
 use crate::geometry::surface::subdivide::{Scheme, subdivide};
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-use crate::mesh::test_models;
+use crate::test_models;
 
 const FITS: [FitOptions; 3] = [
     FitOptions { ring: 1, degree: 2 },
@@ -131,7 +131,7 @@ fn reference(name: &str) -> Option<(TriMesh, Vec<Expected>)> {
     let read = |file: String| test_models::reference(&format!("models/{file}"));
     let mut mtl = |_: &str| Ok(Vec::new());
     let obj = read(format!("curv_{name}.obj.gz"))?;
-    let (mesh, _) = crate::formats::obj::parse(obj.as_bytes(), &mut mtl, Control::none()).unwrap();
+    let (mesh, _) = mve_formats::obj::parse(obj.as_bytes(), &mut mtl, Control::none()).unwrap();
     let rows = read(format!("curv_{name}_values.csv.gz"))?;
     let row = |line: &str| {
         let numbers: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();

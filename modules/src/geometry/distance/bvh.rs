@@ -13,12 +13,12 @@
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::FaceId;
 
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node, QueryPoint};
 use super::group::{Candidates, PointBox};
 use super::lists::{ListQuery, SlotLists};
 use super::point_triangle::PreparedTriangle;
-use crate::data::FaceId;
 
 /// Points that share one walk of the tree.
 pub(super) const GROUP: usize = 32;

@@ -6,15 +6,15 @@
 
 use glam::{DVec3, Vec4};
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
+use mve_mesh::morton::{coarse_codes, sort_by_code};
+use mve_mesh::random::IndexedRandom;
 
 use super::boxes::{BoxFrame, EMPTY, LEAF, Node, TURNED};
 use super::bvh::{Bvh, is_usable};
 use super::bvh_split::{Part, bounds_of, centers_of, split};
 use super::items::{Bounds, Item};
 use super::point_triangle::PreparedTriangle;
-use super::sample::IndexedRandom;
-use crate::data::{FaceId, TriMesh};
-use crate::mesh::morton::{coarse_codes, sort_by_code};
 
 /// Nodes over at most so many faces turn their boxes: larger ones are few.
 const MOST_TURNED: usize = 4096;

@@ -1,8 +1,9 @@
 //! Tests of the tree: it finds what a look at every face finds, and has equal faces once.
 
+use mve_mesh::fixtures::mesh_of;
+
 use super::*;
 use crate::geometry::distance::many::ManyQueries;
-use crate::mesh::fixtures::mesh_of;
 use proptest::prelude::*;
 
 fn brute_force(mesh: &TriMesh, point: DVec3) -> f64 {
@@ -25,7 +26,7 @@ fn empty_and_non_finite_meshes_find_nothing() {
 
 #[test]
 fn a_query_that_is_not_finite_finds_nothing() {
-    let bvh = Bvh::build(&crate::mesh::fixtures::tetrahedron(), Control::none()).unwrap();
+    let bvh = Bvh::build(&mve_mesh::fixtures::tetrahedron(), Control::none()).unwrap();
     assert_eq!(bvh.closest(DVec3::NAN), None);
     assert_eq!(bvh.closest(DVec3::INFINITY), None);
     assert!(bvh.closest(DVec3::splat(1e149)).is_some());

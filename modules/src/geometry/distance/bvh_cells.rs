@@ -1,6 +1,8 @@
 //! Building the tree of [`Bvh`] over cells of space, each of which has a list of faces.
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
+use mve_mesh::morton::sort_by_code;
 
 use super::boxes::EMPTY;
 use super::bvh::Bvh;
@@ -11,8 +13,6 @@ use super::bvh_split::{Part, bounds_of};
 use super::cells::Cells;
 use super::lists::{Rod, SlotLists};
 use super::point_triangle::PreparedTriangle;
-use crate::data::{FaceId, TriMesh};
-use crate::mesh::morton::sort_by_code;
 
 impl Bvh {
     /// Arranges lists of the faces that pass through cells of space.

@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, TriMesh};
 
 use super::bvh::Bvh;
 use super::point_triangle::PreparedTriangle;
 use super::sample::{Sample, SurfaceSampler};
-use crate::data::{Domain, FaceId, Layer, LayerValues, TriMesh};
 
 /// Points at which two surfaces are compared: shares are right to about half a percent.
 const N_SAMPLES: usize = 10_000;
@@ -128,8 +128,9 @@ fn compare(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
 
     /// A square in two halves, left and right of `middle`, with texture coordinates x and y.
     fn halves(middle: f64) -> TriMesh {

@@ -13,6 +13,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Field, TriMesh};
+use mve_mesh::morton::{morton_order, sort_by_code};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -20,8 +22,6 @@ use super::bvh::{Bvh, Hit};
 use super::hausdorff_max::{FarthestPoint, MaxSearch, search};
 use super::many::ManyQueries;
 use super::sample::{SurfaceSampler, sample_edges};
-use crate::data::{Domain, Field, TriMesh};
-use crate::mesh::morton::{morton_order, sort_by_code};
 
 /// Samples of one chunk: about a millisecond of work.
 const CHUNK: usize = 8192;

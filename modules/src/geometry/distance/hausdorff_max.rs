@@ -21,11 +21,11 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, Hit, Walker};
 use super::polygon::Polygon;
-use crate::data::{FaceId, TriMesh};
 
 /// Parts of one chunk.
 const CHUNK: usize = 1024;

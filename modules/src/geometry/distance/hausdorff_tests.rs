@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
+use mve_mesh::fixtures::{self, mesh_of, tetrahedron};
+use mve_mesh::random::IndexedRandom;
 use proptest::prelude::*;
 
 use super::*;
 use crate::cost::Quadric;
-use crate::geometry::distance::sample::IndexedRandom;
 use crate::geometry::generate::subdivided_box::{BoxOptions, subdivided_box};
 use crate::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
-use crate::mesh::fixtures::{self, mesh_of, tetrahedron};
 use crate::placement::Optimal;
 
 fn measure(a: &TriMesh, b: &TriMesh) -> Hausdorff {
@@ -125,7 +125,7 @@ fn a_segment_is_measured_over_its_vertices() {
 fn a_face_that_is_not_finite_is_left_out() {
     let mut broken = square(0.25);
     broken.positions.push(DVec3::NAN);
-    broken.faces.push([0, 1, 4].map(crate::data::VertexId));
+    broken.faces.push([0, 1, 4].map(mve_mesh::data::VertexId));
     let found = measure(&square(0.0), &broken);
     assert_eq!((found.n_left_out_simplified, found.max()), (1, 0.25));
     assert!(found.simplified_distance.values[4].is_nan());
@@ -218,13 +218,15 @@ fn is_bounded(from: &TriMesh, to: &TriMesh, found: &Directed) -> bool {
     let bvh = Bvh::build(to, Control::none()).unwrap();
     let bound = found.max_upper_bound.unwrap() + 1e-14;
     let n = 12;
-    (0..from.faces.len()).map(|f| from.corners(crate::data::FaceId(f as u32))).all(|[a, b, c]| {
-        (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))).all(|(i, j)| {
-            let (s, t) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
-            let point = a + (b - a) * s + (c - a) * t;
-            bvh.closest(point).is_some_and(|hit| hit.distance_sq.sqrt() <= bound)
-        })
-    })
+    (0..from.faces.len()).map(|f| from.corners(mve_mesh::data::FaceId(f as u32))).all(
+        |[a, b, c]| {
+            (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))).all(|(i, j)| {
+                let (s, t) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                let point = a + (b - a) * s + (c - a) * t;
+                bvh.closest(point).is_some_and(|hit| hit.distance_sq.sqrt() <= bound)
+            })
+        },
+    )
 }
 
 /// Thin faces in all directions through a cube.

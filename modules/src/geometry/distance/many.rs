@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::morton::coarse_order;
 use rayon::prelude::*;
 
 use super::bulk::{Bulk, Panorama};
 use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
-use crate::mesh::morton::coarse_order;
 
 /// Nodes that one point may take before it counts as hard.
 const MOST_VISITS: usize = 512;

@@ -3,10 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
+use mve_mesh::data::{TriMesh, VertexId};
+use mve_mesh::fixtures::{mesh_of, torus};
+
 use super::*;
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::point_triangle::PreparedTriangle;
-use crate::mesh::fixtures::{mesh_of, torus};
 
 /// Two triangles for each of `n` by `n` squares of longitude and latitude.
 fn sphere(radius: f64, n: u32) -> TriMesh {
@@ -97,7 +98,7 @@ fn hard_pairs_take_few_looks() {
                 distances_sq[at as usize] = hits[at as usize].unwrap().distance_sq;
             }
             let triangles: Vec<_> = (0..to.faces.len() as u32)
-                .map(|face| PreparedTriangle::new(to.corners(crate::data::FaceId(face))))
+                .map(|face| PreparedTriangle::new(to.corners(mve_mesh::data::FaceId(face))))
                 .collect();
             for (at, &point) in points.iter().enumerate().step_by(97) {
                 let all = triangles.iter().map(|triangle| triangle.distance_sq(point));

@@ -8,12 +8,12 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, Hit, Walker};
 use super::point_triangle::PreparedTriangle;
 use super::sample::{Sample, SurfaceSampler};
-use crate::data::{FaceId, TriMesh};
 
 /// Samples of one chunk: some milliseconds of work.
 const CHUNK: usize = 2048;
@@ -226,8 +226,9 @@ pub fn angle_rad(a: DVec3, b: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of, torus};
+
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of, torus};
 
     fn compared(from: &TriMesh, to: &TriMesh) -> Difference {
         let tree = Bvh::build(to, Control::none()).unwrap();

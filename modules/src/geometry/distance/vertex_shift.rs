@@ -12,13 +12,13 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Field, TriMesh, VertexId};
+use mve_mesh::morton::coarse_order;
 use thiserror::Error;
 
 use super::bvh::Bvh;
 use super::hausdorff::MeshRole;
 use super::many::ManyQueries;
-use crate::data::{Domain, Field, TriMesh, VertexId};
-use crate::mesh::morton::coarse_order;
 
 /// The ways of the vertices of the original, in model units.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,8 +147,9 @@ fn by_nearest(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of, torus};
+
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of, torus};
 
     /// Rossignac and Borrel's clustering by hand: the four vertices of a square go to two.
     #[test]

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
-use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::fixtures::mesh_of;
+use mve_mesh::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::fixtures::mesh_of;
 
 /// The unit square in two triangles, with a layer over each domain: vertex `v` has height `v`,
 /// corners their texture coordinate, faces the materials "a" and "b", vertices the normal z.

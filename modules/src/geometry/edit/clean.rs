@@ -4,10 +4,10 @@
 use std::collections::HashSet;
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 
 use super::manifold::{Repair, Repaired, repair_edges, repair_vertices};
 use super::rebuild::{Isolated, with_faces};
-use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::surface::components::without_faces;
 
 /// What is to be cleaned.
@@ -123,12 +123,12 @@ fn left_out(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::edit::checks::{any_mesh, layered_square};
     use crate::geometry::surface::mesh_info::mesh_info;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
 
     const ALL: CleanOptions = CleanOptions {
         non_finite: true,

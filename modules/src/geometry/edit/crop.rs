@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::rebuild::{Draft, Isolated, Origin, with_faces};
-use crate::data::{TriMesh, VertexId};
 
 /// A part of space; its border belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -279,13 +279,13 @@ fn push_pieces(
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
+    use mve_mesh::data::{Layer, LayerValues};
+    use mve_mesh::fixtures::{cube, mesh_of, torus};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::data::{Layer, LayerValues};
     use crate::geometry::edit::checks::{any_mesh, layered_square};
     use crate::geometry::surface::mesh_info::mesh_info;
-    use crate::mesh::fixtures::{cube, mesh_of, torus};
 
     fn cropped(mesh: &TriMesh, region: Region, keeps: Keeps, at_border: AtBorder) -> TriMesh {
         crop(mesh, &region, keeps, at_border, Control::none()).unwrap()

@@ -11,10 +11,10 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 
 use super::rebuild::{Draft, Origin};
-use crate::data::{FaceId, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// What makes one filling of a hole better than another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -301,15 +301,15 @@ fn is_back(mesh: &TriMesh, hole: &[Rim], vertices: &[VertexId]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::{Layer, NO_VALUE};
+    use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::data::{Layer, NO_VALUE};
     use crate::geometry::edit::checks::{any_mesh, layered_square};
     use crate::geometry::edit::rebuild::{Isolated, with_faces};
     use crate::geometry::surface::mesh_info::mesh_info;
-    use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-    use crate::mesh::test_models::model;
+    use crate::test_models::model;
 
     fn filled(mesh: &TriMesh, weight: HoleWeight) -> Filled {
         fill_holes(mesh, 100, weight, Control::none()).unwrap()
@@ -396,7 +396,7 @@ mod tests {
         let mut mesh = layered_square();
         mesh.positions.push(DVec3::new(0.5, 0.5, 1.0));
         mesh.layers.iter_mut().for_each(|layer| {
-            let is_vertex = layer.domain == crate::data::Domain::Vertex;
+            let is_vertex = layer.domain == mve_mesh::data::Domain::Vertex;
             layer.index.extend(is_vertex.then_some(NO_VALUE));
         });
         // The square is the bottom of a pyramid, turned over; its sides are missing.
@@ -408,7 +408,7 @@ mod tests {
             let vertex = found.mesh.faces[corner / 3][corner % 3];
             let same = mesh.faces.iter().flatten().position(|v| *v == vertex).unwrap();
             let value = |index: u32| match &texcoord.values {
-                crate::data::LayerValues::Vec2(values) => values[index as usize],
+                mve_mesh::data::LayerValues::Vec2(values) => values[index as usize],
                 _ => panic!("texture coordinates"),
             };
             assert_eq!(value(texcoord.index[corner]), value(texcoord.index[same]));

@@ -7,11 +7,11 @@
 //! its faces can have one marked edge.
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 
 use super::rebuild::{Draft, Origin};
-use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::surface::components::without_faces;
-use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
 
 /// What becomes of what is not manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -211,9 +211,10 @@ fn smaller_fans(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of};
+
     use super::*;
     use crate::geometry::surface::mesh_info::mesh_info;
-    use crate::mesh::fixtures::{cube, mesh_of};
 
     /// Three triangles at the edge 0–1, of areas 1/2, 1 and 3/2.
     fn book() -> TriMesh {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use thiserror::Error;
 
-use crate::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::data::{Domain, Layer, LayerValues, Material, NO_VALUE, TriMesh, VertexId};
 
 /// Why two meshes were not put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -201,11 +201,11 @@ fn free_name(name: &str, is_free: impl Fn(&str) -> bool) -> String {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::{cube, tetrahedron};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::edit::checks::{any_mesh, layered_square};
-    use crate::mesh::fixtures::{cube, tetrahedron};
 
     #[test]
     fn both_meshes_are_there_and_values_follow() {

@@ -2,8 +2,8 @@
 
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, TriMesh};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, TriMesh};
 
 /// What was found and done.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -173,12 +173,12 @@ fn reverse(layer: &mut Layer, is_reversed: impl Fn(usize) -> bool) {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::data::VertexId;
+    use mve_mesh::fixtures::{cube, mesh_of, torus};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::data::VertexId;
     use crate::geometry::edit::checks::{any_mesh, layered_square};
-    use crate::mesh::fixtures::{cube, mesh_of, torus};
 
     fn oriented(mesh: &TriMesh, is_outward: bool) -> (TriMesh, Oriented) {
         let found = orient(mesh, is_outward, Control::none()).unwrap();

@@ -2,9 +2,9 @@
 
 use mve_core::{Cancelled, Control};
 
-use crate::data::{FaceId, TriMesh};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
-use crate::mesh::union_find::UnionFind;
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{FaceId, TriMesh};
+use mve_mesh::union_find::UnionFind;
 
 /// What makes faces one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,8 +102,9 @@ pub fn parts_by_edges(mesh: &TriMesh, control: Control) -> Result<Parts, Cancell
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
 
     /// A small square of two faces; two large triangles that touch in a vertex.
     fn three() -> TriMesh {

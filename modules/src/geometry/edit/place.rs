@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use mve_core::{Cancelled, Control};
 
-use crate::data::{FaceId, TriMesh};
+use mve_mesh::data::{FaceId, TriMesh};
 
 /// What comes to the origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,12 +236,12 @@ fn eigenvectors(matrix: DMat3) -> Option<DMat3> {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of, tetrahedron};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::edit::checks::any_mesh;
     use crate::geometry::edit::transform::{transformed, turn_around};
-    use crate::mesh::fixtures::{cube, mesh_of, tetrahedron};
 
     const PLACING: Placing =
         Placing { is_aligned: false, center: Center::Box, extent: Extent::LongestSide, size: 1.0 };

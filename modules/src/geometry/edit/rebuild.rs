@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 
 /// Where an element of a new mesh has its values from.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, LayerValues, TriMesh, VertexId};
 
-use crate::data::{Domain, Layer, LayerValues, TriMesh, VertexId};
 use crate::geometry::relax::shading::renew_normals;
 
 /// Layers of directions along the surface, which go with it as its edges do.
@@ -218,12 +218,12 @@ pub fn flipped(mut mesh: TriMesh, control: Control) -> Result<TriMesh, Cancelled
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{tetrahedron, torus};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::edit::checks::{any_mesh, layered_square};
     use crate::geometry::surface::normals::{NormalWeight, vertex_normal_layer};
-    use crate::mesh::fixtures::{tetrahedron, torus};
 
     fn affine(linear: DMat3, translation: DVec3) -> DAffine3 {
         DAffine3::from_mat3_translation(linear, translation)

@@ -1,6 +1,6 @@
 //! Values of one domain of a mesh over another one.
 
-use crate::data::{Domain, TriMesh};
+use mve_mesh::data::{Domain, TriMesh};
 
 /// What becomes of several values that meet at one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,8 +73,9 @@ pub fn converted(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::mesh::fixtures::mesh_of;
 
     #[test]
     fn corners_carry_values_between_domains() {

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control, Expression};
+use mve_mesh::data::{Domain, FaceId, TriMesh};
 use rayon::prelude::*;
 
-use crate::data::{Domain, FaceId, TriMesh};
 use crate::geometry::surface::normals::{NormalWeight, face_normals, vertex_normals};
 
 /// What formulas may name, each with what it is; the first three are the fields.
@@ -78,8 +78,9 @@ pub fn evaluated(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::cube;
+
     use super::*;
-    use crate::mesh::fixtures::cube;
 
     #[test]
     fn elements_have_places_normals_and_numbers() {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::data::{FaceId, TriMesh};
+use mve_mesh::data::{FaceId, TriMesh};
 
 /// Asserts a closed, connected, outward oriented manifold without a handle, of which every vertex
 /// is used and every triangle has an area.

@@ -1,9 +1,9 @@
 //! A cylinder around z, with or without caps.
 
 use glam::DVec3;
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::{quad, ring};
-use crate::data::{TriMesh, VertexId};
 
 /// What cylinder to make.
 #[derive(Clone, Debug, PartialEq)]

@@ -25,7 +25,7 @@ pub use surface::{SurfaceOptions, surface};
 pub use torus::{TorusOptions, torus};
 pub use vase::{VaseOptions, vase};
 
-use crate::data::VertexId;
+use mve_mesh::data::VertexId;
 
 /// The two triangles of a quadrilateral that is counter-clockwise from outside.
 fn quad(corners: [u32; 4]) -> [[VertexId; 3]; 2] {

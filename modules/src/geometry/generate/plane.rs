@@ -1,9 +1,9 @@
 //! A flat grid.
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::TriMesh;
 
 use super::quad;
-use crate::data::TriMesh;
 
 /// What plane to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,9 +42,9 @@ pub fn plane(options: &PlaneOptions) -> TriMesh {
 #[cfg(test)]
 mod tests {
     use mve_core::Control;
+    use mve_mesh::data::FaceId;
 
     use super::*;
-    use crate::data::FaceId;
     use crate::geometry::surface::mesh_info::mesh_info;
 
     #[test]

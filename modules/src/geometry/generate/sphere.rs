@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::{quad, ring};
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::surface::subdivide::{Scheme, SubdivideError, subdivide};
 
 /// Range of the subdivisions of [`ico_sphere`].

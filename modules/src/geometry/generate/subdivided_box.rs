@@ -1,9 +1,9 @@
 //! A box whose sides are grids that share the vertices on edges and corners.
 
 use glam::DVec3;
+use mve_mesh::data::TriMesh;
 
 use super::quad;
-use crate::data::TriMesh;
 
 /// What box to make. The default is the unit cube with 768 triangles.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,9 +7,9 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::TriMesh;
 
 use super::quad;
-use crate::data::TriMesh;
 
 /// What surface to make. The default has 4,352 triangles.
 #[derive(Clone, Debug, PartialEq)]

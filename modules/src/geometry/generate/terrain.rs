@@ -9,10 +9,10 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use glam::DVec2;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Image, PixelKind, TriMesh};
+use mve_mesh::random::IndexedRandom;
 
 use super::{PlaneOptions, plane};
-use crate::data::{Image, PixelKind, TriMesh};
-use crate::geometry::distance::sample::IndexedRandom;
 
 /// What the heights are.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,9 +7,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, LayerValues, TriMesh};
 
 use super::{CylinderOptions, PlaneOptions, TorusOptions};
-use crate::data::{Domain, Layer, LayerValues, TriMesh};
 
 /// Of a grid, row by row: from its lowest x and y.
 ///

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use mve_mesh::data::TriMesh;
+
 use super::{quad, ring};
-use crate::data::TriMesh;
 
 /// What torus to make.
 #[derive(Clone, Debug, PartialEq)]

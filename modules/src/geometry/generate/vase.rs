@@ -10,9 +10,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::quad;
-use crate::data::{TriMesh, VertexId};
 
 /// What vase to make. The default has 7,808 triangles.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,12 +16,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, FaceId, Field, TriMesh};
 use thiserror::Error;
 
-use crate::data::{Domain, FaceId, Field, TriMesh};
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::surface::normals::face_normals;
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// A fold of 180° in the original counts this part.
 const MASKED: f64 = 0.01;
@@ -147,8 +147,9 @@ fn dihedral_rad(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of, torus};
+
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of, torus};
 
     fn measured(a: &TriMesh, b: &TriMesh) -> Result<Dame, DameError> {
         dame(a, b, None, Control::none())

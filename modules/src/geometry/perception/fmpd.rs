@@ -19,11 +19,11 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, FaceId, Field, TriMesh, VertexId};
 use thiserror::Error;
 
-use crate::data::{Domain, FaceId, Field, TriMesh, VertexId};
 use crate::geometry::distance::hausdorff::MeshRole;
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// The least roughness, and the largest unless the meshes are rougher.
 const ROUGHNESS: [f64; 2] = [0.0005, 0.2];
@@ -220,9 +220,10 @@ fn double_area(corners: [DVec3; 3]) -> f64 {
 mod tests {
     use std::f64::consts::PI;
 
+    use mve_mesh::fixtures::{mesh_of, tetrahedron};
+
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, tetrahedron};
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn measured(a: &TriMesh, b: &TriMesh) -> Fmpd {
         fmpd(a, b, Control::none()).unwrap()

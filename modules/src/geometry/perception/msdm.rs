@@ -17,6 +17,7 @@
 //! and where one side alone is flat C and S are 1.
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
 
 use super::msdm2::curvature::curvatures;
 use super::msdm2::window::{Kernel, Moments, Windows, local_values};
@@ -24,7 +25,6 @@ use super::msdm2::{
     Level, Levels, MeshCurvature, Msdm2, Msdm2Error, OneSided, Pair, ReferencePoint, Ties, Variant,
     carry, one_sided_of,
 };
-use crate::data::TriMesh;
 
 /// Dimensionless curvature below this is rounding. A crease of an angle of 1 has about 80.
 const FLAT: f64 = 1e-6;
@@ -144,10 +144,10 @@ fn local_value(moments: &Moments) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::{mesh_of, torus};
 
     use super::*;
-    use crate::mesh::fixtures::{mesh_of, torus};
-    use crate::mesh::test_models::reference_mesh;
+    use crate::test_models::reference_mesh;
 
     fn measured(a: &TriMesh, b: &TriMesh) -> Msdm {
         msdm(a, b, &MsdmOptions::DEFAULT, Control::none()).unwrap()

@@ -5,11 +5,11 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::TriMesh;
 
 use super::shading::renew_normals;
-use crate::data::TriMesh;
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
-use crate::mesh::adjacency::Adjacency;
 
 /// Where vertices move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,7 +96,7 @@ impl Random {
 /// [`Cancelled`] when `control` says so.
 pub fn mean_edge(mesh: &TriMesh, control: Control) -> Result<f64, Cancelled> {
     let adjacency = Adjacency::new(mesh, control)?;
-    let length = |[a, b]: &[crate::data::VertexId; 2]| {
+    let length = |[a, b]: &[mve_mesh::data::VertexId; 2]| {
         mesh.positions[a.idx()].distance(mesh.positions[b.idx()])
     };
     let lengths = adjacency.edges().iter().map(length).filter(|length| length.is_finite());
@@ -145,12 +145,12 @@ pub fn add_noise(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::edit::checks::any_mesh;
     use crate::geometry::generate::{PlaneOptions, plane};
-    use crate::mesh::fixtures::{cube, mesh_of};
 
     const OPTIONS: NoiseOptions = NoiseOptions {
         seed: 7,

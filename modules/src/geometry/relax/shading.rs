@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, LayerValues, TriMesh, VertexId};
 
-use crate::data::{Domain, Layer, LayerValues, TriMesh, VertexId};
 use crate::geometry::surface::normals::face_normals;
 
 /// Computes the values of the layer of normals anew where there is one; which corners of a vertex
@@ -78,9 +78,10 @@ pub fn renew_normals(mesh: &mut TriMesh, control: Control) -> Result<(), Cancell
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of};
+
     use super::*;
     use crate::geometry::surface::normals::{NormalWeight, corner_normal_layer};
-    use crate::mesh::fixtures::{cube, mesh_of};
 
     /// A cube becomes a slanted prism: each of its six sides keeps one normal, its own.
     #[test]
@@ -95,7 +96,7 @@ mod tests {
         assert_eq!(layer.values.len(), 24);
         let LayerValues::Vec3(values) = &layer.values else { panic!("normals") };
         for (corner, value) in layer.index.iter().enumerate() {
-            let [a, b, c] = mesh.corners(crate::data::FaceId(corner as u32 / 3));
+            let [a, b, c] = mesh.corners(mve_mesh::data::FaceId(corner as u32 / 3));
             let expected = (b - a).cross(c - a).normalize();
             assert!((values[*value as usize] - expected).length() < 1e-15);
         }

@@ -11,11 +11,11 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{FaceId, TriMesh};
 
 use super::shading::renew_normals;
 use super::weights::{Borders, EdgeWeight, Pattern, Weights};
-use crate::data::{FaceId, TriMesh};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// How a step moves the vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]

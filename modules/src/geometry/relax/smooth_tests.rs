@@ -1,12 +1,12 @@
 //! Tests of smoothing.
 
+use mve_mesh::fixtures::{mesh_of, torus};
 use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::edit::checks::any_mesh;
 use crate::geometry::generate::ico_sphere;
-use crate::mesh::fixtures::{mesh_of, torus};
-use crate::mesh::test_models::model;
+use crate::test_models::model;
 
 const LAPLACE: SmoothOptions = SmoothOptions {
     method: SmoothMethod::Laplace { lambda: 0.5 },

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::data::{TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId, HalfEdge};
+use mve_mesh::adjacency::{Adjacency, EdgeId, HalfEdge};
+use mve_mesh::data::{TriMesh, VertexId};
 
 /// How much each neighbor counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

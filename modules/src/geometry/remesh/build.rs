@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::data::{TriMesh, VertexId};
+use mve_mesh::union_find::UnionFind;
 
 use super::mesh::{Kind, WorkMesh};
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::surface::normals::face_normals;
-use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
-use crate::mesh::union_find::UnionFind;
 
 /// Which edges are kept as lines.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ pub(super) fn build(
         around: Vec::with_capacity(mesh.positions.len()),
     };
     for face in 0..mesh.faces.len() as u32 {
-        work.lines.push(adjacency.edges_of(crate::data::FaceId(face)).map(is_line));
+        work.lines.push(adjacency.edges_of(mve_mesh::data::FaceId(face)).map(is_line));
     }
     let mut at: Vec<Vec<EdgeId>> = vec![Vec::new(); mesh.positions.len()];
     let mut lines = Vec::new();
@@ -154,9 +154,10 @@ fn drop_short_lines(mesh: &TriMesh, adjacency: &Adjacency, shortest: f64, kinds:
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::cube;
+
     use super::*;
     use crate::geometry::generate::{CylinderOptions, cylinder};
-    use crate::mesh::fixtures::cube;
 
     fn kinds(mesh: &TriMesh, degrees: f64, shortest: f64) -> ([usize; 4], usize) {
         let adjacency = Adjacency::new(mesh, Control::none()).unwrap();
@@ -184,7 +185,7 @@ mod tests {
     fn what_is_not_manifold_is_fixed() {
         let points =
             [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-        let book = crate::mesh::fixtures::mesh_of(&points, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
+        let book = mve_mesh::fixtures::mesh_of(&points, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
         let ([_, _, border, fixed], n_lines) = kinds(&book, 170.0, 0.0);
         assert_eq!((border + fixed, n_lines), (5, 7));
         assert!(fixed >= 2);

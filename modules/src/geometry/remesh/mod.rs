@@ -22,17 +22,17 @@ mod tests;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, FaceId, Layer, TriMesh, VertexId};
+use mve_mesh::morton::morton_order;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::data::{Domain, FaceId, Layer, TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::edit::rebuild::{Draft, Origin};
 use crate::geometry::surface::normals::face_normals;
 use crate::geometry::transfer::Places;
 use crate::geometry::transfer::charts::is_seam;
-use crate::mesh::adjacency::{Adjacency, EdgeId};
-use crate::mesh::morton::morton_order;
 use build::{LineOptions, build};
 use mesh::WorkMesh;
 use relax::{Ground, line_tree, relax};

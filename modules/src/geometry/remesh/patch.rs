@@ -12,10 +12,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, NO_VALUE, TriMesh, VertexId};
 
 use super::mesh::{Kind, WorkMesh};
 use super::steps::edges;
-use crate::data::{Domain, Layer, NO_VALUE, TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::edit::rebuild::{Isolated, with_faces};
 use crate::geometry::transfer::{Places, appended};
@@ -413,7 +413,7 @@ mod tests {
     use crate::geometry::edit::holes::{HoleWeight, fill_holes};
     use crate::geometry::generate::ico_sphere;
     use crate::geometry::surface::mesh_info::mesh_info;
-    use crate::mesh::test_models::model;
+    use crate::test_models::model;
 
     fn filled(mesh: &TriMesh, max_edges: usize) -> Patched {
         let flat = fill_holes(mesh, max_edges, HoleWeight::Angle, Control::none()).unwrap();
@@ -427,7 +427,7 @@ mod tests {
     fn a_hole_in_a_sphere_becomes_round() {
         let sphere = ico_sphere(1.0, 4, Control::none()).unwrap();
         let is_kept = |f: usize| {
-            let [a, b, c] = sphere.corners(crate::data::FaceId(f as u32));
+            let [a, b, c] = sphere.corners(mve_mesh::data::FaceId(f as u32));
             (a + b + c).normalize().z < 30.0_f64.to_radians().cos()
         };
         let open = with_faces(&sphere, is_kept, Isolated::Removed, Control::none()).unwrap();
@@ -452,10 +452,10 @@ mod tests {
         let heights = plane.positions.iter().map(|p| 2.0 * p.x - p.y).collect();
         let (name, domain) = ("height".to_owned(), Domain::Vertex);
         let index = (0..plane.positions.len() as u32).collect();
-        let values = crate::data::LayerValues::Number(heights);
+        let values = mve_mesh::data::LayerValues::Number(heights);
         plane.set_layer(Layer { name, domain, values, index });
         let is_kept = |f: usize| {
-            let [a, b, c] = plane.corners(crate::data::FaceId(f as u32));
+            let [a, b, c] = plane.corners(mve_mesh::data::FaceId(f as u32));
             ((a + b + c) / 3.0).length() > 0.25
         };
         let open = with_faces(&plane, is_kept, Isolated::Removed, Control::none()).unwrap();
@@ -463,7 +463,7 @@ mod tests {
         assert_eq!(found.check(), Ok(()));
         assert!((found.area() - 1.0).abs() < 1e-9);
         let layer = found.layer("height").unwrap();
-        let crate::data::LayerValues::Number(values) = &layer.values else { panic!() };
+        let mve_mesh::data::LayerValues::Number(values) = &layer.values else { panic!() };
         for (v, p) in found.positions.iter().enumerate() {
             assert!(p.z.abs() < 1e-12);
             // Vertices slide within the plane when they are faired; their values do not.

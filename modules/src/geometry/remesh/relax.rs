@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
 use rayon::prelude::*;
 
 use super::mesh::{Kind, WorkMesh};
-use crate::data::TriMesh;
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::transfer::nearest;
 
@@ -143,7 +143,7 @@ fn goal_of(mesh: &WorkMesh, v: u32) -> Option<DVec3> {
 /// [`Cancelled`] when `control` says so.
 pub(super) fn line_tree(
     mesh: &TriMesh,
-    lines: &[[crate::data::VertexId; 2]],
+    lines: &[[mve_mesh::data::VertexId; 2]],
     control: Control,
 ) -> Result<Option<Bvh>, Cancelled> {
     if lines.is_empty() {

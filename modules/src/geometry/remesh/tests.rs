@@ -2,16 +2,16 @@
 
 use glam::{DVec2, DVec3};
 use mve_core::Control;
+use mve_mesh::data::LayerValues;
+use mve_mesh::fixtures::{cube, mesh_of, torus};
 use proptest::prelude::*;
 
 use super::*;
-use crate::data::LayerValues;
 use crate::geometry::distance::many::ManyQueries;
 use crate::geometry::edit::checks::any_mesh;
 use crate::geometry::generate::{PlaneOptions, ico_sphere, plane};
 use crate::geometry::surface::mesh_info::mesh_info;
-use crate::mesh::fixtures::{cube, mesh_of, torus};
-use crate::mesh::test_models::model;
+use crate::test_models::model;
 
 const OPTIONS: RemeshOptions = RemeshOptions {
     target: EdgeTarget::Length(0.1),

@@ -1,6 +1,6 @@
 //! Selections as fields, read over the vertices or the faces of a mesh.
 
-use crate::data::{Domain, Field, TriMesh};
+use mve_mesh::data::{Domain, Field, TriMesh};
 
 /// What a selection is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub fn over_faces(is: &[bool], domain: Domain, mesh: &TriMesh, rule: CornerRule)
     let corners = |(face, vertices): (usize, &[_; 3])| match domain {
         Domain::Face => is[face],
         Domain::Corner => rule.holds([0, 1, 2].map(|k| is[3 * face + k])),
-        Domain::Vertex => rule.holds(vertices.map(|v: crate::data::VertexId| is[v.idx()])),
+        Domain::Vertex => rule.holds(vertices.map(|v: mve_mesh::data::VertexId| is[v.idx()])),
     };
     mesh.faces.iter().enumerate().map(corners).collect()
 }
@@ -132,8 +132,9 @@ pub fn selection_field(is: &[bool], elements: Elements) -> Field {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::tetrahedron;
+
     use super::*;
-    use crate::mesh::fixtures::tetrahedron;
 
     fn field(domain: Domain, values: &[f64]) -> Field {
         let (name, unit) = ("s".to_owned(), String::new());

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, TriMesh};
 
 use super::chosen::{CornerRule, Elements, over_faces, over_vertices};
-use crate::data::{Domain, TriMesh};
 use crate::geometry::edit::crop::Region;
 use crate::geometry::surface::normals::{NormalWeight, face_normals, vertex_normals};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// Whether each value is in a range, both ends of which belong to it; what is not a number is not.
 pub fn in_range(values: &[f64], low: f64, high: f64) -> Vec<bool> {
@@ -103,9 +103,10 @@ pub fn grown(
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::cube;
+
     use super::*;
     use crate::geometry::generate::{PlaneOptions, plane};
-    use crate::mesh::fixtures::cube;
 
     fn count(is: &[bool]) -> usize {
         is.iter().filter(|is| **is).count()

@@ -9,9 +9,9 @@
 //! of a face merge, the faces around all three count.
 
 use glam::{DMat3, DVec3};
+use mve_mesh::data::VertexId;
 
 use super::collapse::{Contraction, MAX_VALENCE, WorkingMesh};
-use crate::data::VertexId;
 
 /// A constraint is taken if it is at least so far from those before it: sines and cosines of 1°,
 /// the α of the paper.

@@ -3,15 +3,16 @@
 //! Rule for singular systems: the search starts in the middle of the edge and moves only along
 //! directions that the planes determine, so a flat area gives the projection of the midpoint onto
 //! the plane and a straight crease its projection onto the crease; the derivation stands at
-//! [`Quadric::minimum_near`](crate::mesh::quadric::Quadric::minimum_near). A vertex without planes
+//! [`Quadric::minimum_near`](mve_mesh::quadric::Quadric::minimum_near). A vertex without planes
 //! takes the midpoint. Where the corners of a face merge, its middle stands for that of the edge.
 //!
 //! Where quadrics forget planes, those of the tip of a thin limb are soon gone, and the planes that
 //! are left let it shrink. There only places count that keep the volume (P. Lindstrom and G. Turk,
 //! "Fast and memory efficient polygonal simplification", IEEE Visualization 1998, section 4).
 
+use mve_mesh::quadric::Quadric;
+
 use super::collapse::{Candidates, Contraction, Placement, QuadricOptions, WorkingMesh};
-use crate::mesh::quadric::Quadric;
 
 /// The plane of the places that keep the volume counts so many times as all others.
 const VOLUME_WEIGHT: f64 = 1000.0;

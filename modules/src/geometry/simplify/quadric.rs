@@ -16,9 +16,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::VertexId;
 
 use super::collapse::{Batch, Contraction, Cost, QuadricOptions, Reach, Renewal, WorkingMesh};
-use crate::data::VertexId;
 
 /// Weight of the term that orders collapses of equal error, relative to the quadric's weight.
 const TIE: f64 = 1e-10;

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, Layer, TriMesh, VertexId};
-use crate::mesh::union_find::UnionFind;
+use mve_mesh::data::{Domain, Layer, TriMesh, VertexId};
+use mve_mesh::union_find::UnionFind;
 
 /// Whether each face is of a small component: one whose box has a diagonal of at most `size`, in
 /// model units. Faces that share a vertex are of one component; the largest, of equal ones the
@@ -79,9 +79,10 @@ pub fn without_faces(mesh: &TriMesh, is_gone: &[bool]) -> TriMesh {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::LayerValues;
+    use mve_mesh::fixtures::mesh_of;
+
     use super::*;
-    use crate::data::LayerValues;
-    use crate::mesh::fixtures::mesh_of;
 
     /// Triangles with legs of 1, 3 and 2, apart from each other.
     fn three() -> TriMesh {

@@ -7,7 +7,7 @@
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use crate::data::{Domain, FaceId, TriMesh};
+use mve_mesh::data::{Domain, FaceId, TriMesh};
 
 /// The area of each element of a mesh, in squared model units; faces that are not finite have none.
 /// O(n).
@@ -137,9 +137,9 @@ impl FieldStatistics {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use mve_mesh::fixtures::{cube, mesh_of};
 
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of};
 
     fn close(found: f64, expected: f64) {
         assert!((found - expected).abs() < 1e-14, "{found} {expected}");

@@ -7,8 +7,8 @@
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
-use crate::data::{FaceId, TriMesh};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{FaceId, TriMesh};
 
 /// cos 150°.
 const FOLD_COS: f64 = -0.866_025_403_784_438_6;
@@ -63,9 +63,10 @@ fn cross(mesh: &TriMesh, face: FaceId) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of};
+
     use super::*;
-    use crate::mesh::fixtures::{cube, mesh_of};
-    use crate::mesh::test_models::model;
+    use crate::test_models::model;
 
     fn found(mesh: &TriMesh) -> [usize; 2] {
         let adjacency = Adjacency::new(mesh, Control::none()).unwrap();

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
+use mve_mesh::union_find::UnionFind;
+use mve_mesh::weld::{coincident, same_places};
 
 use super::folds::{n_folded_edges, n_slivers};
-use super::weld::{coincident, same_places};
-use crate::data::{FaceId, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
-use crate::mesh::union_find::UnionFind;
 
 /// The facts about one mesh.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,9 @@
 //! Tests of the facts about a mesh.
 
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+
 use super::*;
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-use crate::mesh::test_models::model;
+use crate::test_models::model;
 
 fn near(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= 1e-12 * expected.abs()

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 
 /// How much a face counts in the normal of its vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

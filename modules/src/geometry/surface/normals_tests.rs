@@ -1,8 +1,9 @@
 //! Tests of the normals.
 
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+
 use super::*;
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-use crate::mesh::test_models::model;
+use crate::test_models::model;
 
 /// The functions without a control.
 mod plain {

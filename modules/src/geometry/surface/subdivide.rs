@@ -13,8 +13,8 @@ use glam::{DVec2, DVec3};
 use mve_core::{Cancelled, Control};
 use thiserror::Error;
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 
 /// Most faces of a result: the work needs about 100 bytes a face.
 pub const MAX_FACES: usize = 1 << 26;

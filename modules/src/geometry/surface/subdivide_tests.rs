@@ -1,9 +1,10 @@
 //! Tests of subdivision: known answers by hand, values of a peer, layers, odd meshes.
 
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
+
 use super::*;
 use crate::geometry::generate::{BoxOptions, subdivided_box};
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-use crate::mesh::test_models::model;
+use crate::test_models::model;
 
 fn run(mesh: TriMesh, scheme: Scheme, levels: u32) -> TriMesh {
     let mesh = subdivide(mesh, scheme, levels, Control::none()).unwrap();

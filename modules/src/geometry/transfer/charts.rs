@@ -2,9 +2,9 @@
 
 use mve_core::{Cancelled, Control};
 
-use crate::data::{Domain, FaceId, Layer, TriMesh};
-use crate::mesh::adjacency::{Adjacency, EdgeId, HalfEdge};
-use crate::mesh::union_find::UnionFind;
+use mve_mesh::adjacency::{Adjacency, EdgeId, HalfEdge};
+use mve_mesh::data::{Domain, FaceId, Layer, TriMesh};
+use mve_mesh::union_find::UnionFind;
 
 /// The chart of each face.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! Mixtures of the values of a layer.
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{Layer, LayerValues, NO_VALUE};
 
 use super::Mixture;
-use crate::data::{Layer, LayerValues, NO_VALUE};
 use crate::geometry::distance::point_triangle::PreparedTriangle;
 
 /// The values of a layer, and mixtures of them as they are asked for.

@@ -10,11 +10,11 @@ mod mixing;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, FaceId, Field, Layer, NO_VALUE, TriMesh};
+use mve_mesh::morton::coarse_order;
 
-use crate::data::{Domain, FaceId, Field, Layer, NO_VALUE, TriMesh};
 use crate::geometry::distance::bvh::{Bvh, Hit};
 use crate::geometry::distance::many::ManyQueries;
-use crate::mesh::morton::coarse_order;
 use charts::Charts;
 use mixing::Mixer;
 
@@ -102,11 +102,11 @@ impl<'a> Places<'a> {
     /// # Errors
     /// [`Cancelled`] when `control` says so.
     pub fn field(&self, field: &Field, control: Control) -> Result<Field, Cancelled> {
-        let values = crate::data::LayerValues::Number(field.values.clone());
+        let values = mve_mesh::data::LayerValues::Number(field.values.clone());
         let index = (0..field.values.len() as u32).collect();
         let layer = Layer { name: String::new(), domain: field.domain, values, index };
         let found = self.layer(&layer, control)?;
-        let crate::data::LayerValues::Number(numbers) = found.values else {
+        let mve_mesh::data::LayerValues::Number(numbers) = found.values else {
             return Ok(field.clone());
         };
         let at = |value: &u32| numbers.get(*value as usize).copied().unwrap_or(f64::NAN);
@@ -180,7 +180,7 @@ pub fn filled(layer: Layer, own: &Layer) -> Layer {
 
 /// The same of two layers over the same elements; where they are of different kinds, the first one.
 pub fn appended(mut layer: Layer, other: &Layer) -> Layer {
-    use crate::data::LayerValues::{Label, Number, Vec2, Vec3};
+    use mve_mesh::data::LayerValues::{Label, Number, Vec2, Vec3};
     let first = layer.values.len() as u32;
     match (&mut layer.values, &other.values) {
         (Number(values), Number(other)) => values.extend_from_slice(other),

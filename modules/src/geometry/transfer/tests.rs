@@ -2,11 +2,11 @@
 
 use glam::{DVec2, DVec3};
 use mve_core::Control;
+use mve_mesh::data::{LayerValues, VertexId};
+use mve_mesh::fixtures::mesh_of;
 
 use super::*;
-use crate::data::{LayerValues, VertexId};
 use crate::geometry::edit::checks::layered_square;
-use crate::mesh::fixtures::mesh_of;
 
 fn moved(source: &TriMesh, target: &TriMesh, most_distance: f64, name: &str) -> Layer {
     let tree = Bvh::build(source, Control::none()).unwrap();

@@ -11,11 +11,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
+use mve_mesh::random::IndexedRandom;
 use rayon::prelude::*;
 
 use super::rays::RayTree;
-use crate::data::TriMesh;
-use crate::geometry::distance::sample::IndexedRandom;
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
 
 /// How to look.
@@ -111,10 +111,11 @@ fn frame_of(z: DVec3) -> [DVec3; 3] {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, mesh_of};
+
     use super::*;
     use crate::geometry::edit::transform::flipped;
     use crate::geometry::generate::{PlaneOptions, ico_sphere, plane};
-    use crate::mesh::fixtures::{cube, mesh_of};
 
     const OPTIONS: OpennessOptions = OpennessOptions { n_rays: 4000, distance: f64::INFINITY };
 

@@ -10,7 +10,7 @@
 use glam::{DVec3, Vec3};
 use mve_core::{Cancelled, Control};
 
-use crate::data::TriMesh;
+use mve_mesh::data::TriMesh;
 
 /// Triangles in a leaf at most, unless their centers are at one place.
 const LEAF_SIZE: usize = 4;
@@ -69,7 +69,7 @@ impl RayTree {
     /// # Errors
     /// [`Cancelled`] when `control` says so.
     pub fn build(mesh: &TriMesh, control: Control) -> Result<Self, Cancelled> {
-        let usable = |face: &[crate::data::VertexId; 3]| {
+        let usable = |face: &[mve_mesh::data::VertexId; 3]| {
             let corners = face.map(|v| mesh.positions[v.idx()]);
             let is_place = |p: &DVec3| p.abs().cmplt(DVec3::splat(FARTHEST)).all();
             corners.iter().all(is_place).then_some(corners)
@@ -271,9 +271,10 @@ impl Triangle {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::fixtures::{cube, torus};
+    use mve_mesh::random::IndexedRandom;
+
     use super::*;
-    use crate::geometry::distance::sample::IndexedRandom;
-    use crate::mesh::fixtures::{cube, torus};
 
     #[test]
     fn rays_into_and_past_a_cube() {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::data::{
+use mve_mesh::data::{
     Domain, FaceId, FaceMaterials, Image, Layer, LayerValues, Material, TextureImage, TextureRole,
     TriMesh,
 };
@@ -167,7 +167,7 @@ impl<'a, T: Copy> Attribute<'a, T> {
         Some(Self { domain: layer.domain, index: &layer.index, values: values(&layer.values)? })
     }
 
-    /// The value at a corner of a face. [`crate::data::NO_VALUE`] is beyond all values.
+    /// The value at a corner of a face. [`mve_mesh::data::NO_VALUE`] is beyond all values.
     #[inline]
     pub fn at(&self, mesh: &TriMesh, face: FaceId, corner: usize) -> Option<T> {
         let element = match self.domain {

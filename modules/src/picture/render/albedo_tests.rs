@@ -1,8 +1,9 @@
 //! Colors by hand: which source a face takes, and pictures between their pixels.
 
+use mve_mesh::data::{Material, NO_VALUE, PixelKind};
+use mve_mesh::fixtures::{mesh_of, textured_square};
+
 use super::*;
-use crate::data::{Material, NO_VALUE, PixelKind};
-use crate::mesh::fixtures::{mesh_of, textured_square};
 
 /// Two by two: upper row 10 and 20, lower row 30 and 40.
 fn picture() -> Image {

@@ -8,9 +8,9 @@
 use std::borrow::Cow;
 
 use glam::DVec3;
+use mve_mesh::data::{Image, PixelKind};
 
 use super::raster::FaceSide;
-use crate::data::{Image, PixelKind};
 
 /// Thousandths of red, green and blue in the luminance (NTSC, 1953; ITU-R BT.601).
 const NTSC_THOUSANDTHS: [u32; 3] = [299, 587, 114];

@@ -3,11 +3,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Image, Images, PixelKind, TriMesh, VertexId};
 use rayon::prelude::*;
 
 use super::project::STEPS;
 use super::{Camera, CameraSet, Corner, Lens, Sides, Surface, Visible, corners};
-use crate::data::{Image, Images, PixelKind, TriMesh, VertexId};
 
 /// Pixels from one look for a stop to the next, those of the boxes around faces: a few
 /// milliseconds.

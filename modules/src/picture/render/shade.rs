@@ -15,6 +15,7 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, Image, Layer, PixelKind, TriMesh};
 
 use super::albedo::{Albedo, Attribute, FaceColor, MeshColors, vec3};
 use super::facet::Facet;
@@ -22,7 +23,6 @@ use super::luminance::{cosine, gray, normal, to_byte};
 use super::project::{Corner, Lens};
 use super::raster::{FaceSide, Sides};
 use super::visible::{NO_FACE, Visible, side_seen};
-use crate::data::{FaceId, Image, Layer, PixelKind, TriMesh};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
 
 /// How a surface is lit.

@@ -1,11 +1,11 @@
 //! Shading against painting triangle by triangle, and colors known by hand.
 
 use glam::DVec2;
+use mve_mesh::data::{Domain, LayerValues, VertexId};
+use mve_mesh::fixtures::{cube, mesh_of, torus};
 use proptest::prelude::*;
 
 use super::*;
-use crate::data::{Domain, LayerValues, VertexId};
-use crate::mesh::fixtures::{cube, mesh_of, torus};
 use crate::picture::render::{
     Camera, CameraSet, Frame, PictureOptions, Rect, corners, face_triangles, luminance, picture,
 };

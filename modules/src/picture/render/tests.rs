@@ -1,12 +1,12 @@
 //! The fill rule and pictures known by hand or in closed form.
 
 use glam::DVec3;
+use mve_mesh::data::TriMesh;
+use mve_mesh::fixtures::mesh_of;
 use proptest::prelude::*;
 
 use super::project::STEPS;
 use super::*;
-use crate::data::TriMesh;
-use crate::mesh::fixtures::mesh_of;
 
 fn front(size: usize) -> Lens {
     Lens::new(Camera::look_at(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO).unwrap(), size, 2.0)
@@ -113,7 +113,7 @@ fn a_sphere_has_its_silhouette_and_shading() {
                 let found = f64::from(seen.inv_depths[y * size + x]);
                 assert!((found * depth - 1.0).abs() < 2e-4, "pixel ({x}, {y})");
                 let lit = luminance(
-                    normal(mesh.corners(crate::data::FaceId(face))),
+                    normal(mesh.corners(mve_mesh::data::FaceId(face))),
                     camera.forward,
                     FaceSide::Front,
                 );

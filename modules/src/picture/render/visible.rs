@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use mve_mesh::data::{FaceId, TriMesh};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::project::{Corner, Lens};
 use super::raster::{FaceSide, Rect, Row, Sides, Triangle};
-use crate::data::{FaceId, TriMesh};
 
 /// Where no face is.
 pub const NO_FACE: u32 = u32::MAX;

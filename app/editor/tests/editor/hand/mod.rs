@@ -106,8 +106,7 @@ impl Hand {
                 render: Some(render.clone()),
                 ..Start::default()
             };
-            let registry = || mve_modules::registry().with(&[&wait::LIST], "tests");
-            let new = || Editor::new(ui.ctx(), registry(), start());
+            let new = || Editor::new(ui.ctx(), wait::registry(), start());
             editor.get_or_insert_with(new).show(ui);
         };
         let harness =
@@ -457,8 +456,8 @@ impl Hand {
     /// Draws frames until a node works.
     pub fn wait_until_it_works(&mut self, node: &str) {
         self.wait(|session| {
-            let working = session.runner.progress().and_then(|progress| progress.working);
-            working.is_some_and(|(working, _)| working == node)
+            let progress = session.runner.progress();
+            progress.and_then(|at| at.working).is_some_and(|(working, _)| working == node)
         });
     }
 
@@ -488,15 +487,7 @@ impl Hand {
 
     /// What is wrong with the map, once it has been checked.
     pub fn problems(&mut self) -> Vec<String> {
-        let start = Instant::now();
-        loop {
-            self.step();
-            let session = self.editor().session();
-            if session.runner.checked().revision == session.document.revision() {
-                return session.runner.problems().iter().map(ToString::to_string).collect();
-            }
-            assert!(start.elapsed() < PATIENCE, "the check takes too long");
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        self.wait(|session| session.runner.checked().revision == session.document.revision());
+        self.editor().session().runner.problems().iter().map(ToString::to_string).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use mve_core::{Listed, ModuleList, source_hash};
+use mve_core::{Listed, ModuleList, Registry, source_hash};
 use mve_modules::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -28,8 +28,12 @@ static WAIT: Module = Module {
     },
 };
 
-/// What a hand's window knows beside the modules of mve.
-pub static LIST: ModuleList = ModuleList {
+static LIST: ModuleList = ModuleList {
     category: "tests",
     modules: &[Listed { item: &WAIT, source: source_hash(include_bytes!("wait.rs")) }],
 };
+
+/// What a hand's window knows.
+pub fn registry() -> Registry {
+    mve_modules::registry().with(&[&LIST], "tests")
+}

@@ -7,10 +7,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 
 use super::Variant;
-use crate::data::{FaceId, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// The least part of a disc that a vertex on a border counts as.
 const LEAST_SHARE: f64 = 1.0 / 16.0;

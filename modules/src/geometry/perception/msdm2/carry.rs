@@ -6,14 +6,14 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::FaceId;
+use mve_mesh::morton::morton_order;
 use rayon::prelude::*;
 
 use super::curvature_mesh::CurvatureMesh;
 use super::{MAX_LEVELS, MeshCurvature, Variant};
-use crate::data::FaceId;
 use crate::geometry::distance::bvh::{Hit, Walker};
 use crate::geometry::distance::many::ManyQueries;
-use crate::mesh::morton::morton_order;
 
 /// Vertices of one chunk.
 const CHUNK: usize = 256;

@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use mve_core::Control;
+use mve_mesh::data::{TriMesh, VertexId};
 use rayon::prelude::*;
 
 use super::bend::{Bend, normal, turn_rad};
@@ -25,7 +26,6 @@ use super::curvature::curvatures;
 use super::curvature_mesh::{CurvatureMesh, common_scale};
 use super::window::{Sample, Sums};
 use super::{Levels, MAX_LEVELS, Msdm2Error, ReferencePoint, Variant, half_as_wide};
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::simplify::collapse::{Batch, Collapse, Proposal, WorkingMesh};
 

@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 use mve_core::Control;
+use mve_mesh::data::TriMesh;
+use mve_mesh::fixtures::torus;
 
 use super::collapse::Counting;
 use super::tests::measured_published;
 use crate::cost::{Msdm2, Quadric};
-use crate::data::TriMesh;
 use crate::geometry::generate::{BoxOptions, subdivided_box};
 use crate::geometry::simplify::collapse::Cost;
 use crate::geometry::simplify::collapse::{Simplified, SimplifyOptions, Stop, simplify};
-use crate::mesh::fixtures::torus;
-use crate::mesh::test_models::model;
 use crate::placement::Midpoint;
+use crate::test_models::model;
 
 fn simplified(mesh: &TriMesh, cost: &mut dyn Cost, faces: usize) -> Simplified {
     let stop = Stop { faces: Some(faces), ..Stop::default() };
@@ -82,7 +82,7 @@ fn odd_meshes_go_through() {
     };
     let mut positions = vec![DVec3::new(0.0, 0.0, 0.3)];
     positions.extend((0..300).map(rim));
-    let faces = (0..300).map(|k| [0, k + 1, (k + 1) % 300 + 1].map(crate::data::VertexId));
+    let faces = (0..300).map(|k| [0, k + 1, (k + 1) % 300 + 1].map(mve_mesh::data::VertexId));
     let fan = TriMesh::new(positions, faces.collect());
     let mut broken = torus(2.0, 0.5, 8);
     broken.positions[3].x = f64::NAN;

@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::bend::{Bend, bends};
 use super::{Msdm2Error, Variant};
-use crate::data::{TriMesh, VertexId};
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::distance::hausdorff::MeshRole;
-use crate::mesh::adjacency::Adjacency;
 
 /// Exponents beyond this are left alone, so that a scale is a finite power of two.
 const MOST_EXPONENT: i32 = 1000;

@@ -40,9 +40,9 @@ use thiserror::Error;
 
 pub(super) use carry::{ReferencePoint, Ties, carry};
 use curvature_mesh::{CurvatureMesh, common_scale};
+use mve_mesh::data::{Domain, FaceId, Field, TriMesh};
 use window::{Kernel, Moments, Windows, local_values};
 
-use crate::data::{Domain, FaceId, Field, TriMesh};
 use crate::geometry::distance::hausdorff::MeshRole;
 use mve_core::{Cancelled, Control};
 

@@ -1,11 +1,11 @@
 //! MSDM2 against the published program's values, and its properties.
 
 use glam::DQuat;
+use mve_mesh::data::VertexId;
+use mve_mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
 
 use super::*;
-use crate::data::VertexId;
-use crate::mesh::fixtures::{cube, mesh_of, tetrahedron, torus};
-use crate::mesh::test_models::{model, reference, reference_mesh};
+use crate::test_models::{model, reference, reference_mesh};
 
 fn measured(original: &TriMesh, simplified: &TriMesh, variant: Variant) -> Msdm2 {
     let options = Msdm2Options { variant, ..Msdm2Options::DEFAULT };

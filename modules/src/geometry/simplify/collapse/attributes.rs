@@ -12,6 +12,8 @@
 
 use glam::DVec3;
 use mve_core::Cancelled;
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::{Domain, Layer, TriMesh};
 
 use super::complex::{Complex, next_in_face};
 use super::layer::WorkingLayer;
@@ -20,8 +22,6 @@ use super::options::Seams;
 use super::order::Order;
 use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId};
-use crate::data::{Domain, Layer, TriMesh};
-use crate::mesh::adjacency::EdgeId;
 
 /// All layers of the working mesh, in the input's order.
 #[derive(Debug, Default)]

@@ -1,12 +1,13 @@
 //! Why the edges that are left may not collapse, for whoever asks why a target was missed.
 
+use mve_mesh::adjacency::EdgeId;
+
 use super::marks::VertexMarks;
 use super::mesh::WorkingMesh;
 use super::pricer::Pricer;
 use super::rings::Rings;
 use super::shape::ShapeLimits;
 use super::ticker::Ticker;
-use crate::mesh::adjacency::EdgeId;
 use mve_core::Cancelled;
 
 /// How many of the edges that are left each limit holds; each edge counts once, by the first limit.

@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
 use rayon::prelude::*;
 
 use super::cost::Cost;
@@ -27,7 +28,6 @@ use super::origin::Origin;
 use super::outcome::{Simplified, Statistics};
 use super::placement::Placement;
 use super::stop::Stop;
-use crate::data::TriMesh;
 
 /// Faces of a block, about.
 pub(super) const BLOCK: usize = 1 << 15;

@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::{Domain, Layer, LayerValues, VertexId};
+use mve_mesh::fixtures::torus;
 
 use super::*;
 use crate::cost::{EdgeLength, LindstromTurk, Quadric};
-use crate::data::{Domain, Layer, LayerValues, VertexId};
 use crate::geometry::simplify::collapse::trial::first_prices;
 use crate::geometry::simplify::collapse::{Schedule, simplify};
-use crate::mesh::adjacency::Adjacency;
-use crate::mesh::fixtures::torus;
 use crate::placement::{Endpoint, Midpoint, Optimal};
 
 const N_BLOCK: usize = 700;
@@ -51,7 +51,7 @@ fn in_one_queue(mesh: &TriMesh, ratio: f64) -> Simplified {
 fn topology(mesh: &TriMesh) -> (i64, usize) {
     let adjacency = Adjacency::new(mesh, Control::none()).unwrap();
     let n_edges = adjacency.edges().len();
-    let sides = |edge: u32| adjacency.sides_of(crate::mesh::adjacency::EdgeId(edge)).len();
+    let sides = |edge: u32| adjacency.sides_of(mve_mesh::adjacency::EdgeId(edge)).len();
     let n_odd = (0..n_edges as u32).filter(|&edge| sides(edge) != 2).count();
     (mesh.positions.len() as i64 - n_edges as i64 + mesh.faces.len() as i64, n_odd)
 }
@@ -122,7 +122,7 @@ fn borders_hold_across_blocks() {
         |p: &DVec3| [p.x, p.y].iter().any(|c| c.abs() < 0.05 || (c - 60.0).abs() < 0.05);
     let adjacency = Adjacency::new(&found, Control::none()).unwrap();
     for (at, ends) in adjacency.edges().iter().enumerate() {
-        let edge = crate::mesh::adjacency::EdgeId(at as u32);
+        let edge = mve_mesh::adjacency::EdgeId(at as u32);
         if adjacency.sides_of(edge).len() == 1 {
             assert!(ends.iter().all(|v| on_border(&found.positions[v.idx()])), "{ends:?}");
         }

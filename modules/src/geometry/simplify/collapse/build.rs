@@ -4,14 +4,14 @@
 //! D. V. Nekhayev, "Topology preserving edge contraction", Publ. Inst. Math. 66, 1999.
 
 use mve_core::Cancelled;
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::TriMesh;
+use mve_mesh::union_find::UnionFind;
 
 use super::complex::{Complex, Face, Vertex, flag, next_in_face, previous_in_face};
 use super::marks::VertexMarks;
 use super::order::{NONE, Order, inverse};
 use super::ticker::{CHUNK, Ticker};
-use crate::data::TriMesh;
-use crate::mesh::adjacency::EdgeId;
-use crate::mesh::union_find::UnionFind;
 
 impl Complex {
     /// Links the faces of a mesh. Faces that name a vertex twice or one that is not there are

@@ -5,9 +5,9 @@
 //! for the half-edge from that corner to the next.
 
 use glam::DVec3;
+use mve_mesh::adjacency::EdgeId;
 
 use super::order::NONE;
-use crate::mesh::adjacency::EdgeId;
 
 /// Facts about a vertex that hold for the whole run, because collapses keep the topology.
 pub(super) mod flag {

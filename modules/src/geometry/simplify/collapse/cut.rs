@@ -1,10 +1,10 @@
 //! Cuts a mesh into blocks of neighboring faces.
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::morton::{coarse_codes, sort_by_code};
 
 use super::order::NONE;
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::morton::{coarse_codes, sort_by_code};
 
 /// Which faces are in which block; see [`Cut::new`].
 pub(super) struct Cut {

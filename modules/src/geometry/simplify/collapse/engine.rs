@@ -4,6 +4,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::blocked::Blocked;
 use super::cost::Cost;
@@ -25,8 +27,6 @@ use super::rings::Rings;
 use super::shape::{Shape, ShapeLimits};
 use super::stop::Outcome;
 use super::ticker::Ticker;
-use crate::data::{TriMesh, VertexId};
-use crate::mesh::adjacency::EdgeId;
 
 /// A run of the engine.
 pub(super) struct Engine<'a> {

@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::{Domain, Layer, LayerValues, VertexId};
 
 use super::attributes::SeamRule;
 use super::marks::VertexMarks;
 use super::tests::{grid, run_with, to_faces, torus};
 use super::ticker::Ticker;
 use super::*;
-use crate::data::{Domain, Layer, LayerValues, VertexId};
-use crate::mesh::adjacency::EdgeId;
 use crate::placement::{Endpoint, Midpoint};
 
 /// Prices an edge by its length and by how many faces lie around the vertices within `rings` edges

@@ -6,13 +6,13 @@
 
 use glam::DVec3;
 use mve_core::Cancelled;
+use mve_mesh::quadric::Quadric;
 
 use super::complex::{Complex, Face, flag};
 use super::marks::VertexMarks;
 use super::merge::Merged;
 use super::rings::MAX_VALENCE;
 use super::ticker::{CHUNK, Ticker};
-use crate::mesh::quadric::Quadric;
 
 /// The faces around one vertex.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,14 +6,14 @@
 //! replaces the numbers; the test prints the new ones.
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{Domain, Layer, LayerValues};
+use mve_mesh::fixtures::torus;
 
 use super::*;
 use crate::cost::{EdgeLength, Msdm2, Quadric, Squares};
-use crate::data::{Domain, Layer, LayerValues};
 use crate::geometry::generate::{BoxOptions, VaseOptions, subdivided_box, vase};
 use crate::geometry::perception::msdm2::collapse::Counting;
 use crate::image_driven::{ImageDriven, ImageOptions, Structure};
-use crate::mesh::fixtures::torus;
 use crate::placement::{Endpoint, Midpoint, Optimal};
 
 /// FNV-1a (G. Fowler, L. C. Noll and P. Vo, 1991) over whole words.

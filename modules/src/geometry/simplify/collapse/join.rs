@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::quadric::Quadric;
 
 use super::cut::{Block, Cut};
 use super::mesh::WorkingMesh;
 use super::order::NONE;
 use super::ticker::Ticker;
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::quadric::Quadric;
 
 /// What is left of a block.
 pub(super) struct Remains {

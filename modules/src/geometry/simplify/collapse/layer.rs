@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use mve_core::Cancelled;
+use mve_mesh::data::{Domain, Layer, LayerValues, NO_VALUE};
 
 use super::complex::{Complex, next_in_face, previous_in_face};
 use super::order::Order;
 use super::ticker::{CHUNK, Ticker};
 use super::wedge::{Role, WedgeId};
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE};
 
 /// See the file's header. Every kind of value is held as three numbers.
 #[derive(Debug)]

@@ -1,11 +1,11 @@
 //! Tests of what costs nothing, of turns that adapt and of thin faces that wait.
 
 use glam::DVec3;
+use mve_mesh::data::VertexId;
 
 use super::tests::{cube, grid, run_with, to_faces, torus};
 use super::*;
 use crate::cost::{EdgeLength, Quadric};
-use crate::data::VertexId;
 use crate::placement::{Midpoint, Optimal};
 
 #[test]

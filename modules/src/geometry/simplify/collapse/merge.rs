@@ -19,13 +19,13 @@
 //! `kept` keep their links, those at `gone` become faces of `kept`.
 
 use glam::DVec3;
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::{FaceId, VertexId};
 
 use super::complex::Complex;
 use super::marks::VertexMarks;
 use super::order::NONE;
 use super::rings::{RingFace, Rings};
-use crate::data::{FaceId, VertexId};
-use crate::mesh::adjacency::EdgeId;
 
 /// A face that has died.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

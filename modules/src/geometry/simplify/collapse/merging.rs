@@ -4,11 +4,11 @@
 //! asks for it before. So both see the same values, to the last bit.
 
 use glam::DVec3;
+use mve_mesh::data::{Domain, NO_VALUE};
 
 use super::complex::Complex;
 use super::layer::WorkingLayer;
 use super::wedge::{AttributeValue, LayerId, WedgeId};
-use crate::data::{Domain, NO_VALUE};
 
 /// What becomes of the wedges of one layer.
 #[derive(Clone, Debug, Default)]

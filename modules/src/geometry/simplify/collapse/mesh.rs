@@ -4,6 +4,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::EdgeId;
+use mve_mesh::data::{Domain, FaceId, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::quadric::Quadric;
 
 use super::attributes::Attributes;
 use super::complex::{Complex, flag};
@@ -17,9 +20,6 @@ use super::quadrics::Quadrics;
 use super::rings::Rings;
 use super::ticker::{CHUNK, Ticker};
 use super::wedge::{AttributeValue, LayerId, Role, WedgeId};
-use crate::data::{Domain, FaceId, NO_VALUE, TriMesh, VertexId};
-use crate::mesh::adjacency::EdgeId;
-use crate::mesh::quadric::Quadric;
 
 /// The working mesh.
 ///

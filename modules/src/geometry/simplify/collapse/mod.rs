@@ -81,9 +81,9 @@ pub use rings::MAX_VALENCE;
 pub use stop::{Outcome, Stop};
 pub use wedge::{AttributeValue, LayerId, Role, WedgeId};
 
-use crate::data::TriMesh;
 use engine::Engine;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
 use origin::Origin;
 
 /// Simplifies a mesh; see the file's header.

@@ -6,12 +6,12 @@
 //! where a surface is not a manifold: so the inverse is exact.
 
 use glam::DVec3;
+use mve_mesh::data::{Domain, FaceId, VertexId};
 
 use super::merge::DyingFace;
 use super::mesh::WorkingMesh;
 use super::rings::Rings;
 use super::wedge::{LayerId, WedgeId};
-use crate::data::{Domain, FaceId, VertexId};
 
 /// Follows a run.
 pub trait Observer: Send {

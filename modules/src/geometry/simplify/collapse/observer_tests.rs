@@ -1,11 +1,11 @@
 //! The inverse of a run, from what an observer is told; and values that a placement gives.
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, VertexId};
 
 use super::tests::{grid, textured, to_faces};
 use super::*;
 use crate::cost::Quadric;
-use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, VertexId};
 use crate::placement::Optimal;
 
 /// What it takes to undo a collapse, as an observer may keep it.

@@ -8,10 +8,10 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 use mve_core::Cancelled;
+use mve_mesh::data::TriMesh;
+use mve_mesh::morton::interleave;
 
 use super::ticker::{CHUNK, Ticker};
-use crate::data::TriMesh;
-use crate::mesh::morton::interleave;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;

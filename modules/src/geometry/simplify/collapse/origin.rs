@@ -1,6 +1,6 @@
 //! Where the mesh of a run comes from: a whole mesh, a block of one, or what blocks left.
 
-use crate::mesh::quadric::Quadric;
+use mve_mesh::quadric::Quadric;
 
 /// How the mesh of a run lies in a larger one.
 #[derive(Clone, Copy, Debug)]

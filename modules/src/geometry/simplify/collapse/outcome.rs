@@ -1,8 +1,9 @@
 //! What a run gives.
 
+use mve_mesh::data::TriMesh;
+
 use super::blocked::Blocked;
 use super::stop::Outcome;
-use crate::data::TriMesh;
 
 /// A simplified mesh and how it came about.
 #[derive(Clone, Debug)]

@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
+use mve_mesh::adjacency::EdgeId;
+
 use super::attributes::SeamRule;
 use super::complex::flag;
 use super::cost::Cost;
@@ -11,7 +13,6 @@ use super::observer::Collapse;
 use super::placement::Placement;
 use super::proposal::{Candidates, Contraction, Proposal};
 use super::wedge::AttributeValue;
-use crate::mesh::adjacency::EdgeId;
 
 /// Edges priced in one batch, at the least and at most.
 const BATCH: RangeInclusive<usize> = 1..=512;

@@ -1,10 +1,10 @@
 //! What placements propose and costs price: batches of contractions with places for them.
 
 use glam::DVec3;
+use mve_mesh::data::VertexId;
+use mve_mesh::quadric::Quadric;
 
 use super::wedge::AttributeValue;
-use crate::data::VertexId;
-use crate::mesh::quadric::Quadric;
 
 /// How far from a collapse prices or proposals go stale, in edges from the merged vertex to the
 /// nearer end of the edge in question.

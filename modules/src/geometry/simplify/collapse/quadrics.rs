@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use mve_core::Cancelled;
+use mve_mesh::quadric::Quadric;
 
 use super::complex::{Complex, Face};
 use super::fans::Fans;
@@ -11,7 +12,6 @@ use super::options::QuadricOptions;
 use super::order::{NONE, Order};
 use super::origin::Origin;
 use super::ticker::{CHUNK, Ticker};
-use crate::mesh::quadric::Quadric;
 
 /// Which planes quadrics sum.
 #[derive(Clone, Copy, Debug)]

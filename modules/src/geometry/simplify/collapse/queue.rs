@@ -14,9 +14,9 @@
 use std::collections::BinaryHeap;
 
 use mve_core::Cancelled;
+use mve_mesh::adjacency::EdgeId;
 
 use super::ticker::{CHUNK, Ticker};
-use crate::mesh::adjacency::EdgeId;
 
 /// An edge on the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,8 @@
 //! or when their edges come up, as [`Renewal`] says; edges that are parked because they could not
 //! collapse are tried again when their neighborhood has changed.
 
+use mve_mesh::adjacency::EdgeId;
+
 use super::complex::{Complex, flag, next_in_face, previous_in_face};
 use super::marks::VertexMarks;
 use super::merge::Merged;
@@ -11,7 +13,6 @@ use super::mesh::WorkingMesh;
 use super::proposal::{Reach, Renewal};
 use super::queue::Queue;
 use super::rings::RingFace;
-use crate::mesh::adjacency::EdgeId;
 
 /// How many of the edges that come up next are priced, or read, along with the first: their loads
 /// from memory overlap.

@@ -1,12 +1,12 @@
 //! The result of a run: what is left of the working mesh, as a mesh in the order of the input.
 
 use mve_core::Cancelled;
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::complex::Complex;
 use super::mesh::WorkingMesh;
 use super::order::NONE;
 use super::ticker::{CHUNK, Ticker};
-use crate::data::{TriMesh, VertexId};
 
 impl WorkingMesh {
     /// The faces that are left, with the vertices that they use, both in the order of the input.

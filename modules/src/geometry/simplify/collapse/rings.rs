@@ -1,7 +1,8 @@
 //! The faces around the two ends of an edge: what a collapse checks, and what it changes.
 
+use mve_mesh::adjacency::EdgeId;
+
 use super::complex::{Complex, Face};
-use crate::mesh::adjacency::EdgeId;
 
 /// The most faces that a vertex may have to take part in a collapse. It bounds the time of one
 /// collapse, so that a fan of a million faces around one vertex takes no quadratic time; the

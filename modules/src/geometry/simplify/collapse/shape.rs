@@ -204,12 +204,13 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::adjacency::EdgeId;
+    use mve_mesh::fixtures::mesh_of;
+
     use super::super::marks::VertexMarks;
     use super::super::order::Order;
     use super::super::ticker::Ticker;
     use super::*;
-    use crate::mesh::adjacency::EdgeId;
-    use crate::mesh::fixtures::mesh_of;
     use mve_core::Control;
 
     #[test]

@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use glam::{DVec2, DVec3};
+use mve_mesh::data::{Domain, Layer, LayerValues, NO_VALUE, VertexId};
+use mve_mesh::fixtures::{mesh_of, tetrahedron};
 use proptest::prelude::*;
 
 use super::*;
 use crate::cost::{EdgeLength, Quadric};
-use crate::data::{Domain, Layer, LayerValues, NO_VALUE, VertexId};
-use crate::mesh::fixtures::{mesh_of, tetrahedron};
 use crate::placement::{Endpoint, Midpoint, Optimal};
 
 pub(super) fn run_with(

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use mve_core::Control;
+use mve_mesh::data::{FaceId, TriMesh};
 
 use super::marks::VertexMarks;
 use super::options::Seams;
@@ -11,7 +12,6 @@ use super::ticker::Ticker;
 use super::{
     Batch, Candidates, Contraction, Cost, Placement, Proposal, QuadricOptions, WorkingMesh,
 };
-use crate::data::{FaceId, TriMesh};
 
 fn working(mesh: &TriMesh, quadrics: Option<QuadricOptions>) -> (WorkingMesh, Vec<Contraction>) {
     let mut ticker = Ticker::new(Control::none());

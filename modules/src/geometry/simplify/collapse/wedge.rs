@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use crate::data::{Layer, LayerValues};
+use mve_mesh::data::{Layer, LayerValues};
 
 /// What the values of a layer mean, which says how they mix and what its seams are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,8 +58,9 @@ pub struct AttributeValue {
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::Domain;
+
     use super::*;
-    use crate::data::Domain;
 
     #[test]
     fn roles_come_from_names_and_need_their_kind_of_value() {

@@ -5,10 +5,10 @@
 
 use glam::{DVec2, DVec3};
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
 use crate::geometry::distance::point_triangle::PreparedTriangle;
-use crate::mesh::adjacency::Adjacency;
 
 /// Numbers that can be interpolated.
 trait Mixed: Copy + Default {

@@ -4,8 +4,8 @@ use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use rayon::prelude::*;
 
-use crate::data::{Domain, FaceId, Layer, LayerValues, TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, TriMesh, VertexId};
 
 /// A face keeps this cosine of its turn from where it began: 60°.
 const LEAST_COSINE: f64 = 0.5;

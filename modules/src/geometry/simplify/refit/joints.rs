@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::data::{FaceId, TriMesh};
 use rayon::prelude::*;
 
-use crate::data::{FaceId, TriMesh};
 use crate::geometry::distance::bvh::{Bvh, Hit};
 use crate::geometry::distance::many::ManyQueries;
 use crate::geometry::distance::point_triangle::PreparedTriangle;

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 
 use super::guard::Guard;
-use crate::data::{FaceId, TriMesh, VertexId};
 use crate::geometry::distance::bvh::{Bvh, Hit};
 use crate::geometry::distance::many::ManyQueries;
-use crate::mesh::adjacency::Adjacency;
 
 /// What the limit is below the largest distance of a point, since points miss the largest.
 const SAFETY: f64 = 0.97;

@@ -34,16 +34,16 @@ mod tests;
 use mve_core::{Cancelled, Control};
 use thiserror::Error;
 
-use crate::data::TriMesh;
 use crate::geometry::distance::bvh::Bvh;
 use crate::geometry::distance::hausdorff::MeshRole;
 use crate::geometry::distance::many::ManyQueries;
-use crate::mesh::adjacency::Adjacency;
 
 use guard::Guard;
 pub use joints::Spread;
 use joints::{JointFinder, Joints};
 use maximum::Maximum;
+use mve_mesh::adjacency::Adjacency;
+use mve_mesh::data::TriMesh;
 use system::System;
 
 /// How to fit.

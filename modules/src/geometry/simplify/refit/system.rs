@@ -7,11 +7,11 @@
 
 use glam::{DMat3, DVec3};
 use mve_core::{Cancelled, Control};
+use mve_mesh::adjacency::{Adjacency, EdgeId};
+use mve_mesh::data::{TriMesh, VertexId};
 use rayon::prelude::*;
 
 use super::joints::{Joint, Joints};
-use crate::data::{TriMesh, VertexId};
-use crate::mesh::adjacency::{Adjacency, EdgeId};
 
 /// Vertices of one chunk.
 const CHUNK: usize = 4096;

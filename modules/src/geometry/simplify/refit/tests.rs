@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use mve_core::Control;
+use mve_mesh::data::{Domain, Layer, LayerValues, VertexId};
+use mve_mesh::fixtures::{mesh_of, torus};
 
 use super::*;
 use crate::cost::Quadric;
-use crate::data::{Domain, Layer, LayerValues, VertexId};
 use crate::geometry::distance::hausdorff::{HausdorffOptions, hausdorff};
 use crate::geometry::generate::{BoxOptions, subdivided_box};
 use crate::geometry::simplify::collapse::{SimplifyOptions, Stop, simplify};
-use crate::mesh::fixtures::{mesh_of, torus};
-use crate::mesh::test_models::model;
 use crate::placement::Optimal;
+use crate::test_models::model;
 
 fn fitted(mesh: &TriMesh, original: &TriMesh, n_steps: usize) -> Refitted {
     let options = RefitOptions { n_steps, samples_per_face: 60.0, ..RefitOptions::DEFAULT };

@@ -7,9 +7,9 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh};
+use mve_modules::data::{Domain, Field, Layer, LayerValues, NO_VALUE, TriMesh, bytes_of};
 use mve_modules::picture::color_map::{
-    ColorMap, ColorMapOptions, Outside, bytes_of, extent_of, range_of, share,
+    ColorMap, ColorMapOptions, Outside, extent_of, range_of, share,
 };
 use mve_modules::picture::color_scale::Scale;
 use rayon::prelude::*;

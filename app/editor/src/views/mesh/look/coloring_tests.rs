@@ -2,8 +2,9 @@
 
 use mve_core::Control;
 use mve_core::Enumeration;
+use mve_modules::data::bytes_of;
 use mve_modules::mesh::fixtures::tetrahedron;
-use mve_modules::picture::color_map::{bytes_of, colors, extent_of};
+use mve_modules::picture::color_map::{colors, extent_of};
 
 use super::*;
 use crate::views::mesh::arrays::arrays;

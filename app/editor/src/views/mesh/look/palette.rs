@@ -38,7 +38,7 @@ pub fn colors_of_labels(mesh: &TriMesh, layer: &Layer) -> Vec<[u8; 3]> {
 /// The diffuse color that a material states.
 pub fn diffuse_of(mesh: &TriMesh, name: &str) -> Option<[u8; 3]> {
     let material = mesh.materials.iter().find(|material| material.name == name)?;
-    material.diffuse().map(mve_modules::picture::color_map::bytes_of)
+    material.diffuse().map(mve_modules::data::bytes_of)
 }
 
 #[cfg(test)]

@@ -1,0 +1,121 @@
+//! From a mesh to the bytes of an STL file.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+use mve_core::{Control, Enumeration};
+use mve_mesh::data::{TriMesh, VertexId};
+use rayon::prelude::*;
+
+use super::{HEAD, RECORD};
+
+/// Triangles that a thread makes at once, and how many such pieces there are between two looks
+/// whether the work was cancelled.
+const CHUNK: usize = 1 << 12;
+const PIECES: usize = 16;
+
+/// How numbers stand in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StlEncoding {
+    /// In binary, 50 bytes a triangle.
+    Binary,
+    /// As text.
+    Ascii,
+}
+
+impl Enumeration for StlEncoding {
+    const NAMES: &'static [(&'static str, &'static str)] =
+        &[("Binary", "Small: 50 bytes a triangle."), ("Ascii", "Text that a person can read.")];
+    const VALUES: &'static [Self] = &[Self::Binary, Self::Ascii];
+}
+
+/// Writes the triangles of a mesh, in floats of 32 bits, each with its normal. All else that the
+/// mesh has is left out.
+///
+/// # Errors
+/// `InvalidInput` when the mesh is not well formed, has too many faces for the format or a
+/// coordinate that is no finite float; whatever the writer reports; `Other` when `control` ends it.
+pub fn write_stl(
+    mesh: &TriMesh,
+    encoding: StlEncoding,
+    out: &mut dyn Write,
+    control: Control,
+) -> io::Result<()> {
+    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidInput, message);
+    mesh.check().map_err(|fault| invalid(fault.to_string()))?;
+    let Ok(n) = u32::try_from(mesh.faces.len()) else {
+        return Err(invalid("STL counts to 4,294,967,295; the mesh has more faces".to_owned()));
+    };
+    let used = mesh.faces.iter().flatten();
+    let is_float = |p: DVec3| p.as_vec3().is_finite();
+    if let Some(v) = used.into_iter().find(|v| !is_float(mesh.positions[v.idx()])) {
+        let DVec3 { x, y, z } = mesh.positions[v.idx()];
+        return Err(invalid(format!(
+            "vertex {} is at {x} {y} {z}, which are no finite floats",
+            v.0
+        )));
+    }
+    match encoding {
+        StlEncoding::Binary => {
+            // Not `solid`, with which text begins.
+            let mut head = [b' '; HEAD];
+            head[..10].copy_from_slice(b"binary STL");
+            head[HEAD - 4..].copy_from_slice(&n.to_le_bytes());
+            out.write_all(&head)?;
+        }
+        StlEncoding::Ascii => out.write_all(b"solid mesh\n")?,
+    }
+    for (at, faces) in mesh.faces.chunks(CHUNK * PIECES).enumerate() {
+        let done = at * CHUNK * PIECES;
+        control.at(done as f64 / mesh.faces.len() as f64).map_err(io::Error::other)?;
+        let piece = |faces: &[[VertexId; 3]]| {
+            let mut buffer = Vec::with_capacity(CHUNK * RECORD);
+            faces.iter().for_each(|face| {
+                record(face.map(|v| mesh.positions[v.idx()]), encoding, &mut buffer);
+            });
+            buffer
+        };
+        let pieces: Vec<Vec<u8>> = faces.par_chunks(CHUNK).map(piece).collect();
+        pieces.iter().try_for_each(|piece| out.write_all(piece))?;
+    }
+    match encoding {
+        StlEncoding::Binary => Ok(()),
+        StlEncoding::Ascii => out.write_all(b"endsolid mesh\n"),
+    }
+}
+
+/// Adds a triangle.
+fn record(corners: [DVec3; 3], encoding: StlEncoding, buffer: &mut Vec<u8>) {
+    match encoding {
+        StlEncoding::Binary => {
+            let mut bytes = [0; RECORD];
+            let points = [normal(corners), corners[0], corners[1], corners[2]];
+            let numbers = points.iter().flat_map(|p| p.as_vec3().to_array());
+            for (four, number) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+                *four = number.to_le_bytes();
+            }
+            buffer.extend_from_slice(&bytes);
+        }
+        StlEncoding::Ascii => {
+            text(buffer, "facet normal", normal(corners));
+            buffer.extend(b"  outer loop\n");
+            corners.iter().for_each(|p| text(buffer, "    vertex", *p));
+            buffer.extend(b"  endloop\nendfacet\n");
+        }
+    }
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+fn text(buffer: &mut Vec<u8>, words: &str, point: DVec3) {
+    buffer.extend(words.as_bytes());
+    for number in point.as_vec3().to_array() {
+        buffer.push(b' ');
+        let mut digits = zmij::Buffer::new();
+        let number = digits.format(number);
+        buffer.extend(number.strip_suffix(".0").unwrap_or(number).as_bytes());
+    }
+    buffer.push(b'\n');
+}
