@@ -3,6 +3,7 @@
 mve_core::modules! { "filters":
     ambient_occlusion,
     clean,
+    cluster_vertices,
     color_map,
     crop,
     delete_faces,

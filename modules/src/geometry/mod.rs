@@ -1,5 +1,6 @@
 //! Algorithms on meshes, as free functions over plain data; no ports.
 
+pub mod cluster;
 pub mod curvature;
 pub mod distance;
 pub mod edit;

@@ -1,0 +1,372 @@
+//! Simplification by clusters of vertices: one vertex stands for all in a cell.
+//!
+//! ```text
+//! importance ─┐            ┌─ of_vertex ─▶ place: a point a cluster ─┐
+//! mesh ───────┴▶ grid, or ─┤                                         ├▶ build: the faces with
+//!                floating  └─────────────────────────────────────────┘  corners in three clusters
+//! ```
+//!
+//! Sources: J. Rossignac and P. Borrel, "Multi-resolution 3D approximations for rendering complex
+//! scenes", 1993 (cells of a grid); K.-L. Low and T.-S. Tan, "Model simplification using
+//! vertex-clustering", I3D 1997 (cells around vertices); P. Lindstrom, "Out-of-core simplification
+//! of large polygonal models", SIGGRAPH 2000 (points of least quadric error).
+
+pub mod build;
+pub mod floating;
+pub mod grid;
+pub mod importance;
+pub mod place;
+pub mod search;
+
+use glam::DVec3;
+use mve_core::{Cancelled, Control};
+use mve_mesh::data::TriMesh;
+use mve_mesh::union_find::UnionFind;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use self::build::{Duplicates, built};
+use self::floating::{Cells, Centers, by_importance};
+use self::grid::{Grid, MOST_CELLS, PIECE, n_faces_left, numbered};
+use self::importance::{Weights, importance};
+use self::place::{Clusters, Place, Representative};
+use self::search::size_for;
+use super::edit::clean::{CleanOptions, clean};
+use super::edit::manifold::Repair;
+
+/// Which cells vertices are put into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellKind {
+    /// Those of a grid over the bounding box.
+    Uniform,
+    /// Cells around vertices, the most important first.
+    Floating,
+}
+
+/// How large cells are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// Length of their edges, in model units.
+    Edge(f64),
+    /// So many along the longest side of the bounding box.
+    PerAxis(u64),
+    /// As it takes for so many faces.
+    Faces(usize),
+    /// As it takes for vertices to move so far in the mean, over the diagonal.
+    Shift(f64),
+}
+
+/// How a mesh is clustered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClusterOptions {
+    /// Which cells.
+    pub cells: CellKind,
+    /// How large.
+    pub size: Size,
+    /// Which point stands for a cluster.
+    pub representative: Representative,
+    /// How much the parts of importance count.
+    pub weights: Weights,
+    /// Rounds, each with cells twice as large as those of the one before.
+    pub levels: u32,
+    /// What becomes of faces with the same vertices.
+    pub duplicates: Duplicates,
+    /// Whether parts of the surface that share no edge within a cell stay apart, and the surface is
+    /// cut open where it would not be manifold.
+    pub is_manifold: bool,
+}
+
+/// A mesh after clustering.
+#[derive(Clone, Debug)]
+pub struct Clustered {
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// Length of the cells' edges in the last round.
+    pub edge: f64,
+    /// Clusters of the last round, those without a face too.
+    pub n_clusters: usize,
+    /// How far the vertices moved in the mean, in model units, in the last round.
+    pub shift: f64,
+}
+
+/// Why a mesh cannot be clustered.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ClusterError {
+    /// The work was ended.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The cells are too small to be numbered.
+    #[error("cells of {0} are too small: at most {MOST_CELLS} fit along an axis")]
+    TooSmall(f64),
+}
+
+/// Tries of a goal after the first, where faces that go in the end were counted.
+const MOST_CORRECTIONS: usize = 3;
+
+/// Puts the vertices of a mesh into cells and gives each cell one vertex. Any heap of triangles
+/// will do. What is not finite is a cluster of its own. O(n) and for floating cells O(n log n).
+///
+/// # Errors
+/// See [`ClusterError`].
+pub fn cluster(
+    mesh: &TriMesh,
+    options: &ClusterOptions,
+    control: Control,
+) -> Result<Clustered, ClusterError> {
+    let n_levels = options.levels.clamp(1, 16);
+    let run = Run { mesh, options, goal: None };
+    if n_levels == 1 {
+        return run.last(control);
+    }
+    let edge = Prepared::new(mesh, options, control.part(0.0, 0.2))?
+        .edge(options.size, control.part(0.2, 0.3))?;
+    let mut coarser: Option<TriMesh> = None;
+    for level in (1..n_levels).rev() {
+        let size = Size::Edge(edge * 0.5_f64.powi(level as i32));
+        let options = ClusterOptions { size, ..*options };
+        let mesh = coarser.as_ref().unwrap_or(mesh);
+        let share = |level: u32| 0.3 + 0.4 * f64::from(n_levels - level) / f64::from(n_levels);
+        let part = control.part(share(level + 1), share(level));
+        coarser = Some(Run { mesh, options: &options, goal: None }.last(part)?.mesh);
+    }
+    let mesh = coarser.as_ref().unwrap_or(mesh);
+    Run { mesh, options, goal: None }.last(control.part(0.7, 1.0))
+}
+
+/// One round.
+struct Run<'a> {
+    mesh: &'a TriMesh,
+    options: &'a ClusterOptions,
+    goal: Option<f64>,
+}
+
+impl Run<'_> {
+    fn last(mut self, control: Control) -> Result<Clustered, ClusterError> {
+        let prepared = Prepared::new(self.mesh, self.options, control.part(0.0, 0.3))?;
+        let mut clustered = self.once(&prepared, control.part(0.3, 0.9))?;
+        let Size::Faces(asked) = self.options.size else { return Ok(clustered) };
+        // Faces that went since others are the same, or came since parts stay apart.
+        for _ in 0..MOST_CORRECTIONS {
+            let n_faces = clustered.mesh.faces.len() as f64;
+            let off = n_faces / asked as f64;
+            if (off - 1.0).abs() <= search::TOLERANCE || n_faces == 0.0 {
+                break;
+            }
+            self.goal = Some(self.goal.unwrap_or(asked as f64) / off);
+            let again = self.once(&prepared, control.part(0.9, 1.0))?;
+            let is_nearer = |other: &Clustered| other.mesh.faces.len().abs_diff(asked);
+            if is_nearer(&again) >= is_nearer(&clustered) {
+                break;
+            }
+            clustered = again;
+        }
+        Ok(clustered)
+    }
+
+    fn once(&self, prepared: &Prepared, control: Control) -> Result<Clustered, ClusterError> {
+        let size = match (self.options.size, self.goal) {
+            (Size::Faces(_), Some(goal)) => Size::Faces(goal.round() as usize),
+            (size, _) => size,
+        };
+        let edge = prepared.edge(size, control.part(0.0, 0.5))?;
+        let (mut of_vertex, mut n_clusters) = prepared.clusters(edge, control.part(0.5, 0.7))?;
+        if self.options.is_manifold {
+            (of_vertex, n_clusters) = parted(self.mesh, &of_vertex, control.part(0.7, 0.8))?;
+        }
+        let clusters = Clusters { mesh: self.mesh, of_vertex: &of_vertex, n_clusters };
+        let places = prepared.places(&clusters, edge, control.part(0.8, 0.9))?;
+        let shift = mean_shift(self.mesh, &of_vertex, &places);
+        let part = control.part(0.9, 0.95);
+        let mut mesh = built(self.mesh, &of_vertex, &places, self.options.duplicates, part)?;
+        if self.options.is_manifold {
+            let cut = CleanOptions {
+                non_finite: false,
+                degenerate: false,
+                duplicate: false,
+                edges: Repair::Split,
+                vertices: Repair::Split,
+                unreferenced: false,
+            };
+            mesh = clean(mesh, &cut, control.part(0.95, 1.0))?.0;
+        }
+        Ok(Clustered { mesh, edge, n_clusters, shift })
+    }
+}
+
+/// What is known of a mesh before the size of the cells is.
+struct Prepared<'a> {
+    mesh: &'a TriMesh,
+    options: &'a ClusterOptions,
+    /// The box around the finite vertices of faces.
+    bounds: (DVec3, DVec3),
+    importance: Vec<f64>,
+    order: Vec<u32>,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(
+        mesh: &'a TriMesh,
+        options: &'a ClusterOptions,
+        control: Control,
+    ) -> Result<Self, Cancelled> {
+        let is_floating = options.cells == CellKind::Floating;
+        let is_important = is_floating || options.representative == Representative::Important;
+        let importance = match is_important {
+            true => importance(mesh, options.weights, control.part(0.0, 0.7))?,
+            false => Vec::new(),
+        };
+        let order = match is_floating {
+            true => by_importance(&importance, control.part(0.7, 1.0))?,
+            false => Vec::new(),
+        };
+        let bounds = bounds(mesh);
+        Ok(Self { mesh, options, bounds, importance, order })
+    }
+
+    fn grid(&self, edge: f64) -> Result<Grid, ClusterError> {
+        // A box without extent has one cell of any size.
+        let edge = if self.largest() > 0.0 { edge } else { 1.0 };
+        Grid::new(self.bounds, edge).ok_or(ClusterError::TooSmall(edge))
+    }
+
+    /// An edge with which all vertices are in one cell, or 0.
+    fn largest(&self) -> f64 {
+        2.0 * (self.bounds.1 - self.bounds.0).max_element()
+    }
+
+    /// The length of the cells' edges for what was asked.
+    fn edge(&self, size: Size, control: Control) -> Result<f64, ClusterError> {
+        let (low, high) = self.bounds;
+        let diagonal = (high - low).length();
+        let side = (high - low).max_element();
+        match size {
+            Size::Edge(edge) => Ok(edge),
+            // A little more, so that the last vertex is in the last of them.
+            Size::PerAxis(n) => Ok((side / n.max(1) as f64).max(f64::MIN_POSITIVE) * (1.0 + 1e-12)),
+            Size::Faces(n_faces) => {
+                // A closed surface in cells of edge h has about 2 A / h² faces; A is at least twice
+                // the largest side of the box.
+                let first = diagonal / (n_faces.max(1) as f64).sqrt();
+                self.search(n_faces.max(1) as f64, -2.0, first, |edge| {
+                    let n_left = self.n_faces(edge, control)?;
+                    Ok(n_left as f64)
+                })
+            }
+            Size::Shift(shift) => self.search(shift, 1.0, 4.0 * shift * diagonal, |edge| {
+                let (of_vertex, n_clusters) = self.clusters(edge, control)?;
+                let clusters = Clusters { mesh: self.mesh, of_vertex: &of_vertex, n_clusters };
+                let places = self.places(&clusters, edge, control)?;
+                Ok(mean_shift(self.mesh, &of_vertex, &places) / diagonal)
+            }),
+        }
+    }
+
+    fn search(
+        &self,
+        goal: f64,
+        power: f64,
+        first: f64,
+        measure: impl Fn(f64) -> Result<f64, ClusterError>,
+    ) -> Result<f64, ClusterError> {
+        let largest = self.largest();
+        if largest <= 0.0 {
+            return Ok(1.0);
+        }
+        let least = largest / MOST_CELLS as f64;
+        let measured = |edge: f64| match measure(edge.max(least)) {
+            Ok(found) => Ok(found),
+            Err(ClusterError::Cancelled(cancelled)) => Err(cancelled),
+            // As if nothing were clustered.
+            Err(ClusterError::TooSmall(_)) => Ok(if power < 0.0 { f64::MAX } else { 0.0 }),
+        };
+        let edge = size_for(goal, power, (first.max(least), largest), measured)?;
+        Ok(edge.max(least))
+    }
+
+    fn n_faces(&self, edge: f64, control: Control) -> Result<usize, ClusterError> {
+        let grid = self.grid(edge)?;
+        Ok(match self.options.cells {
+            CellKind::Uniform => {
+                let keys = grid.keys(&self.mesh.positions, control)?;
+                n_faces_left(self.mesh, &keys, control)?
+            }
+            CellKind::Floating => {
+                let (of_vertex, _) = self.clusters(edge, control)?;
+                n_faces_left(self.mesh, &of_vertex, control)?
+            }
+        })
+    }
+
+    /// The cluster of each vertex, and how many there are.
+    fn clusters(&self, edge: f64, control: Control) -> Result<(Vec<u32>, usize), ClusterError> {
+        let grid = self.grid(edge)?;
+        if self.options.cells == CellKind::Uniform {
+            let keys = grid.keys(&self.mesh.positions, control.part(0.0, 0.3))?;
+            return Ok(numbered(&keys, control.part(0.3, 1.0))?);
+        }
+        let cells = Cells::new(self.mesh, grid, control.part(0.0, 0.3))?;
+        let centers = Centers::new(self.mesh, &cells, &self.order, control.part(0.3, 0.8))?;
+        Ok((centers.of_vertices(control.part(0.8, 1.0))?, centers.vertices.len()))
+    }
+
+    fn places(
+        &self,
+        clusters: &Clusters,
+        edge: f64,
+        control: Control,
+    ) -> Result<Vec<Place>, Cancelled> {
+        match self.options.representative {
+            Representative::Important => Ok(clusters.most_important(&self.importance)),
+            Representative::Mean => Ok(clusters.means()),
+            Representative::Quadric => clusters.quadric_points(3.0_f64.sqrt() * edge, control),
+        }
+    }
+}
+
+/// The box around the finite vertices of faces; one of no size where there are none.
+fn bounds(mesh: &TriMesh) -> (DVec3, DVec3) {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let around = |(low, high): (DVec3, DVec3), p: DVec3| (low.min(p), high.max(p));
+    let boxes = mesh.faces.par_chunks(PIECE).map(|faces| {
+        let points = faces.iter().flatten().map(|vertex| mesh.positions[vertex.idx()]);
+        points.filter(|p| p.is_finite()).fold(none, around)
+    });
+    let (low, high) = boxes.reduce(|| none, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    if low.x > high.x { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
+}
+
+/// Clusters whose vertices edges within them join.
+fn parted(
+    mesh: &TriMesh,
+    of_vertex: &[u32],
+    control: Control,
+) -> Result<(Vec<u32>, usize), Cancelled> {
+    let mut parts = UnionFind::new(mesh.positions.len());
+    for (place, face) in mesh.faces.iter().enumerate() {
+        control.item(place, mesh.faces.len())?;
+        for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (face[a], face[b])) {
+            if of_vertex[a.idx()] == of_vertex[b.idx()] {
+                parts.union(a.0, b.0);
+            }
+        }
+    }
+    let roots: Vec<u64> =
+        (0..mesh.positions.len() as u32).map(|v| u64::from(parts.find(v))).collect();
+    numbered(&roots, control)
+}
+
+/// How far the finite vertices of a mesh are from those of their clusters, in the mean.
+fn mean_shift(mesh: &TriMesh, of_vertex: &[u32], places: &[Place]) -> f64 {
+    let (mut sum, mut n) = (0.0, 0_usize);
+    for (&point, &cluster) in mesh.positions.iter().zip(of_vertex) {
+        let distance = point.distance(places[cluster as usize].point);
+        if distance.is_finite() {
+            (sum, n) = (sum + distance, n + 1);
+        }
+    }
+    sum / n.max(1) as f64
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;
