@@ -57,7 +57,11 @@ const FAULTS: [(&str, &str); 12] = [
     ("trailing characters", "found `{found}` after the last }"),
     ("recursion limit", "brackets are nested too deeply"),
     ("number out of range", "a number that is too large"),
-    ("control character", "a text goes on over the end of its line; is its closing \" missing?"),
+    (
+        "control character",
+        "a text goes on over the end of its line (is its closing \" missing?), or has a control \
+         character, which is written as \\u and four digits",
+    ),
     ("invalid escape", "a \\ in a text that JSON does not know; write \\\\ for a backslash"),
     ("lone leading", "half of a sign in a text: \\u stands for these in pairs"),
     ("unexpected end of hex", "half of a sign in a text: \\u stands for these in pairs"),

@@ -252,6 +252,27 @@ fn rounds_over_values_go_into_an_input_that_takes_many() {
     assert!(said[0].starts_with("last.a: \"loop.sum\" gives a value for each round"), "{said:?}");
 }
 
+/// The file that a loop sets in each round need not be set beside it.
+#[test]
+fn rounds_over_files_need_no_file_beside_them() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a.txt", "one"), ("b.txt", "two")] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    for each in [json!({"glob": "*.txt"}), json!(["a.txt", "b.txt"])] {
+        let own = json!({
+            "nodes": {"loop": {"module": "Read", "repeat": {"each": {"path": each}}}}});
+        let within = json!({
+            "nodes": {"loop": {"module": "reader", "repeat": {"each": {"file": each}}}},
+            "maps": {"reader": {"nodes": {"read": {"module": "Read"}},
+                                "parameters": {"file": "read.path"}}}});
+        for parts in [own, within] {
+            let planned = plan_in(folder.path(), &map(parts)).unwrap();
+            assert_eq!(outcome(&planned).failures().count(), 0);
+        }
+    }
+}
+
 #[test]
 fn an_input_that_takes_many_needs_one_and_its_order_counts() {
     let said = plan(json!({"nodes": {"all": {"module": "Total"}}})).unwrap_err();

@@ -63,8 +63,13 @@ impl<'a> Surfaces<'a> {
             let statements = material.statements.iter().map(|(keyword, _)| keyword.as_str());
             left_out.extend(statements.filter(|keyword| !KNOWN.contains(keyword)));
             for texture in &material.textures {
-                let Some(image) = texture.image.as_ref().filter(|_| slot(texture).is_some()) else {
+                if slot(texture).is_none() {
                     left_out.push(&texture.keyword);
+                    continue;
+                }
+                let Some(image) = &texture.image else {
+                    let name = shown_name(&texture.name);
+                    warnings.push(format!("texture {name} was not read and is left out"));
                     continue;
                 };
                 let source = match places.get(&Arc::as_ptr(image)) {

@@ -216,8 +216,11 @@ impl GlbFile<'_> {
         if n == 0 {
             return Ok(Vec::new());
         }
-        if let (Some(_), Some((low, high))) = (Rounding::of_floats(mesh), mesh.bounds()) {
-            self.offset = low.midpoint(high);
+        if let (Some(rounding), Some((low, high))) = (Rounding::of_floats(mesh), mesh.bounds()) {
+            match rounding.is_of_all() {
+                true => self.offset = low.midpoint(high),
+                false => warnings.push(rounding.to_string()),
+            }
         }
         let offset = self.offset;
         let place = |v: usize| (mesh.positions[v] - offset).to_array();

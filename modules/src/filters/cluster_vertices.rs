@@ -120,9 +120,11 @@ const MESH_OUT: Out<TriMesh> = Out::new(
      those of the vertex that stands for its cell, or of the nearest one there.",
 );
 const FACES: Quantity = Quantity::new("faces", "Faces of the result.").titled("faces").size();
-const CLUSTERS: Quantity = Quantity::new("clusters", "Cells that have vertices.").titled("clusters");
-const EDGE: Quantity =
-    Quantity::new("cell_edge", "Length of a cell's edge.").titled("cell edge").in_unit(Unit::LENGTH);
+const CLUSTERS: Quantity =
+    Quantity::new("clusters", "Cells that have vertices.").titled("clusters");
+const EDGE: Quantity = Quantity::new("cell_edge", "Length of a cell's edge.")
+    .titled("cell edge")
+    .in_unit(Unit::LENGTH);
 const MEAN_SHIFT: Quantity =
     Quantity::new("mean_shift", "How far vertices moved in the mean, in the last round.")
         .titled("mean shift")
@@ -160,7 +162,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let mesh = io.get(MESH_IN)?;
     io.reserve(mesh.faces.len() * BYTES_A_FACE)?;
     let size = match io.param(SIZE_BY)? {
-        SizeBy::Faces => Size::Faces(usize::try_from(io.param(TARGET_FACES)?).unwrap_or(usize::MAX)),
+        SizeBy::Faces => {
+            Size::Faces(usize::try_from(io.param(TARGET_FACES)?).unwrap_or(usize::MAX))
+        }
         SizeBy::Cells => Size::PerAxis(io.param(CELLS_AN_AXIS)?.unsigned_abs()),
         SizeBy::Edge => Size::Edge(io.param(CELL_EDGE)?),
         SizeBy::Shift => Size::Shift(io.param(SHIFT)?),

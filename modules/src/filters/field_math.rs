@@ -50,8 +50,10 @@ const B_IN: MaybeIn<Field> = MaybeIn::new("b", "A field on the mesh, b in the fo
 const C_IN: MaybeIn<Field> = MaybeIn::new("c", "A field on the mesh, c in the formula.");
 const FORMULA: Param<Expression> = Param::expression(
     "formula",
-    "The value at each element, by fields, places and normals; comparisons give 1 or 0, so that a \
-     formula can be a selection.",
+    "The value at each element, by fields, places and normals. It may have + - * / ^, < <= > >= = \
+     !=, and, or, parentheses, pi, and the functions sqrt, abs, min, max, sin, cos, tan, exp, log, \
+     floor, ceil, round, sign, pow, atan2, mod, not, step(edge, x), clamp(x, low, high) and \
+     if(test, then, else). Comparisons give 1 or 0, so that a formula can be a selection.",
     "z",
     VARIABLES,
 );

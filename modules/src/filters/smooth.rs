@@ -2,7 +2,7 @@
 //!
 //! Faces and their order stay; only vertices move.
 
-use mve_core::Condition;
+use mve_core::{Condition, brief};
 
 use crate::geometry::relax::smooth::{SmoothMethod, SmoothOptions, smooth};
 use crate::geometry::relax::weights::{Borders, EdgeWeight};
@@ -142,6 +142,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         borders: io.param(BORDERS)?,
         keeps_volume: io.param(KEEP_VOLUME)?,
     };
+    let diagonal = mesh.diagonal();
     let found = smooth(mesh, &options, chosen.as_deref(), io.control())?;
     if !found.has_volume {
         io.warn(match chosen {
@@ -152,8 +153,22 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     if !found.is_solved {
         io.warn("an implicit step was not solved to its end: a smaller strength helps");
     }
+    warn_of_size(io, diagonal, found.mesh.diagonal());
     io.put(MESH_OUT, found.mesh);
     Ok(())
+}
+
+/// Says where a mesh grew beyond all bounds, or went to a point.
+fn warn_of_size(io: &Io, before: f64, after: f64) {
+    let times = after / before;
+    if before > 0.0 && before.is_finite() && !(1e-2..10.0).contains(&times) {
+        let what = if times < 1.0 { "shrank" } else { "grew" };
+        io.warn(format!(
+            "the mesh {what}: its diagonal is {} times that of before; fewer steps, or shorter \
+             ones, keep its size",
+            brief(times)
+        ));
+    }
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ const TABLE_OUT: Out<Table> = Out::new(
     "A row a bin: where it begins and ends, how many values it has, and its share of all in the \
      range, by the weights.",
 );
-const IMAGES_OUT: Out<Images> = Out::new("images", "A picture: shares as bars.");
+const IMAGES_OUT: Out<Images> = Out::new("images", "A picture: the counts as bars.");
 const OUTSIDE_OUT: Out<f64> = Out::number(Quantity::new(
     "outside",
     "Values that are not finite or lie outside of the range; they are in no bin.",

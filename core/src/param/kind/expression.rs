@@ -60,6 +60,8 @@ enum Operator {
     GreaterOrEqual,
     Equal,
     Unequal,
+    And,
+    Or,
 }
 
 use Operator::*;
@@ -78,6 +80,8 @@ impl Operator {
             GreaterOrEqual => f64::from(a >= b),
             Equal => f64::from(a == b),
             Unequal => f64::from(a != b),
+            And => f64::from(a != 0.0 && b != 0.0),
+            Or => f64::from(a != 0.0 || b != 0.0),
         }
     }
 }
@@ -92,8 +96,9 @@ enum Function {
 
 /// The functions, by name. Angles are in radians; `log` is the natural logarithm. `step(edge, x)`
 /// is 0 below the edge and 1 from there on, `clamp(x, low, high)` the nearest number of the range,
-/// and `if(test, then, else)` the last of them where the first is 0.
-const FUNCTIONS: [(&str, Function); 18] = [
+/// `mod(x, y)` what is left of x by y, with the sign of y, and `if(test, then, else)` the last of
+/// them where the first is 0.
+const FUNCTIONS: [(&str, Function); 20] = [
     ("sqrt", Function::One(f64::sqrt)),
     ("abs", Function::One(f64::abs)),
     ("min", Function::Two(f64::min)),
@@ -109,6 +114,8 @@ const FUNCTIONS: [(&str, Function); 18] = [
     ("sign", Function::One(|x| if x == 0.0 || x.is_nan() { x } else { x.signum() })),
     ("pow", Function::Two(f64::powf)),
     ("atan2", Function::Two(f64::atan2)),
+    ("mod", Function::Two(|x, y| x - y * (x / y).floor())),
+    ("not", Function::One(|x| f64::from(x == 0.0))),
     ("step", Function::Two(|edge, x| f64::from(x >= edge))),
     ("clamp", Function::Three(clamp)),
     ("if", Function::Three(|test, then, other| if test == 0.0 { other } else { then })),
@@ -121,6 +128,9 @@ fn clamp(x: f64, low: f64, high: f64) -> f64 {
 
 /// The name of the number.
 const PI: &str = "pi";
+/// The words between conditions.
+const AND: &str = "and";
+const OR: &str = "or";
 
 impl Expression {
     /// Reads a formula; the error is a sentence that names the column, from 1.
@@ -129,10 +139,18 @@ impl Expression {
             return Err(format!("is longer than {LONGEST} characters"));
         }
         let mut reader = Reader { text, place: 0, depth: 0, variables };
-        let root = reader.comparison()?;
+        let root = reader.either()?;
         match reader.peek() {
             None => Ok(Self { text: text.to_owned(), root }),
-            Some(c) => Err(reader.fault(&format!("an operator is expected, not \"{c}\""))),
+            Some(c) => {
+                let hint = match c {
+                    '&' => ", which is written and",
+                    '|' => ", which is written or",
+                    '%' => "; mod(x, y) gives what is left of a division",
+                    _ => "",
+                };
+                Err(reader.fault(&format!("an operator is expected, not \"{c}\"{hint}")))
+            }
         }
     }
 
@@ -148,7 +166,7 @@ impl Expression {
 
     /// Whether a name means something in every formula, so that no variable can have it.
     pub fn has_meaning(name: &str) -> bool {
-        name == PI || FUNCTIONS.iter().any(|(known, _)| *known == name)
+        [PI, AND, OR].contains(&name) || FUNCTIONS.iter().any(|(known, _)| *known == name)
     }
 
     /// As the map says it.
@@ -239,6 +257,32 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Takes a word, if it stands here as a whole.
+    fn take_word(&mut self, word: &str) -> bool {
+        self.peek();
+        let is_end = |c: char| !(c.is_ascii_alphanumeric() || c == '_');
+        let is_here =
+            self.rest().strip_prefix(word).is_some_and(|r| r.chars().next().is_none_or(is_end));
+        self.place += if is_here { word.len() } else { 0 };
+        is_here
+    }
+
+    fn either(&mut self) -> Result<Term, String> {
+        let mut left = self.both()?;
+        while self.take_word(OR) {
+            left = Term::Both(Or, Box::new((left, self.both()?)));
+        }
+        Ok(left)
+    }
+
+    fn both(&mut self) -> Result<Term, String> {
+        let mut left = self.comparison()?;
+        while self.take_word(AND) {
+            left = Term::Both(And, Box::new((left, self.comparison()?)));
+        }
+        Ok(left)
+    }
+
     fn comparison(&mut self) -> Result<Term, String> {
         const SIGNS: [(&str, Operator); 7] = [
             ("<=", LessOrEqual),
@@ -303,12 +347,15 @@ impl Reader<'_> {
         match self.peek() {
             Some('(') => {
                 self.place += 1;
-                let inside = self.comparison()?;
+                let inside = self.either()?;
                 self.expect(')', "behind what is in parentheses")?;
                 Ok(inside)
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() || c == '_' => self.name(),
+            Some('*') if self.text[..self.place].trim_end().ends_with('*') => {
+                Err(self.fault("a value is expected, not \"*\"; a power is written x^y"))
+            }
             Some(c) => Err(self.fault(&format!("a value is expected, not \"{c}\""))),
             None => Err(self.fault("a value is missing at the end")),
         }
@@ -354,25 +401,28 @@ impl Reader<'_> {
             Some('(') => did_you_mean(&name, FUNCTIONS.iter().map(|(name, _)| *name)),
             _ => did_you_mean(&name, known()),
         };
-        let all = known().collect::<Vec<_>>().join(", ");
+        let all = match self.peek() {
+            Some('(') => FUNCTIONS.map(|(name, _)| name).join(", "),
+            _ => known().collect::<Vec<_>>().join(", "),
+        };
         let all = if all.is_empty() { String::new() } else { format!("; there are {all}") };
         Err(self.fault_at(start, &format!("\"{name}\" is not known{all}{hint}")))
     }
 
     fn call(&mut self, name: &str, function: Function) -> Result<Term, String> {
         self.expect('(', &format!("behind {name}"))?;
-        let first = self.comparison()?;
+        let first = self.either()?;
         let term = match function {
             Function::One(function) => Term::Call(function, Box::new(first)),
             Function::Two(function) => {
                 self.expect(',', &format!("between the two values of {name}"))?;
-                Term::CallBoth(function, Box::new((first, self.comparison()?)))
+                Term::CallBoth(function, Box::new((first, self.either()?)))
             }
             Function::Three(function) => {
                 self.expect(',', &format!("behind the first value of {name}"))?;
-                let second = self.comparison()?;
+                let second = self.either()?;
                 self.expect(',', &format!("behind the second value of {name}"))?;
-                Term::CallThree(function, Box::new([first, second, self.comparison()?]))
+                Term::CallThree(function, Box::new([first, second, self.either()?]))
             }
         };
         self.expect(')', &format!("behind the values of {name}"))?;

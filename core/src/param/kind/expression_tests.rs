@@ -91,3 +91,17 @@ fn no_variable_has_the_name_of_a_function_or_of_pi() {
         assert!(fault(variables).unwrap().contains("of a variable is taken"));
     }
 }
+
+#[test]
+fn conditions_are_joined_by_words() {
+    let at = |text: &str, x: f64| Expression::compile(text, &[("x", "A number.")]).unwrap().eval(&[x]);
+    for (x, expected) in [(-1.0, 1.0), (0.5, 0.0), (1.5, 1.0), (3.0, 0.0)] {
+        assert_eq!(at("x < 0 or x > 1 and not(x > 2)", x), expected, "{x}");
+    }
+    assert_eq!((at("mod(x, 3)", 7.5), at("mod(x, 3)", -1.0)), (1.5, 2.0));
+    let said = |text| Expression::compile(text, &[("x", ""), ("android", "")]).unwrap_err();
+    assert!(said("x & 1").ends_with("not \"&\", which is written and"));
+    assert!(said("x ** 2").ends_with("a power is written x^y"));
+    assert!(said("sqroot(x)").contains("there are sqrt, abs,"));
+    assert!(Expression::compile("android > 1 and x > 0", &[("x", ""), ("android", "")]).is_ok());
+}

@@ -106,6 +106,8 @@ impl<T: RangeValue> ParamKind for RangeSpec<T> {
 fn between((low, high): (f64, f64)) -> String {
     const ENDLESS: f64 = 9.0e15;
     match (low > -ENDLESS, high < ENDLESS) {
+        (true, true) if low == f64::MIN_POSITIVE => format!(" above 0 and up to {high}"),
+        (true, false) if low == f64::MIN_POSITIVE => " above 0".to_owned(),
         (true, true) => format!(" from {low} to {high}"),
         (true, false) => format!(" of {low} or more"),
         (false, true) => format!(" of {high} or less"),

@@ -95,7 +95,7 @@ impl Opener<'_> {
                 continue;
             }
             let params = paths::from_outside(level, name, node);
-            let node = Node { params, ..node.clone() };
+            let mut node = Node { params, ..node.clone() };
             let info = level.registry.of(&node).filter(|_| node.repeat.is_some() || node.is_map());
             let Some(info) = info else {
                 self.put(full, node, None, &level.gates);
@@ -106,7 +106,11 @@ impl Opener<'_> {
                 continue;
             }
             match &node.repeat {
-                Some(repeat) => self.rounds(&full, &node, repeat, info.module, level),
+                Some(repeat) => {
+                    let first = self.rounds(&full, &node, repeat, info.module, level);
+                    // What stands in for all rounds lacks nothing that each of them is given.
+                    node.params.extend(first);
+                }
                 None => self.inside(&full, &node, level, &level.gates),
             }
             self.put_stand_in(&full, &node, info.module, level);

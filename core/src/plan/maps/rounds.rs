@@ -14,6 +14,7 @@ use crate::module::Module;
 use crate::param::declared_at;
 use crate::port::OutputSpec;
 use crate::problem::{Problem, did_you_mean};
+use crate::quantity::Quantities;
 use crate::registry::ModuleInfo;
 use crate::spread::Spreader;
 
@@ -21,7 +22,7 @@ use crate::spread::Spreader;
 type Rounds = Vec<JsonMap<String, Json>>;
 
 impl Opener<'_> {
-    /// Puts a node in once a round.
+    /// Puts a node in once a round; what the first round sets.
     pub(super) fn rounds(
         &mut self,
         full: &str,
@@ -29,7 +30,7 @@ impl Opener<'_> {
         repeat: &Repeat,
         module: &'static Module,
         level: &Level,
-    ) {
+    ) -> JsonMap<String, Json> {
         let folder = self.map_folder.join(&level.folder);
         let found = rounds_of(repeat, module, &folder, &level.folder)
             .and_then(|rounds| Ok((rounds, fed(repeat, module)?)))
@@ -38,13 +39,15 @@ impl Opener<'_> {
             Ok(found) => found,
             Err(message) => {
                 let problem = Problem::error(message).at(full).port("repeat");
-                return self.problems.push(problem);
+                self.problems.push(problem);
+                return JsonMap::new();
             }
         };
+        let first = rounds.first().cloned().unwrap_or_default();
         let name = |round: usize| format!("{full}/{}", round + 1);
         for (round, values) in rounds.iter().enumerate() {
             if self.is_full(full) {
-                return;
+                return first;
             }
             let mut gates = level.gates.clone();
             if let (Some(until), 1..) = (&repeat.until, round) {
@@ -82,6 +85,7 @@ impl Opener<'_> {
             self.give(full, output, all, repeat, level);
         }
         self.table(full, &rounds, module, level);
+        first
     }
 
     /// Says what an output of a loop is: those of all rounds, or that of the last one.
@@ -261,7 +265,14 @@ fn fed(repeat: &Repeat, module: &Module) -> Result<Vec<(String, String)>, String
 }
 
 fn no_output(key: &str, name: &str, module: &Module) -> String {
-    let hint = did_you_mean(name, module.outputs.iter().map(|output| output.name));
+    // A number among those of an output is named by both.
+    let within = module.outputs.iter().find(|output| {
+        matches!(output.quantities, Quantities::Row(row) if row.iter().any(|q| q.name == name))
+    });
+    let hint = match within {
+        Some(output) => format!("; did you mean \"{}.{name}\"?", output.name),
+        None => did_you_mean(name, module.outputs.iter().map(|output| output.name)),
+    };
     format!("\"{key}\": {} has no output \"{name}\"{hint}", module.id)
 }
 

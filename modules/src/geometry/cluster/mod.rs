@@ -20,7 +20,7 @@ pub mod search;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
-use mve_mesh::data::TriMesh;
+use mve_mesh::data::{FaceId, TriMesh};
 use mve_mesh::union_find::UnionFind;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -100,6 +100,8 @@ pub enum ClusterError {
     TooSmall(f64),
 }
 
+/// Faces that a first guess looks at.
+const SAMPLE: usize = 1 << 14;
 /// Tries of a goal after the first, where faces that go in the end were counted.
 const MOST_CORRECTIONS: usize = 3;
 
@@ -118,8 +120,11 @@ pub fn cluster(
     if n_levels == 1 {
         return run.last(control);
     }
-    let edge = Prepared::new(mesh, options, control.part(0.0, 0.2))?
-        .edge(options.size, control.part(0.2, 0.3))?;
+    let edge = Prepared::new(mesh, options, control.part(0.0, 0.2))?.edge(
+        options.size,
+        None,
+        control.part(0.2, 0.3),
+    )?;
     let mut coarser: Option<TriMesh> = None;
     for level in (1..n_levels).rev() {
         let size = Size::Edge(edge * 0.5_f64.powi(level as i32));
@@ -137,7 +142,8 @@ pub fn cluster(
 struct Run<'a> {
     mesh: &'a TriMesh,
     options: &'a ClusterOptions,
-    goal: Option<f64>,
+    /// Faces to look for in place of those asked for, and where the search begins.
+    goal: Option<(f64, f64)>,
 }
 
 impl Run<'_> {
@@ -152,7 +158,8 @@ impl Run<'_> {
             if (off - 1.0).abs() <= search::TOLERANCE || n_faces == 0.0 {
                 break;
             }
-            self.goal = Some(self.goal.unwrap_or(asked as f64) / off);
+            let goal = self.goal.map_or(asked as f64, |(goal, _)| goal) / off;
+            self.goal = Some((goal, clustered.edge * off.sqrt()));
             let again = self.once(&prepared, control.part(0.9, 1.0))?;
             let is_nearer = |other: &Clustered| other.mesh.faces.len().abs_diff(asked);
             if is_nearer(&again) >= is_nearer(&clustered) {
@@ -164,11 +171,13 @@ impl Run<'_> {
     }
 
     fn once(&self, prepared: &Prepared, control: Control) -> Result<Clustered, ClusterError> {
-        let size = match (self.options.size, self.goal) {
-            (Size::Faces(_), Some(goal)) => Size::Faces(goal.round() as usize),
-            (size, _) => size,
+        let (size, first) = match (self.options.size, self.goal) {
+            (Size::Faces(_), Some((goal, first))) => {
+                (Size::Faces(goal.round() as usize), Some(first))
+            }
+            (size, _) => (size, None),
         };
-        let edge = prepared.edge(size, control.part(0.0, 0.5))?;
+        let edge = prepared.edge(size, first, control.part(0.0, 0.5))?;
         let (mut of_vertex, mut n_clusters) = prepared.clusters(edge, control.part(0.5, 0.7))?;
         if self.options.is_manifold {
             (of_vertex, n_clusters) = parted(self.mesh, &of_vertex, control.part(0.7, 0.8))?;
@@ -234,8 +243,8 @@ impl<'a> Prepared<'a> {
         2.0 * (self.bounds.1 - self.bounds.0).max_element()
     }
 
-    /// The length of the cells' edges for what was asked.
-    fn edge(&self, size: Size, control: Control) -> Result<f64, ClusterError> {
+    /// The length of the cells' edges for what was asked; a search begins at `first`.
+    fn edge(&self, size: Size, first: Option<f64>, control: Control) -> Result<f64, ClusterError> {
         let (low, high) = self.bounds;
         let diagonal = (high - low).length();
         let side = (high - low).max_element();
@@ -244,13 +253,12 @@ impl<'a> Prepared<'a> {
             // A little more, so that the last vertex is in the last of them.
             Size::PerAxis(n) => Ok((side / n.max(1) as f64).max(f64::MIN_POSITIVE) * (1.0 + 1e-12)),
             Size::Faces(n_faces) => {
-                // A closed surface in cells of edge h has about 2 A / h² faces; A is at least twice
-                // the largest side of the box.
-                let first = diagonal / (n_faces.max(1) as f64).sqrt();
-                self.search(n_faces.max(1) as f64, -2.0, first, |edge| {
-                    let n_left = self.n_faces(edge, control)?;
-                    Ok(n_left as f64)
-                })
+                let goal = n_faces.max(1) as f64;
+                let first = match first {
+                    Some(first) => first,
+                    None => self.guess(goal, diagonal)?,
+                };
+                self.search(goal, -2.0, first, |edge| Ok(self.n_faces(edge, control)? as f64))
             }
             Size::Shift(shift) => self.search(shift, 1.0, 4.0 * shift * diagonal, |edge| {
                 let (of_vertex, n_clusters) = self.clusters(edge, control)?;
@@ -259,6 +267,27 @@ impl<'a> Prepared<'a> {
                 Ok(mean_shift(self.mesh, &of_vertex, &places) / diagonal)
             }),
         }
+    }
+
+    /// An edge that gives about so many faces, from a sample of the faces.
+    fn guess(&self, goal: f64, diagonal: f64) -> Result<f64, ClusterError> {
+        /// How much larger floating cells are than those of a grid that leave as many faces.
+        const FLOATING: f64 = 1.18;
+        let step = self.mesh.faces.len().div_ceil(SAMPLE).max(1);
+        let sample: Vec<[DVec3; 3]> = (0..self.mesh.faces.len() as u32)
+            .step_by(step)
+            .map(|face| self.mesh.corners(FaceId(face)))
+            .collect();
+        let first = diagonal / goal.sqrt();
+        let edge = self.search(goal / step as f64, -2.0, first, |edge| {
+            let grid = self.grid(edge)?;
+            let is_left = |corners: &&[DVec3; 3]| {
+                let [a, b, c] = corners.map(|point| grid.key(point));
+                a != b && b != c && c != a
+            };
+            Ok(sample.iter().filter(is_left).count() as f64)
+        })?;
+        Ok(if self.options.cells == CellKind::Floating { FLOATING * edge } else { edge })
     }
 
     fn search(
