@@ -357,7 +357,11 @@ impl Runner<'_> {
         record.cached = cached;
         let base = self.options.output_folder;
         let written = node.writes.iter().flat_map(|path| lying_at(base, path));
-        record.files = written.filter(|path| base.join(path).is_file()).collect();
+        let found = written.filter_map(|path| {
+            let about = base.join(&path).metadata().ok().filter(|about| about.is_file())?;
+            Some((path, about.len()))
+        });
+        (record.files, record.file_bytes) = found.unzip();
         record.missed.clone_from(&results.missed);
         record.log.clone_from(&results.log);
         record

@@ -102,7 +102,9 @@ impl Workers<'_> {
         let mut record = StepRecord { nodes: again.nodes, ..(*known).clone() };
         for (name, node) in &mut record.nodes {
             // What it wrote lies where the first run left it.
-            node.files = known.nodes.get(name).map_or(Vec::new(), |first| first.files.clone());
+            let first = known.nodes.get(name);
+            let lying = first.map(|first| (first.files.clone(), first.file_bytes.clone()));
+            (node.files, node.file_bytes) = lying.unwrap_or_default();
         }
         record.add(timing);
         let record = self.store.amend(record)?;

@@ -30,6 +30,7 @@ use super::plan_file::PlanFile;
 use super::record::{StepRecord, is_sound, log_of, with_checksum};
 use crate::disk_cache::DiskCache;
 use crate::files::{fresh_file, is_below, refuse_links};
+use crate::run::NodeRecord;
 
 /// Steps that took longer are on the disk, not only in the system's memory, once they are done.
 const WORTH_SYNC_SECONDS: f64 = 0.1;
@@ -175,9 +176,7 @@ impl Store {
         let text = fs::read_to_string(self.step_folder(id).join(RECORD)).ok()?;
         let record: StepRecord = serde_json::from_str(&text).ok().filter(|_| is_sound(&text))?;
         let outputs = self.step_folder(id).join("outputs");
-        let files = || record.nodes.values().flat_map(|node| &node.files);
-        let is_whole = files().all(|file| is_below(file) && outputs.join(file).is_file());
-        if record.id != id || !is_whole {
+        if record.id != id || !record.nodes.values().all(|node| is_whole(node, &outputs)) {
             return None;
         }
         let record = Arc::new(record);
@@ -401,6 +400,15 @@ impl Store {
         let _ = lock.lock();
         work()
     }
+}
+
+/// Whether the files that a node wrote lie there with all of their bytes.
+fn is_whole(node: &NodeRecord, outputs: &Path) -> bool {
+    node.files.iter().enumerate().all(|(place, file)| {
+        let is_as_long = |length: u64| node.file_bytes.get(place).is_none_or(|&n| n == length);
+        let about = outputs.join(file).metadata();
+        is_below(file) && about.is_ok_and(|about| about.is_file() && is_as_long(about.len()))
+    })
 }
 
 /// A tenth of what is free on the disk of a folder; `None` where the system does not tell.

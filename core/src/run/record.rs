@@ -67,6 +67,9 @@ pub struct NodeRecord {
     /// Files that it wrote, relative to the output folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<PathBuf>,
+    /// Bytes of each of them; empty where that is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub file_bytes: Vec<u64>,
     /// Targets that it was given and did not reach.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub missed: Vec<MissedTarget>,
@@ -106,6 +109,7 @@ impl NodeRecord {
             scalars: IndexMap::new(),
             values: IndexMap::new(),
             files: Vec::new(),
+            file_bytes: Vec::new(),
             missed: Vec::new(),
             log: Vec::new(),
         }

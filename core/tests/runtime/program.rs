@@ -94,6 +94,17 @@ fn a_longer_axis_runs_only_the_new_steps() {
     assert_eq!(table(folder.path()).len(), 8);
 }
 
+/// A file in `outputs/` is a second name of the step's own.
+#[test]
+fn a_step_whose_file_was_cut_short_or_is_gone_runs_again() {
+    let folder = tempfile::tempdir().unwrap();
+    run_in(folder.path(), MAP);
+    std::fs::write(folder.path().join("outputs/4-x.txt"), "").unwrap();
+    assert_eq!(run_in(folder.path(), MAP).ran, 1);
+    assert_eq!(std::fs::read_to_string(folder.path().join("outputs/4-x.txt")).unwrap(), "x");
+    assert_eq!(run_in(folder.path(), MAP).ran, 0);
+}
+
 #[test]
 fn a_broken_record_is_not_believed() {
     let folder = tempfile::tempdir().unwrap();
