@@ -199,6 +199,11 @@ impl Map {
         &self.problems
     }
 
+    /// Whether the file has a node of this name that could not be read.
+    pub(crate) fn has_unread_node(&self, name: &str) -> bool {
+        self.leftovers.iter().any(|(section, known, _)| *section == "nodes" && known == name)
+    }
+
     /// The text of the map's file. A map that was not changed since it was read has the text that
     /// it was read from, byte for byte.
     pub fn to_text(&self) -> String {

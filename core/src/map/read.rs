@@ -10,7 +10,7 @@ use serde_json::{Map as JsonMap, Value as Json};
 use super::{Link, Map, axes, words};
 use crate::json::Step;
 use crate::param::shown;
-use crate::problem::{Problem, did_you_mean};
+use crate::problem::{Problem, did_you_mean, nearest};
 
 /// The keys that the format gives a meaning to. `canvas` is the window's.
 const KEYS: [&str; 9] =
@@ -27,7 +27,10 @@ fn unknown_keys(object: &JsonMap<String, Json>, known: &[&str], of: &str) -> Vec
     let told = |key: &String| {
         let problem = match did_you_mean(key, absent.clone()) {
             hint if hint.is_empty() => {
-                Problem::warning(format!("\"{key}\" means nothing in {of} and is left out"))
+                let near = nearest(key, known.iter().copied());
+                let beside = near.map_or_else(String::new, |n| format!(", beside \"{n}\""));
+                let message = format!("\"{key}\" means nothing in {of}{beside} and is left out");
+                Problem::warning(message)
             }
             hint => Problem::error(format!(
                 "\"{key}\" means nothing in {of}{hint} Begin it with _ if it is a remark"
@@ -181,10 +184,10 @@ fn misfit(section: &'static str, value: &Json) -> Problem {
     };
     let meant = keys.map(String::as_str).find_map(|key| {
         let hint = did_you_mean("module", [key].into_iter());
-        (!hint.is_empty()).then(|| format!("; is \"{key}\" meant?"))
+        (!hint.is_empty()).then(|| format!("; did you mean \"module\" by \"{key}\"?"))
     });
     let meant = meant.unwrap_or_default();
-    Problem::error(format!("says no \"module\", which a node is{meant}"))
+    Problem::error(format!("names no \"module\", which every node does{meant}"))
 }
 
 /// What is wrong with a field of a part.

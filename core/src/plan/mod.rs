@@ -380,6 +380,9 @@ pub(crate) fn no_file() -> Fingerprint {
 
 /// A problem about a name that no node has.
 fn no_such_node(map: &Map, name: &str) -> String {
+    if map.has_unread_node(name) {
+        return format!("the node \"{name}\" could not be read");
+    }
     let hint = did_you_mean(name, map.nodes.keys().map(String::as_str));
     format!("there is no node \"{name}\"{hint}")
 }

@@ -96,7 +96,8 @@ pub(super) fn check_names(map: &Map, problems: &mut Vec<Problem>) {
 fn add_link(map: &Map, link: &Link, wiring: &mut Wiring, problems: &mut Vec<Problem>) {
     let mut ends = [&link.from, &link.to].map(|end| {
         let place = map.nodes.get_index_of(&end.node);
-        if place.is_none() {
+        // What is wrong with a node that could not be read is told once.
+        if place.is_none() && !map.has_unread_node(&end.node) {
             let message = format!("link \"{link}\": {}", no_such_node(map, &end.node));
             problems.push(of_link(Problem::error(message).at(&end.node).port(&end.port), link));
         }

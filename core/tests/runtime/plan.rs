@@ -200,3 +200,13 @@ fn a_mistyped_path_names_the_entry_and_what_was_meant() {
     assert_eq!(said("n.how.x"), "there is no parameter \"x\" of Scaled");
     assert_eq!(said("n.ho"), "there is no parameter \"ho\"; did you mean \"how\"?");
 }
+
+#[test]
+fn a_node_that_cannot_be_read_is_one_problem() {
+    for part in [r#""modul": "Add""#, r#""module": "Add", "repeat": {"times": "x"}"#] {
+        let text = CHAIN.replace(r#""module": "Add", "params": {"amount": 2}"#, part);
+        let problems = plan(&text).unwrap_err();
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        assert!(problems[0].starts_with("first"), "{problems:?}");
+    }
+}
