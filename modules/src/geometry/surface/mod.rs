@@ -1,6 +1,7 @@
 //! What a surface is like and how it is made finer: counts, normals, subdivision; vertices joined
 //! and split.
 
+mod butterfly;
 pub mod components;
 pub mod field_statistics;
 pub mod folds;
