@@ -6,17 +6,15 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 use mve_core::Control;
-use rayon::prelude::*;
 
 use crate::data::{
     Domain, Field, Layer, LayerValues, TextureRole, TriMesh, VertexId, name_to_bytes,
 };
+use crate::formats::pieces::write_pieces;
 use crate::picture::color_map::bytes_of;
 
-/// Rows that a thread makes at once, and how many such pieces there are between two looks whether
-/// the work was cancelled.
-const ROWS: usize = 1 << 14;
-const PIECES: usize = 16;
+/// Rows that a thread makes at once.
+const ROWS: usize = 1 << 12;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,23 +118,14 @@ fn write_rows(
     control: Control,
     row: impl Fn(usize, &mut Rows) -> io::Result<()> + Sync,
 ) -> io::Result<()> {
-    for start in (0..n).step_by(ROWS * PIECES) {
-        control.at(start as f64 / n as f64).map_err(io::Error::other)?;
-        let pieces = (start..n.min(start + ROWS * PIECES)).into_par_iter().step_by(ROWS);
-        let pieces: Vec<io::Result<Vec<u8>>> = pieces
-            .map(|start| {
-                let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
-                for number in start..n.min(start + ROWS) {
-                    row(number, &mut rows)?;
-                    rows.end();
-                }
-                Ok(rows.buffer)
-            })
-            .collect();
-        // The first error is that of the first row.
-        pieces.into_iter().try_for_each(|piece| out.write_all(&piece?))?;
-    }
-    Ok(())
+    write_pieces(n, ROWS, out, control, |range| {
+        let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
+        for number in range {
+            row(number, &mut rows)?;
+            rows.end();
+        }
+        Ok(rows.buffer)
+    })
 }
 
 fn invalid(message: String) -> io::Error {
