@@ -1,6 +1,6 @@
 //! Saves a mesh as a file of any format that mve writes, by the ending of its name.
 
-use crate::formats::mesh_file;
+use crate::formats::mesh_file::{self, Reader};
 use crate::prelude::*;
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
@@ -24,7 +24,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    let warnings = mesh_file::save(mesh, &path, io.control())?;
+    let warnings = mesh_file::save(mesh, &path, Reader::Anybody, io.control())?;
     warnings.iter().for_each(|warning| io.warn(warning));
     Ok(())
 }
