@@ -153,7 +153,7 @@ mod tests {
     fn large_files_are_whole() {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join("a");
-        let bytes: Vec<u8> = (0..3 * SYNC_EVERY + 17).map(|at| (at * at >> 7) as u8).collect();
+        let bytes: Vec<u8> = (0..3 * SYNC_EVERY + 17).map(|at| ((at * at) >> 7) as u8).collect();
         save_atomic(&path, |out| {
             bytes.chunks(1 << 20).try_for_each(|piece| out.write_all(piece))?;
             out.write_all(b"end")

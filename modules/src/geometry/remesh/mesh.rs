@@ -246,8 +246,8 @@ impl WorkMesh {
     pub fn remove(&mut self, face: u32) {
         let corners = self.faces[face as usize];
         self.faces[face as usize] = [NONE; 3];
-        for k in 0..3 {
-            self.around[corners[k] as usize].retain(|f| *f != face);
+        for v in corners {
+            self.around[v as usize].retain(|f| *f != face);
         }
         for k in 0..3 {
             self.set_line([corners[k], corners[(k + 1) % 3]]);

@@ -124,11 +124,10 @@ pub fn remesh(
     options: &RemeshOptions,
     control: Control,
 ) -> Result<Remeshed, RemeshError> {
-    let source = canonical(mesh, control.part(0.0, 0.03))?;
+    let mut source = canonical(mesh, control.part(0.0, 0.03))?;
     let n_left_out = mesh.faces.len() - source.faces.len();
     // Near 1 nothing overflows; a power of two changes no digit.
     let scale = unit_scale(&source);
-    let mut source = source;
     source.positions.iter_mut().for_each(|p| *p *= scale);
     let mut length = target_length(&source, options.target, scale);
     let mut n_faces = faces_at(&source, length);

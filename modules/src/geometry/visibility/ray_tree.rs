@@ -28,6 +28,16 @@ pub(super) struct Child {
     pub n_items: u32,
 }
 
+impl Child {
+    /// The same where nodes stand so far behind.
+    fn moved(self, offset: u32) -> Self {
+        match self.n_items {
+            0 => Self { next: self.next + offset, ..self },
+            _ => self,
+        }
+    }
+}
+
 /// Two boxes and what is in them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
@@ -116,11 +126,8 @@ fn grown(
     nodes.push(node(children, bounds_of));
     for (child, part) in children.iter_mut().zip(parts) {
         let offset = nodes.len() as u32;
-        let moved = |child: Child| match child.n_items {
-            0 => Child { next: child.next + offset, ..child },
-            _ => child,
-        };
-        *child = moved(*child);
+        *child = child.moved(offset);
+        let moved = |child: Child| child.moved(offset);
         nodes.extend(
             part.nodes.into_iter().map(|node| Node { children: node.children.map(moved), ..node }),
         );

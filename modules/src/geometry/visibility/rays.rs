@@ -15,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::ray_tree::{Child, LEAF_SIZE as BLOCK, MARGIN, Node, RayTree};
 use crate::data::{TriMesh, VertexId};
 
-/// Rays that go together at most; a set of them is an `u32`.
+/// Rays that go together at most; a set of them is a `u32`.
 pub const LANES: usize = 24;
 
 /// By how much a difference of two places in `f32` is wrong: places are within the cube from -1 to
@@ -272,9 +272,9 @@ impl Block {
                     ends.into_iter().fold(block.high[axis], |high, at| high.max(at + MARGIN));
                 (block.low[axis], block.high[axis]) = (low, high);
                 block.corner[axis][k] = at;
-                for side in 0..2 {
-                    block.sides[side][axis][k] = sides[side][axis];
-                    block.lengths[side][k] += sides[side][axis].abs();
+                for (side, way) in sides.iter().enumerate() {
+                    block.sides[side][axis][k] = way[axis];
+                    block.lengths[side][k] += way[axis].abs();
                 }
             }
         }
@@ -360,11 +360,11 @@ impl Block {
             let error = (ROUNDING + RELATIVE * (way + half)) * size;
             let rest = RELATIVE * size * one * two;
             let room = [error * two + rest, error * one + rest, error * one * two];
-            for part in 0..3 {
-                for axis in 0..3 {
-                    slant.across[part][axis][k] = across[part][axis] * inverse;
+            for (part, (across, room)) in across.iter().zip(room).enumerate() {
+                for (axis, number) in across.iter().enumerate() {
+                    slant.across[part][axis][k] = number * inverse;
                 }
-                slant.room[part][k] = room[part];
+                slant.room[part][k] = room;
             }
         }
         slant
