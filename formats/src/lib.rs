@@ -1,6 +1,5 @@
 //! File formats, without ports: what reads them from bytes and writes them.
 
-pub mod exchange;
 mod file_error;
 pub mod gltf;
 pub mod iv;
@@ -8,6 +7,7 @@ pub mod mesh_file;
 pub mod number_pattern;
 pub mod obj;
 pub mod off;
+mod pieces;
 pub mod plain_file;
 pub mod ply;
 pub mod png;

@@ -1,4 +1,5 @@
-//! Mesh files of any format: read by how they begin, written by how their names end.
+//! Mesh files of any format: read by how they begin, written by how their names end. What an outside
+//! program wrote is read by the ending, too: by its beginning, anything would be read as something.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mve_core::{Control, ModuleError};
-use mve_mesh::data::TriMesh;
+use mve_mesh::data::{Domain, Layer, TriMesh};
 
 use super::gltf::{self, Vertices};
 use super::obj::{self, FileScope};
@@ -119,41 +120,156 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// The endings of files that are written.
-pub const WRITTEN: [&str; 6] = ["obj", "ply", "stl", "off", "glb", "iv"];
+/// The endings of files that are written; the first is what outside programs get.
+pub const WRITTEN: [&str; 6] = ["ply", "obj", "stl", "off", "glb", "iv"];
 
-/// Saves a mesh as its saver does without parameters, by the ending of the file's name; what is
-/// changed or left out comes back in sentences.
+/// Who is to read what is saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reader {
+    /// Anybody: each format as its saver does without parameters.
+    Anybody,
+    /// A program that gives something back: PLY has doubles where floats would not hold all
+    /// coordinates, and no vertex is split for the sake of its normals or colors, which stay away
+    /// then.
+    Program,
+}
+
+/// Saves a mesh by the ending of the file's name; what is changed or left out comes back in
+/// sentences.
 ///
 /// # Errors
 /// With the path, where its ending is none of [`WRITTEN`], or as of the saver; that `control` ended
 /// the work.
-pub fn save(mesh: Arc<TriMesh>, path: &Path, control: Control) -> Result<Vec<String>, ModuleError> {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match ending.to_str() {
-        Some("obj") => {
+pub fn save(
+    mesh: Arc<TriMesh>,
+    path: &Path,
+    reader: Reader,
+    control: Control,
+) -> Result<Vec<String>, ModuleError> {
+    match &*ending_of(path) {
+        "obj" => {
             obj::save(&mesh, path, control)?;
             Ok(obj::textures_not_there(&mesh, path, ""))
         }
-        Some("ply") => {
-            let options = PlyOptions { encoding: Encoding::Binary, precision: Precision::Float };
+        "ply" => {
+            let (precision, mesh) = match reader {
+                Reader::Anybody => (Precision::Float, mesh),
+                Reader::Program => (precision_of(&mesh), with_whole_vertices(mesh)),
+            };
+            let options = PlyOptions { encoding: Encoding::Binary, precision };
             ply::save(mesh, None, options, path, control)
         }
-        Some("stl") => stl::save(&mesh, StlEncoding::Binary, path, control),
-        Some("off") => off::save(&mesh, path, control),
-        Some("glb") => gltf::save(&mesh, path, control),
-        Some("iv") => iv::save(&mesh, path, control),
-        _ => {
-            let known = WRITTEN.map(|ending| format!(".{ending}")).join(", ");
-            let message = format!("its ending says no format; end it in one of {known}");
-            Err(ModuleError::io(path, message))
-        }
+        "stl" => stl::save(&mesh, StlEncoding::Binary, path, control),
+        "off" => off::save(&mesh, path, control),
+        "glb" => gltf::save(&mesh, path, control),
+        "iv" => iv::save(&mesh, path, control),
+        _ => Err(unknown_ending(path)),
     }
+}
+
+/// Reads a file as the format that the ending of its name says, with the files in its folder.
+///
+/// # Errors
+/// As [`save`].
+pub fn load_by_ending(
+    path: &Path,
+    control: Control,
+) -> Result<(TriMesh, Vec<Warning>), ModuleError> {
+    match &*ending_of(path) {
+        "obj" => obj::load(path, control).map_err(|error| error.about(path)),
+        "ply" => ply::load(path, FileScope::Folder, control),
+        "stl" => load_with(path, control, stl::read_stl),
+        "off" => load_with(path, control, off::read_off),
+        "glb" => gltf::load(path, FileScope::Folder, Vertices::Welded, control),
+        "iv" => iv::load(path, FileScope::Folder, control),
+        _ => Err(unknown_ending(path)),
+    }
+}
+
+fn ending_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_ascii_lowercase().to_string_lossy().into_owned()
+}
+
+fn unknown_ending(path: &Path) -> ModuleError {
+    let known = WRITTEN.map(|ending| format!(".{ending}")).join(", ");
+    ModuleError::io(path, format!("its ending says no format; end it in one of {known}"))
+}
+
+/// The mesh without values for which a PLY file would have several vertices in place of one.
+fn with_whole_vertices(mesh: Arc<TriMesh>) -> Arc<TriMesh> {
+    let is_splitting = |layer: &Layer| {
+        layer.domain == Domain::Corner && [Layer::NORMAL, Layer::COLOR].contains(&&*layer.name)
+    };
+    if !mesh.layers.iter().any(is_splitting) {
+        return mesh;
+    }
+    let mut whole = Arc::unwrap_or_clone(mesh);
+    whole.layers.retain(|layer| !is_splitting(layer));
+    Arc::new(whole)
+}
+
+/// Floats, where these hold every coordinate as it is.
+fn precision_of(mesh: &TriMesh) -> Precision {
+    let fits = |x: f64| f64::from(x as f32) == x;
+    let is_float = mesh.positions.iter().all(|p| p.to_array().into_iter().all(fits));
+    if is_float { Precision::Float } else { Precision::Double }
 }
 
 #[cfg(test)]
 mod tests {
+    use mve_mesh::data::LayerValues;
+    use mve_mesh::fixtures::tetrahedron;
+
     use super::*;
+
+    #[test]
+    fn what_a_program_gets_comes_back_in_every_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut mesh = tetrahedron();
+        for shift in [0.0, 0.1] {
+            mesh.positions.iter_mut().for_each(|p| p.x += shift);
+            for ending in WRITTEN {
+                let path = folder.path().join("a").with_extension(ending);
+                let whole = Arc::new(mesh.clone());
+                save(whole, &path, Reader::Program, Control::none()).unwrap();
+                let (read, warnings) = load_by_ending(&path, Control::none()).unwrap();
+                assert!(warnings.is_empty(), "{ending}");
+                assert_eq!((read.faces.len(), read.positions.len()), (4, 4), "{ending}");
+                let close = if ["stl", "glb"].contains(&ending) { 1e-7 } else { 0.0 };
+                assert!((read.area() - mesh.area()).abs() <= close, "{ending} {shift}");
+            }
+        }
+        for ending in ["blend", ""] {
+            let path = folder.path().join("a").with_extension(ending);
+            let error = load_by_ending(&path, Control::none()).unwrap_err().to_string();
+            assert!(error.contains("end it in one of .ply, .obj"), "{error}");
+            let mesh = Arc::new(tetrahedron());
+            assert!(save(mesh, &path, Reader::Program, Control::none()).is_err());
+        }
+    }
+
+    /// Four faces with a normal each: as a file for anybody that is twelve vertices.
+    #[test]
+    fn a_program_gets_vertices_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ply");
+        let mut mesh = tetrahedron();
+        let normals: Vec<glam::DVec3> = (0..4)
+            .map(|f| {
+                let [a, b, c] = mesh.corners(mve_mesh::data::FaceId(f));
+                (b - a).cross(c - a).normalize()
+            })
+            .collect();
+        let (name, domain) = (Layer::NORMAL.to_owned(), Domain::Corner);
+        let (values, index) = (LayerValues::Vec3(normals), (0..12).map(|c| c / 3).collect());
+        mesh.set_layer(Layer { name, domain, values, index });
+        for (reader, n_vertices) in [(Reader::Anybody, 12), (Reader::Program, 4)] {
+            save(Arc::new(mesh.clone()), &path, reader, Control::none()).unwrap();
+            let (read, _) = load_by_ending(&path, Control::none()).unwrap();
+            assert_eq!(read.positions.len(), n_vertices);
+            assert_eq!(read.layer(Layer::NORMAL).is_some(), reader == Reader::Anybody);
+        }
+    }
 
     #[test]
     fn a_program_is_no_mesh() {

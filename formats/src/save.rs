@@ -2,11 +2,13 @@
 //!
 //! The bytes go to a temporary file in the same folder, are synced to the disk, and replace the
 //! old file by one rename. A reader sees the old file or the new one, never a part; a full disk, a
-//! failing writer or a killed process leaves the old file whole.
+//! failing writer or a killed process leaves the old file whole. Of a large file the disk gets what
+//! is there while the rest is being made.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::thread::JoinHandle;
 
 use super::FileError;
 
@@ -53,11 +55,10 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
         io::ErrorKind::Other => error,
         kind => error.raw_os_error().map_or(kind.into(), io::Error::from_raw_os_error),
     };
-    let mut file = builder.tempfile_in(folder).map_err(plain)?;
-    let mut buffered = BufWriter::with_capacity(1 << 18, file.as_file_mut());
+    let file = builder.tempfile_in(folder).map_err(plain)?;
+    let mut buffered = BufWriter::with_capacity(1 << 18, EarlySync::of(file.as_file()));
     fill(&mut buffered)?;
-    buffered.flush()?;
-    drop(buffered);
+    buffered.into_inner().map_err(|error| error.into_error())?.finish()?;
     if let Ok(old) = fs::metadata(&target) {
         file.as_file().set_permissions(old.permissions())?;
     }
@@ -69,6 +70,57 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
         let _ = handle.sync_all();
     }
     Ok(())
+}
+
+/// Bytes after which the system is told to bring them to the disk.
+const SYNC_EVERY: usize = 8 << 20;
+
+/// A file of which what was written is synced now and then, on a thread of its own.
+struct EarlySync<'a> {
+    file: &'a File,
+    /// Bytes since the last time.
+    n_new: usize,
+    running: Option<JoinHandle<io::Result<()>>>,
+}
+
+impl<'a> EarlySync<'a> {
+    fn of(file: &'a File) -> Self {
+        Self { file, n_new: 0, running: None }
+    }
+
+    /// Waits for the thread, if there is one. An error that it met is told to nobody else.
+    fn finish(mut self) -> io::Result<()> {
+        self.wait()
+    }
+
+    fn wait(&mut self) -> io::Result<()> {
+        match self.running.take().map(JoinHandle::join) {
+            Some(Ok(synced)) => synced,
+            // It has nothing that could panic; the last sync brings all to the disk.
+            Some(Err(_)) | None => Ok(()),
+        }
+    }
+}
+
+impl Write for EarlySync<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.file.write(bytes)?;
+        self.n_new += n;
+        let is_free = self.running.as_ref().is_none_or(JoinHandle::is_finished);
+        if self.n_new >= SYNC_EVERY && is_free {
+            self.wait()?;
+            self.n_new = 0;
+            let file = self.file.try_clone()?;
+            let sync = std::thread::Builder::new().name("mve sync".to_owned());
+            // Without a thread the last sync has more to do.
+            self.running = sync.spawn(move || file.sync_data()).ok();
+        }
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 #[cfg(test)]
@@ -94,6 +146,24 @@ mod tests {
         assert!(error.to_string().contains("free some space"), "{error}");
         assert_eq!(fs::read_to_string(&path).expect("read"), "old");
         assert_eq!(names_in(folder.path()), ["a.obj"]);
+    }
+
+    /// Large enough to be synced on the way, in pieces of any size.
+    #[test]
+    fn large_files_are_whole() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a");
+        let bytes: Vec<u8> = (0..3 * SYNC_EVERY + 17).map(|at| ((at * at) >> 7) as u8).collect();
+        save_atomic(&path, |out| {
+            bytes.chunks(1 << 20).try_for_each(|piece| out.write_all(piece))?;
+            out.write_all(b"end")
+        })
+        .expect("save");
+        let read = fs::read(&path).expect("read");
+        assert!(
+            read.len() == bytes.len() + 3 && read.starts_with(&bytes) && read.ends_with(b"end")
+        );
+        assert_eq!(names_in(folder.path()), ["a"]);
     }
 
     #[test]

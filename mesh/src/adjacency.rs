@@ -111,6 +111,14 @@ impl Adjacency {
             [self.side_starts[edge.idx()] as usize..self.side_starts[edge.idx() + 1] as usize]
     }
 
+    /// Whether an edge is none within a surface: all but those of two different faces.
+    pub fn is_crease(&self, edge: EdgeId) -> bool {
+        match self.sides_of(edge) {
+            [one, two] => one.face() == two.face(),
+            _ => true,
+        }
+    }
+
     /// The edges of a face: entry `k` from corner `k` to the next, [`EdgeId::NONE`] where both are
     /// the same vertex.
     pub fn edges_of(&self, face: FaceId) -> [EdgeId; 3] {

@@ -403,6 +403,30 @@ mod tests {
     }
 
     #[test]
+    fn keys_of_loops_that_mean_nothing_are_told_with_what_is_near() {
+        let said = |repeat: &str| {
+            let text = format!(
+                "{{\"mve\": 1, \"nodes\": {{\"a\": {{\"module\": \"X\", \"repeat\": {repeat}}}}}}}"
+            );
+            let map = Map::parse(&text).unwrap();
+            assert_eq!(map.to_text(), text, "what is not understood is kept");
+            let problems: Vec<_> = map.problems().iter().map(ToString::to_string).collect();
+            assert_eq!(problems.len(), 1, "{problems:?}");
+            problems[0].clone()
+        };
+        let slip = said(r#"{"time": 3}"#);
+        assert_eq!(slip, "a.repeat: \"time\" means nothing in a loop; did you mean \"times\"?");
+        let far = said(r#"{"times": 3, "color": 1}"#);
+        let known = "there are times, each, feed, until";
+        assert_eq!(far, format!("a.repeat: \"color\" means nothing in a loop; {known}"));
+        let end = said(r#"{"times": 3, "until": {"output": "rms", "bellow": 0.1}}"#);
+        let meant = "did you mean \"below\"?";
+        let expected = format!("a.repeat: \"bellow\" means nothing in the end of a loop; {meant}");
+        assert_eq!(end, expected);
+        assert!(said("3").starts_with("a.repeat: 3 is not "));
+    }
+
+    #[test]
     fn canonical_text_is_a_fixed_point() {
         let mut map = Map::parse(ODD).unwrap();
         map.source = None;

@@ -17,6 +17,8 @@ const KEYS: [&str; 9] =
     ["mve", "title", "nodes", "links", "layout", "canvas", "programs", "parameters", "maps"];
 const KEYS_OF_NODES: [&str; 4] = ["module", "mode", "repeat", "params"];
 const KEYS_OF_PROGRAMS: [&str; 5] = ["axes", "steps", "repeats", "time_limit", "report"];
+const KEYS_OF_LOOPS: [&str; 4] = ["times", "each", "feed", "until"];
+const KEYS_OF_ENDS: [&str; 3] = ["output", "below", "above"];
 
 /// Keys that nothing reads are kept, and told of. One that is near to a known one that is not there
 /// is a slip of the pen, and what it was meant to say would not be done: nothing runs. A key that
@@ -205,8 +207,29 @@ fn misfit_at(section: &'static str, field: &str, value: &Json) -> Problem {
         None if section == "programs" => {
             Problem::error(format!("\"{field}\": {given} is not {form}")).port(field)
         }
-        None => Problem::error(format!("{given} is not {form}")).port(field),
+        None => {
+            let unknown = (field == "repeat").then(|| unknown_of_loop(&value[field])).flatten();
+            let message = unknown.unwrap_or_else(|| format!("{given} is not {form}"));
+            Problem::error(message).port(field)
+        }
     }
+}
+
+/// What is said of the first key of a loop, or of its end, that means nothing. A loop without what
+/// it was meant to say would be another one, so it is none.
+fn unknown_of_loop(value: &Json) -> Option<String> {
+    let unknown = |value: &Json, known: &[&str], of: &str| {
+        let object = value.as_object()?;
+        let key = object.keys().find(|key| !known.contains(&key.as_str()))?;
+        let absent = known.iter().copied().filter(|known| !object.contains_key(*known));
+        let hint = match did_you_mean(key, absent) {
+            hint if hint.is_empty() => format!("; there are {}", known.join(", ")),
+            hint => hint,
+        };
+        Some(format!("\"{key}\" means nothing in {of}{hint}"))
+    };
+    unknown(value, &KEYS_OF_LOOPS, "a loop")
+        .or_else(|| unknown(&value["until"], &KEYS_OF_ENDS, "the end of a loop"))
 }
 
 /// The fields of an object that are not understood even alone.

@@ -177,6 +177,14 @@ pub struct Param<T> {
     of: PhantomData<fn() -> T>,
 }
 
+impl<T> Clone for Param<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Param<T> {}
+
 impl<T> Param<T> {
     const fn of_kind(name: &'static str, doc: &'static str, kind: Kind) -> Self {
         let (unit, can_be_off, counts, preset) = ("", false, None, None);

@@ -194,6 +194,7 @@ fn plan_parts(
     wiring::check_names(map, &mut problems);
     let with_maps = registry.with_maps(map, options.map_folder, &mut problems);
     let registry = &with_maps;
+    problems.extend(maps::parameter_warnings(map, registry));
     let whole = map;
     let active = modes::without_inactive(whole, registry, Inputs::Alone, &mut problems);
     let map = active.as_ref().map_or(whole, |active| &active.map);

@@ -124,6 +124,40 @@ fn a_problem_inside_has_its_line() {
     assert_eq!(map.position_of(&problems[0]).unwrap().to_string(), "line 5, column 1");
 }
 
+/// A map whose parameters are none runs alone, and says so; as a node it does not.
+#[test]
+fn parameters_of_a_map_are_checked_where_it_is_alone_too() {
+    let mut parts = twice();
+    let alone = |parts: &Json| -> Vec<String> {
+        let warnings = plan(parts.clone()).unwrap().warnings;
+        let told = warnings.iter().filter(|problem| problem.message.contains("another map"));
+        told.map(ToString::to_string).collect()
+    };
+    parts["nodes"]["in"] = json!({"module": "Add"});
+    parts["links"][0] = json!("in.sum -> one.a");
+    assert_eq!(alone(&parts), [""; 0]);
+    parts["parameters"] = json!({
+        "by": ["one.amuont", "two.amount"], "far": "tow.amount", "form": "amount", "none": []});
+    let end = "; as a node of another map, this one would not run";
+    let expected = [
+        "by: \"one.amuont\" is no parameter of Add; did you mean \"amount\"?",
+        "far: \"tow.amount\": the map has no node \"tow\"; did you mean \"two\"?",
+        "form: \"amount\" is not of the form node.parameter",
+        "none: names no parameter of a node",
+    ];
+    assert_eq!(alone(&parts), expected.map(|message| format!("{message}{end}")));
+    let map = map(parts.clone());
+    let files = FileHashes::new();
+    let options = plan_options(Path::new("/nowhere"), &files);
+    let warnings = Plan::new(&map, &registry(), &options).unwrap().warnings;
+    let place = warnings.iter().find(|problem| problem.message.contains("tow")).unwrap();
+    assert!(map.position_of(place).is_some());
+    let outer = json!({"nodes": {"t": {"module": "twice"}}, "maps": {"twice": parts}});
+    let said = plan(outer).unwrap_err();
+    assert!(said[0].starts_with("t/by: \"one.amuont\" is no parameter of Add"), "{said:?}");
+    assert_eq!(said.len(), expected.len(), "{said:?}");
+}
+
 #[test]
 fn maps_come_from_files_with_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,17 +6,15 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 use mve_core::{Control, Enumeration};
-use rayon::prelude::*;
-
 use mve_mesh::data::bytes_of;
 use mve_mesh::data::{
     Domain, Field, Layer, LayerValues, TextureRole, TriMesh, VertexId, name_to_bytes,
 };
 
-/// Rows that a thread makes at once, and how many such pieces there are between two looks whether
-/// the work was cancelled.
-const ROWS: usize = 1 << 14;
-const PIECES: usize = 16;
+use crate::pieces::write_pieces;
+
+/// Rows that a thread makes at once.
+const ROWS: usize = 1 << 12;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,23 +134,14 @@ fn write_rows(
     control: Control,
     row: impl Fn(usize, &mut Rows) -> io::Result<()> + Sync,
 ) -> io::Result<()> {
-    for start in (0..n).step_by(ROWS * PIECES) {
-        control.at(start as f64 / n as f64).map_err(io::Error::other)?;
-        let pieces = (start..n.min(start + ROWS * PIECES)).into_par_iter().step_by(ROWS);
-        let pieces: Vec<io::Result<Vec<u8>>> = pieces
-            .map(|start| {
-                let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
-                for number in start..n.min(start + ROWS) {
-                    row(number, &mut rows)?;
-                    rows.end();
-                }
-                Ok(rows.buffer)
-            })
-            .collect();
-        // The first error is that of the first row.
-        pieces.into_iter().try_for_each(|piece| out.write_all(&piece?))?;
-    }
-    Ok(())
+    write_pieces(n, ROWS, out, control, |range| {
+        let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
+        for number in range {
+            row(number, &mut rows)?;
+            rows.end();
+        }
+        Ok(rows.buffer)
+    })
 }
 
 fn invalid(message: String) -> io::Error {

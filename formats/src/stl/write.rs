@@ -4,15 +4,13 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 use mve_core::{Control, Enumeration};
-use mve_mesh::data::{TriMesh, VertexId};
-use rayon::prelude::*;
+use mve_mesh::data::TriMesh;
 
 use super::{HEAD, RECORD};
+use crate::pieces::write_pieces;
 
-/// Triangles that a thread makes at once, and how many such pieces there are between two looks
-/// whether the work was cancelled.
+/// Triangles that a thread makes at once.
 const CHUNK: usize = 1 << 12;
-const PIECES: usize = 16;
 
 /// How numbers stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,9 +44,12 @@ pub fn write_stl(
     let Ok(n) = u32::try_from(mesh.faces.len()) else {
         return Err(invalid("STL counts to 4,294,967,295; the mesh has more faces".to_owned()));
     };
-    let used = mesh.faces.iter().flatten();
+    let mut used = mesh.faces.iter().flatten();
     let is_float = |p: DVec3| p.as_vec3().is_finite();
-    if let Some(v) = used.into_iter().find(|v| !is_float(mesh.positions[v.idx()])) {
+    // Only those that a face has need to be floats.
+    if !mesh.positions.iter().all(|p| is_float(*p))
+        && let Some(v) = used.find(|v| !is_float(mesh.positions[v.idx()]))
+    {
         let DVec3 { x, y, z } = mesh.positions[v.idx()];
         return Err(invalid(format!(
             "vertex {} is at {x} {y} {z}, which are no finite floats",
@@ -65,19 +66,13 @@ pub fn write_stl(
         }
         StlEncoding::Ascii => out.write_all(b"solid mesh\n")?,
     }
-    for (at, faces) in mesh.faces.chunks(CHUNK * PIECES).enumerate() {
-        let done = at * CHUNK * PIECES;
-        control.at(done as f64 / mesh.faces.len() as f64).map_err(io::Error::other)?;
-        let piece = |faces: &[[VertexId; 3]]| {
-            let mut buffer = Vec::with_capacity(CHUNK * RECORD);
-            faces.iter().for_each(|face| {
-                record(face.map(|v| mesh.positions[v.idx()]), encoding, &mut buffer);
-            });
-            buffer
-        };
-        let pieces: Vec<Vec<u8>> = faces.par_chunks(CHUNK).map(piece).collect();
-        pieces.iter().try_for_each(|piece| out.write_all(piece))?;
-    }
+    write_pieces(mesh.faces.len(), CHUNK, out, control, |range| {
+        let mut buffer = Vec::with_capacity(CHUNK * RECORD);
+        for face in &mesh.faces[range] {
+            record(face.map(|v| mesh.positions[v.idx()]), encoding, &mut buffer);
+        }
+        Ok(buffer)
+    })?;
     match encoding {
         StlEncoding::Binary => Ok(()),
         StlEncoding::Ascii => out.write_all(b"endsolid mesh\n"),

@@ -11,7 +11,8 @@ use crate::prelude::*;
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh; both sides of its faces hide.");
 const RAYS: Param<i64> = Param::integer(
     "rays",
-    "Rays from each vertex: the values are exact to about one over their number.",
+    "Rays from each vertex, about; at least 4. Values are exact to about one over their number, \
+     and take time by it.",
     128,
 )
 .between((1, 65_536))

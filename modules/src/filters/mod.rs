@@ -1,5 +1,7 @@
 //! Modules that take a mesh and change it, or say what of it others are to change.
 
+mod regions;
+
 mve_core::modules! { "filters":
     ambient_occlusion,
     clean,

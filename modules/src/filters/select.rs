@@ -3,12 +3,10 @@
 //! Unlike in MeshLab and Blender, a selection is no state of the mesh but a value of its own: one
 //! mesh has as many as are needed, and each is there to see.
 
-use glam::DVec3;
 use mve_core::{Condition, Selection, SelectionDomain};
 
-use crate::geometry::edit::crop::Region;
+use super::regions::{RegionParams, Shape, coordinate, direction};
 use crate::geometry::edit::parts::parts_by_edges;
-use crate::geometry::edit::place::finite_bounds;
 use crate::geometry::select::chosen::{CornerRule, Elements, Target, is_chosen, selection_field};
 use crate::geometry::select::criteria::{at_border, facing, grown, in_range, in_region};
 use crate::prelude::*;
@@ -76,24 +74,6 @@ impl Enumeration for FaceRule {
     const VALUES: &'static [Self] = &[Self::All, Self::Any, Self::Most];
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Coordinates {
-    Absolute,
-    Relative,
-}
-
-impl Enumeration for Coordinates {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Absolute", "Coordinates of the mesh, in model units."),
-        (
-            "Relative",
-            "Shares of the mesh's bounding box, 0 to 1 along each axis; the radius of a sphere is \
-             a share of the diagonal.",
-        ),
-    ];
-    const VALUES: &'static [Self] = &[Self::Absolute, Self::Relative];
-}
-
 #[derive(Clone, Copy)]
 enum Components {
     Nth,
@@ -145,26 +125,7 @@ const LOW: Param<Option<f64>> =
     range("low", "Lower end of the range, which belongs to it. Off: none.");
 const HIGH: Param<Option<f64>> =
     range("high", "Upper end of the range, which belongs to it. Off: none.");
-const FRAME: Param<Coordinates> =
-    Param::one_of("frame", "What numbers of places mean, of Box, Sphere and Plane.", "Absolute");
-const LOW_X: Param<Option<f64>> = end("low_x", "Lower end along x. Off: none.");
-const HIGH_X: Param<Option<f64>> = end("high_x", "Upper end along x. Off: none.");
-const LOW_Y: Param<Option<f64>> = end("low_y", "Lower end along y. Off: none.");
-const HIGH_Y: Param<Option<f64>> = end("high_y", "Upper end along y. Off: none.");
-const LOW_Z: Param<Option<f64>> = end("low_z", "Lower end along z. Off: none.");
-const HIGH_Z: Param<Option<f64>> = end("high_z", "Upper end along z. Off: none.");
-const CENTER_X: Param<f64> = number("center_x", "Center of the sphere along x.", 0.0, "Sphere");
-const CENTER_Y: Param<f64> = number("center_y", "Center of the sphere along y.", 0.0, "Sphere");
-const CENTER_Z: Param<f64> = number("center_z", "Center of the sphere along z.", 0.0, "Sphere");
-const RADIUS: Param<f64> = number("radius", "Radius of the sphere.", 1.0, "Sphere")
-    .within((0.0, f64::MAX))
-    .usually((0.0, 2.0));
-const POINT_X: Param<f64> = number("point_x", "A point of the plane, along x.", 0.0, "Plane");
-const POINT_Y: Param<f64> = number("point_y", "A point of the plane, along y.", 0.0, "Plane");
-const POINT_Z: Param<f64> = number("point_z", "A point of the plane, along z.", 0.0, "Plane");
-const NORMAL_X: Param<f64> = number("normal_x", "Normal of the plane along x.", 0.0, "Plane");
-const NORMAL_Y: Param<f64> = number("normal_y", "Normal of the plane along y.", 0.0, "Plane");
-const NORMAL_Z: Param<f64> = number("normal_z", "Normal of the plane along z.", 1.0, "Plane");
+const PLACES: RegionParams = RegionParams::of("by");
 const COMPONENTS: Param<Components> =
     Param::one_of("components", "Which components are chosen.", "Nth")
         .only_where(Condition::Is { param: "by", value: "Component" });
@@ -178,11 +139,13 @@ const FACES: Param<i64> =
         .mostly((1, 1000))
         .unit("faces")
         .only_where(Condition::Is { param: "by", value: "Component" });
-const DIRECTION_X: Param<f64> = number("direction_x", "The direction along x.", 0.0, "Direction");
-const DIRECTION_Y: Param<f64> = number("direction_y", "The direction along y.", 0.0, "Direction");
-const DIRECTION_Z: Param<f64> = number("direction_z", "The direction along z.", 1.0, "Direction");
+const DIRECTION: [Param<f64>; 3] = [
+    coordinate("direction_x", "The direction along x.", 0.0, ("by", "Direction")),
+    coordinate("direction_y", "The direction along y.", 0.0, ("by", "Direction")),
+    coordinate("direction_z", "The direction along z.", 1.0, ("by", "Direction")),
+];
 const ANGLE: Param<f64> =
-    number("angle", "Largest angle between normal and direction.", 45.0, "Direction")
+    coordinate("angle", "Largest angle between normal and direction.", 45.0, ("by", "Direction"))
         .within((0.0, 180.0))
         .usually((0.0, 180.0))
         .unit("degrees");
@@ -214,23 +177,6 @@ const fn range(name: &'static str, doc: &'static str) -> Param<Option<f64>> {
     Param::maybe_number(name, doc, None).only_where(Condition::Is { param: "by", value: "Range" })
 }
 
-const fn end(name: &'static str, doc: &'static str) -> Param<Option<f64>> {
-    Param::maybe_number(name, doc, None)
-        .usually((-1.0, 1.0))
-        .only_where(Condition::Is { param: "by", value: "Box" })
-}
-
-const fn number(
-    name: &'static str,
-    doc: &'static str,
-    default: f64,
-    value: &'static str,
-) -> Param<f64> {
-    Param::number(name, doc, default)
-        .usually((-1.0, 1.0))
-        .only_where(Condition::Is { param: "by", value })
-}
-
 pub static MODULE: Module = Module {
     id: "Select",
     summary: "Selects faces or vertices by a field, place, component, direction or border.",
@@ -242,29 +188,29 @@ pub static MODULE: Module = Module {
         CORNERS.spec(),
         LOW.spec(),
         HIGH.spec(),
-        FRAME.spec(),
-        LOW_X.spec(),
-        HIGH_X.spec(),
-        LOW_Y.spec(),
-        HIGH_Y.spec(),
-        LOW_Z.spec(),
-        HIGH_Z.spec(),
-        CENTER_X.spec(),
-        CENTER_Y.spec(),
-        CENTER_Z.spec(),
-        RADIUS.spec(),
-        POINT_X.spec(),
-        POINT_Y.spec(),
-        POINT_Z.spec(),
-        NORMAL_X.spec(),
-        NORMAL_Y.spec(),
-        NORMAL_Z.spec(),
+        PLACES.frame.spec(),
+        PLACES.low[0].spec(),
+        PLACES.high[0].spec(),
+        PLACES.low[1].spec(),
+        PLACES.high[1].spec(),
+        PLACES.low[2].spec(),
+        PLACES.high[2].spec(),
+        PLACES.center[0].spec(),
+        PLACES.center[1].spec(),
+        PLACES.center[2].spec(),
+        PLACES.radius.spec(),
+        PLACES.point[0].spec(),
+        PLACES.point[1].spec(),
+        PLACES.point[2].spec(),
+        PLACES.normal[0].spec(),
+        PLACES.normal[1].spec(),
+        PLACES.normal[2].spec(),
         COMPONENTS.spec(),
         PLACE.spec(),
         FACES.spec(),
-        DIRECTION_X.spec(),
-        DIRECTION_Y.spec(),
-        DIRECTION_Z.spec(),
+        DIRECTION[0].spec(),
+        DIRECTION[1].spec(),
+        DIRECTION[2].spec(),
         ANGLE.spec(),
         PICKED.spec(),
         INVERT.spec(),
@@ -322,19 +268,22 @@ fn selection(target: &Target, field: &Field) -> Result<Vec<bool>, ModuleError> {
 fn chosen(io: &Io, target: &Target, by: By) -> Result<Vec<bool>, ModuleError> {
     let (mesh, rule) = (target.mesh, target.rule);
     let control = io.control().part(0.0, 0.5);
+    let in_shape = |shape| -> Result<Vec<bool>, ModuleError> {
+        let region = PLACES.region(io, mesh, shape)?;
+        Ok(target.over(&in_region(mesh, &region), Domain::Vertex, rule))
+    };
     Ok(match by {
         By::All | By::Incoming => vec![true; target.len()],
         By::Range => {
             let (found, domain) = by_range(io, mesh)?;
             target.over(&found, domain, rule)
         }
-        By::Box | By::Sphere | By::Plane => {
-            target.over(&in_region(mesh, &region(io, mesh, by)?), Domain::Vertex, rule)
-        }
+        By::Box => in_shape(Shape::Box)?,
+        By::Sphere => in_shape(Shape::Sphere)?,
+        By::Plane => in_shape(Shape::Plane)?,
         By::Component => target.over(&by_component(io, mesh)?, Domain::Face, rule),
         By::Direction => {
-            let vector = vector(io, [DIRECTION_X, DIRECTION_Y, DIRECTION_Z])?;
-            let direction = direction(vector, &DIRECTION_X)?;
+            let direction = direction(io, DIRECTION)?;
             facing(mesh, target.elements, direction, io.param(ANGLE)?.to_radians(), control)?
         }
         By::Border => target.over(&at_border(mesh, control)?, Domain::Vertex, CornerRule::Any),
@@ -379,45 +328,6 @@ fn by_component(io: &Io, mesh: &TriMesh) -> Result<Vec<bool>, ModuleError> {
         Components::Small => found.sizes[rank as usize] < faces,
     };
     Ok(found.of_faces.iter().map(|&rank| is_chosen(rank)).collect())
-}
-
-fn vector(io: &Io, [x, y, z]: [Param<f64>; 3]) -> Result<DVec3, ModuleError> {
-    Ok(DVec3::new(io.param(x)?, io.param(y)?, io.param(z)?))
-}
-
-fn direction(vector: DVec3, param: &Param<f64>) -> Result<DVec3, ModuleError> {
-    // Scaled first, so that its square neither vanishes nor overflows.
-    (vector / vector.abs().max_element())
-        .try_normalize()
-        .ok_or_else(|| ModuleError::param(param, "the vector (0, 0, 0) has no direction"))
-}
-
-fn region(io: &Io, mesh: &TriMesh, by: By) -> Result<Region, ModuleError> {
-    let (origin, size, diagonal) = match (io.param(FRAME)?, finite_bounds(mesh)) {
-        (Coordinates::Relative, Some((low, high))) => (low, high - low, (high - low).length()),
-        _ => (DVec3::ZERO, DVec3::ONE, 1.0),
-    };
-    let ends = |[x, y, z]: [Param<Option<f64>>; 3], none: f64| -> Result<DVec3, ModuleError> {
-        let at = |param: Param<Option<f64>>, k: usize| -> Result<f64, ModuleError> {
-            Ok(io.param(param)?.map_or(none, |share| origin[k] + share * size[k]))
-        };
-        Ok(DVec3::new(at(x, 0)?, at(y, 1)?, at(z, 2)?))
-    };
-    Ok(match by {
-        By::Sphere => {
-            let center = origin + vector(io, [CENTER_X, CENTER_Y, CENTER_Z])? * size;
-            Region::Sphere(center, io.param(RADIUS)? * diagonal)
-        }
-        By::Plane => {
-            let point = origin + vector(io, [POINT_X, POINT_Y, POINT_Z])? * size;
-            let normal = vector(io, [NORMAL_X, NORMAL_Y, NORMAL_Z])?;
-            Region::Plane(point, direction(normal, &NORMAL_X)?)
-        }
-        _ => Region::Box(
-            ends([LOW_X, LOW_Y, LOW_Z], f64::NEG_INFINITY)?,
-            ends([HIGH_X, HIGH_Y, HIGH_Z], f64::INFINITY)?,
-        ),
-    })
 }
 
 #[cfg(test)]

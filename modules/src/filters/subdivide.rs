@@ -1,6 +1,8 @@
 //! Cuts every face into four.
 //!
-//! Midpoint keeps the surface as it is, Loop rounds it off; layers are interpolated in both.
+//! Midpoint keeps the surface as it is, Loop rounds it off, Butterfly goes smoothly through all of
+//! its vertices; layers are interpolated in each. There is no Catmull-Clark: it is for polygons, of
+//! which a mesh has none, as loaders cut them into triangles.
 
 use crate::geometry::surface::subdivide::{Scheme, SubdivideError, subdivide};
 use crate::prelude::*;
@@ -9,8 +11,13 @@ impl Enumeration for Scheme {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Midpoint", "New vertices in the middle of edges: the same surface in smaller faces."),
         ("Loop", "The smooth scheme of Loop (1987); borders and non-manifold edges are creases."),
+        (
+            "Butterfly",
+            "The modified butterfly scheme (Zorin et al. 1996): old vertices stay, new ones lie on \
+             a smooth surface through them; creases as for Loop.",
+        ),
     ];
-    const VALUES: &'static [Self] = &[Self::Midpoint, Self::Loop];
+    const VALUES: &'static [Self] = &[Self::Midpoint, Self::Loop, Self::Butterfly];
 }
 
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
@@ -29,7 +36,7 @@ const MESH_OUT: Out<TriMesh> = Out::new(
 
 pub static MODULE: Module = Module {
     id: "Subdivide",
-    summary: "Cuts every face into four, by midpoints or by the smooth scheme of Loop.",
+    summary: "Cuts every face into four, by midpoints or by the smooth schemes Loop or butterfly.",
     inputs: &[MESH_IN.spec()],
     outputs: &[MESH_OUT.spec()],
     params: &[SCHEME.spec(), LEVELS.spec()],
@@ -64,6 +71,7 @@ mod tests {
         assert!((run("Midpoint", 3).signed_volume() - 1.0 / 6.0).abs() < 1e-15);
         assert_eq!(run("Midpoint", 3).faces.len(), 256);
         assert!(run("Loop", 1).signed_volume() < 0.1);
+        assert!(run("Butterfly", 1).signed_volume() > 1.0 / 6.0);
     }
 
     #[test]

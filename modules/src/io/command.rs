@@ -14,7 +14,7 @@ use mve_core::{
     CommandLine, CommandLineSpec, CommandPlace, CommandWay, Heard, OutsideEnd, OutsideError,
     OutsideOutcome, OutsideProgram, printable, run_outside,
 };
-use mve_formats::exchange;
+use mve_formats::mesh_file::{self, Reader};
 use mve_formats::number_pattern::NumberPatterns;
 use mve_mesh::data::Measure;
 
@@ -48,7 +48,7 @@ const COMMAND: Param<CommandLine> = Param::command_line(
      \"{out.mesh:off}\"]; a text is split at blanks. There is no shell. {in.mesh}, {in.other} and \
      {out.mesh} are paths of files, PLY if no ending is said; {file:fix.py} is a file beside the \
      map.",
-    CommandLineSpec { reads: &[MESH, OTHER], writes: &[MESH], endings: exchange::ENDINGS },
+    CommandLineSpec { reads: &[MESH, OTHER], writes: &[MESH], endings: &mesh_file::WRITTEN },
 );
 const PATTERNS: Param<String> = Param::text(
     "patterns",
@@ -100,7 +100,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
             port: place.name.clone(),
             message: format!("nothing is linked here, and the command names {place}"),
         })?;
-        exchange::save(&mesh, &path_of(place), io.control().part(0.0, 0.1))?;
+        let control = io.control().part(0.0, 0.1);
+        let changes = mesh_file::save(mesh, &path_of(place), Reader::Program, control)?;
+        changes.iter().for_each(|change| io.warn(format!("{place}: {change}")));
     }
     let outcome = run_program(io, &line, &line.arguments(path_of), scratch.path())?;
     let lines = [outcome.output.lines(), outcome.errors.lines()].concat();
@@ -217,7 +219,7 @@ fn read_back(
         );
         return Err(ModuleError::Failed(message));
     }
-    let read = exchange::load(path, io.control().part(0.9, 1.0));
+    let read = mesh_file::load_by_ending(path, io.control().part(0.9, 1.0));
     let (mesh, warnings) = read.map_err(|error| match error {
         // The path is one of a folder that is gone when the message is read.
         ModuleError::Io { message, .. } => {

@@ -24,13 +24,22 @@ fn mesh(outputs: &Outputs) -> TriMesh {
 
 #[test]
 fn a_mesh_goes_through_a_program_and_back_in_every_format() {
-    for ending in ["", ":ply", ":obj", ":off"] {
+    for ending in ["", ":ply", ":obj", ":off", ":iv"] {
         let [from, to] = ["in", "out"].map(|way| format!("{{{way}.mesh{ending}}}"));
         let outputs = trial(json!(["cp", from, to])).run().unwrap();
         assert_eq!(mesh(&outputs), tetrahedron(), "{ending}");
     }
-    let outputs = trial(json!("cp {in.mesh:stl} {out.mesh:stl}")).run().unwrap();
-    assert_eq!(mesh(&outputs).faces.len(), 4);
+    for ending in ["stl", "glb"] {
+        let command = format!("cp {{in.mesh:{ending}}} {{out.mesh:{ending}}}");
+        let outputs = trial(json!(command)).run().unwrap();
+        assert_eq!((mesh(&outputs).faces.len(), mesh(&outputs).area()), (4, tetrahedron().area()));
+    }
+    // What a format does not hold is said.
+    let mut far = tetrahedron();
+    far.positions.iter_mut().for_each(|p| p.x += 1e6);
+    let trial = Trial::of(&MODULE).input("mesh", far);
+    let log = trial.set("command", json!("cp {in.mesh:stl} {out.mesh:stl}")).log().unwrap();
+    assert!(log[0].contains("{in.mesh:stl}: STL has floats"), "{log:?}");
 }
 
 #[test]

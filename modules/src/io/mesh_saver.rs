@@ -1,6 +1,6 @@
 //! Saves a mesh as a file of any format that mve writes, by the ending of its name.
 
-use mve_formats::mesh_file;
+use mve_formats::mesh_file::{self, Reader};
 
 use crate::prelude::*;
 
@@ -25,7 +25,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let (mesh, path) = (io.get(MESH_IN)?, io.param(PATH)?);
-    let warnings = mesh_file::save(mesh, &path, io.control())?;
+    let warnings = mesh_file::save(mesh, &path, Reader::Anybody, io.control())?;
     warnings.iter().for_each(|warning| io.warn(warning));
     Ok(())
 }

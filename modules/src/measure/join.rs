@@ -1,4 +1,7 @@
-//! Puts two tables side by side: rows with the same key become one.
+//! Puts tables side by side: rows with the same key become one.
+//!
+//! Each table of the right input is joined in turn with what the ones before it gave, so that what
+//! becomes of rows without a partner holds for each.
 
 use std::collections::HashMap;
 
@@ -20,31 +23,34 @@ enum Unmatched {
 impl Enumeration for Unmatched {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Drop", "They are left out."),
-        ("KeepLeft", "Those of the left table stay; what the right one would have is missing."),
-        ("KeepBoth", "Those of both tables stay; those of the right one come last."),
+        ("KeepLeft", "Those of the left table stay; what a right one would have is missing."),
+        ("KeepBoth", "Those of all tables stay; those of a right one come last."),
     ];
     const VALUES: &'static [Self] = &[Self::Drop, Self::KeepLeft, Self::KeepBoth];
 }
 
 const LEFT_IN: In<Table> = In::new("left", "The table whose columns come first.");
-const RIGHT_IN: In<Table> = In::new("right", "The table whose columns come after them.");
+const RIGHT_IN: ManyIn<Table> = ManyIn::new(
+    "right",
+    "The tables whose columns come after them, of any number of links, in the order of the links.",
+);
 const COLUMN: Param<String> = Param::text(
     "column",
-    "Name of the column that both tables have, whose cells are the keys. Empty: row by row, of \
+    "Name of the column that all tables have, whose cells are the keys. Empty: row by row, of \
      tables of one length.",
     "",
 );
 const UNMATCHED: Param<Unmatched> =
-    Param::one_of("unmatched", "What becomes of rows whose key the other table lacks.", "KeepLeft");
+    Param::one_of("unmatched", "What becomes of rows whose key another table lacks.", "KeepLeft");
 const TABLE_OUT: Out<Table> = Out::new(
     "table",
-    "Rows in the order of the left table; a column of the right one whose name is taken has a \
-     number behind it.",
+    "Rows in the order of the left table; a column of a right one whose name is taken has a number \
+     behind it.",
 );
 
 pub static MODULE: Module = Module {
     id: "Join",
-    summary: "Puts two tables side by side, rows with the same key together.",
+    summary: "Puts any number of tables side by side, rows with the same key together.",
     inputs: &[LEFT_IN.spec(), RIGHT_IN.spec()],
     outputs: &[TABLE_OUT.spec()],
     params: &[COLUMN.spec(), UNMATCHED.spec()],
@@ -55,25 +61,47 @@ pub static MODULE: Module = Module {
 type RowPair = [Option<usize>; 2];
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
-    let (left, right) = (io.get(LEFT_IN)?, io.get(RIGHT_IN)?);
     let name = io.param(COLUMN)?;
+    let rights = io.all(RIGHT_IN)?;
+    let mut table = Table::clone(&*io.get(LEFT_IN)?);
+    for (place, right) in rights.iter().enumerate() {
+        let roles = match (place, rights.len()) {
+            (_, 1) => ["the left table".to_owned(), "the right one".to_owned()],
+            (0, _) => ["the left table".to_owned(), "the first right one".to_owned()],
+            _ => ["what was joined before".to_owned(), format!("right table {}", place + 1)],
+        };
+        table = joined(io, [&table, right], &name, roles)?;
+    }
+    io.put(TABLE_OUT, table);
+    Ok(())
+}
+
+/// The columns of two tables, whose roles are said in errors.
+fn joined(
+    io: &Io,
+    [left, right]: [&Table; 2],
+    name: &str,
+    roles: [String; 2],
+) -> Result<Table, ModuleError> {
     let pairs = if name.is_empty() {
         let (n, m) = (left.n_rows(), right.n_rows());
         if n != m {
+            let [one, other] = roles;
             let message = format!(
-                "the left table has {n} rows, the right one {m}; row by row they are to have as \
-                 many, or name a column of keys that both have"
+                "{one} has {n} rows, {other} {m}; row by row they are to have as many, or name a \
+                 column of keys that all have"
             );
             return Err(ModuleError::param(&COLUMN, message));
         }
         (0..n).map(|row| [Some(row), Some(row)]).collect()
     } else {
-        pairs(io, keys(&left, &name)?, keys(&right, &name)?)?
+        let [one, other] = roles;
+        pairs(io, keys(left, name, &one)?, keys(right, name, &other)?)?
     };
     let mut table = Table::default();
     for column in &left.columns {
         io.check()?;
-        let values = match (column.name == name).then(|| right.column(&name)).flatten() {
+        let values = match (column.name == name).then(|| right.column(name)).flatten() {
             // Rows of the right table alone have their keys from there.
             Some(other) => both(&column.values, &other.values, &pairs),
             None => column.values.pick(pairs.iter().map(|[row, _]| *row)),
@@ -92,8 +120,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         }
         table.columns.push(column);
     }
-    io.put(TABLE_OUT, table);
-    Ok(())
+    Ok(table)
 }
 
 /// A column without its cells.
@@ -105,11 +132,10 @@ fn head(column: &TableColumn) -> TableColumn {
 
 /// The key of each row as a text; `None` where it is missing. Numbers are their shortest texts, so
 /// that a column of them fits one of texts.
-fn keys(table: &Table, name: &str) -> Result<Vec<Option<String>>, ModuleError> {
+fn keys(table: &Table, name: &str, role: &str) -> Result<Vec<Option<String>>, ModuleError> {
     let Some(column) = table.column(name) else {
         let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-        let message =
-            format!("one of the tables has no column \"{name}\"; it has {}", names.join(", "));
+        let message = format!("{role} has no column \"{name}\"; it has {}", names.join(", "));
         return Err(ModuleError::param(&COLUMN, message));
     };
     Ok(match &column.values {
@@ -243,12 +269,44 @@ mod tests {
         assert_eq!(table.columns[1].name, "k_2");
     }
 
+    /// A row of three tables, and of those that lack its key.
+    #[test]
+    fn as_many_tables_are_joined_as_are_linked() {
+        let table = |keys: &[&str], values: &[f64]| {
+            let values = TableColumn::numbers("v", values.to_vec());
+            Table { columns: vec![texts("k", keys), values] }
+        };
+        let tables = [
+            table(&["a", "b"], &[1.0, 2.0]),
+            table(&["b", "a", "c"], &[20.0, 10.0, 30.0]),
+            table(&["c", "b"], &[300.0, 200.0]),
+        ];
+        let join = |unmatched: &str| {
+            let trial = Trial::of(&super::MODULE).set("column", "k").set("unmatched", unmatched);
+            let trial = trial.input("left", tables[0].clone());
+            let rights = tables[1..].iter();
+            let trial = rights.fold(trial, |trial, table| trial.input("right", table.clone()));
+            let outputs = trial.run().unwrap();
+            let table = outputs["table"].get::<Table>().unwrap();
+            let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+            assert_eq!(names, ["k", "v", "v_2", "v_3"]);
+            rows(&table)
+        };
+        assert_eq!(join("Drop"), ["b 2 20 200"]);
+        assert_eq!(join("KeepLeft"), ["a 1 10 ", "b 2 20 200"]);
+        assert_eq!(join("KeepBoth"), ["a 1 10 ", "b 2 20 200", "c  30 300"]);
+        let trial = Trial::of(&super::MODULE).input("left", tables[0].clone());
+        let trial = trial.input("right", tables[2].clone()).input("right", tables[1].clone());
+        let message = trial.run().unwrap_err().to_string();
+        assert!(message.contains("joined before has 2 rows, right table 2 3;"), "{message}");
+    }
+
     #[test]
     fn what_cannot_be_joined_is_said() {
         let one = Table { columns: vec![TableColumn::numbers("a", vec![1.0])] };
         let two = Table { columns: vec![TableColumn::numbers("b", vec![1.0, 2.0])] };
         let message = joined(&one, &two, "a", "Drop").unwrap_err();
-        assert!(message.contains("no column \"a\"; it has b"), "{message}");
+        assert!(message.contains("the right one has no column \"a\"; it has b"), "{message}");
         let message = joined(&one, &two, "", "Drop").unwrap_err();
         assert!(message.contains("1 rows, the right one 2"), "{message}");
         let same = Table { columns: vec![TableColumn::numbers("a", vec![1.0; 5000])] };

@@ -14,7 +14,7 @@ use crate::module::Module;
 use crate::param::{ParamSpec, chosen, declared_at, given_at};
 use crate::plan::{nothing_linked, passed_on_inside};
 use crate::port::{ANY, InputSpec, OutputSpec};
-use crate::problem::Problem;
+use crate::problem::{Problem, did_you_mean};
 use crate::quantity::{Quantities, Quantity, Role};
 use crate::registry::Registry;
 
@@ -218,17 +218,52 @@ pub(super) fn faults(map: &Map, registry: &Registry) -> Vec<Problem> {
             faults.push(nothing_linked(name, &MAP_OUTPUT, &MAP_OUTPUT.inputs[0]));
         }
     }
+    let told = parameter_faults(map, registry).into_iter();
+    faults.extend(told.map(|(name, message)| of_parameter(Problem::error(message), &name)));
+    faults
+}
+
+/// What is wrong with the parameters that a map would have as a node: told of where it is checked
+/// alone, and no reason not to run it, which needs none of them.
+pub(crate) fn parameter_warnings(map: &Map, registry: &Registry) -> Vec<Problem> {
+    let warning = |(name, message): (String, String)| {
+        let message = format!("{message}; as a node of another map, this one would not run");
+        of_parameter(Problem::warning(message), &name)
+    };
+    parameter_faults(map, registry).into_iter().map(warning).collect()
+}
+
+fn of_parameter(problem: Problem, name: &str) -> Problem {
+    problem.at(name).along(["parameters".into(), name.into()])
+}
+
+/// The names of parameters of a map with what is wrong with them.
+fn parameter_faults(map: &Map, registry: &Registry) -> Vec<(String, String)> {
+    let is_input = |(name, node): (&String, &Node), promoted: &str| {
+        node.module == MAP_INPUT.id && port_name(name, node) == promoted
+    };
+    let mut faults = Vec::new();
     for (name, promoted) in &map.parameters {
-        let mut told = |message: String| {
-            let path = ["parameters".into(), name.as_str().into()];
-            faults.push(Problem::error(message).at(name).along(path));
-        };
-        if known.contains(&(MAP_INPUT.id, name.as_str())) {
+        let mut told = |message: String| faults.push((name.clone(), message));
+        if map.nodes.iter().any(|node| is_input(node, name)) {
             told("an input of the map has this name, too".to_owned());
         }
         for path in promoted.paths() {
+            let Some((node, inside)) = path.split_once('.').filter(|(node, _)| !node.is_empty())
+            else {
+                told(format!("\"{path}\" is not of the form node.parameter"));
+                continue;
+            };
+            let Some(known) = map.nodes.get(node) else {
+                let hint = did_you_mean(node, map.nodes.keys().map(String::as_str));
+                told(format!("\"{path}\": the map has no node \"{node}\"{hint}"));
+                continue;
+            };
+            // A module that is not there is told of at its node.
+            let Some(info) = registry.of(known) else { continue };
             if param(map, registry, path, Path::new("")).is_none() {
-                told(format!("\"{path}\" is no parameter of a node of the map"));
+                let hint = did_you_mean(inside, info.module.params.iter().map(|spec| spec.name));
+                told(format!("\"{path}\" is no parameter of {}{hint}", info.module.id));
             }
         }
         if promoted.paths().is_empty() {

@@ -23,6 +23,7 @@ use std::sync::Arc;
 
 pub use ends::{MAP_ENDS, MAP_INPUT, MAP_OUTPUT};
 use indexmap::IndexMap;
+pub(crate) use interface::parameter_warnings;
 pub(crate) use open::open;
 
 use crate::files::refuse_special;

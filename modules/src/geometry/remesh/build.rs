@@ -3,10 +3,10 @@
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
-use mve_mesh::data::{TriMesh, VertexId};
+use mve_mesh::data::{FaceId, TriMesh, VertexId};
 use mve_mesh::union_find::UnionFind;
 
-use super::mesh::{Kind, WorkMesh};
+use super::mesh::{FLAT, Kind, WorkMesh};
 use crate::geometry::surface::normals::face_normals;
 
 /// Which edges are kept as lines.
@@ -100,8 +100,9 @@ fn edge_kinds(
     options: &LineOptions,
     control: Control,
 ) -> Result<Vec<EdgeKind>, Cancelled> {
-    let normals = face_normals(mesh, control.part(0.0, 0.5))?;
+    let mut normals = face_normals(mesh, control.part(0.0, 0.5))?;
     let control = control.part(0.5, 1.0);
+    lend_normals(mesh, adjacency, &mut normals);
     let n_edges = adjacency.edges().len();
     let mut kinds = Vec::with_capacity(n_edges);
     for edge in (0..n_edges as u32).map(EdgeId) {
@@ -125,6 +126,32 @@ fn edge_kinds(
         }
     }
     Ok(kinds)
+}
+
+/// Gives faces that are flat, whose own normal may be noise, that of the face across their longest
+/// side, onto which they fall if they fall: the angles at their other sides are those of the
+/// surface then.
+fn lend_normals(mesh: &TriMesh, adjacency: &Adjacency, normals: &mut [DVec3]) {
+    let flat = |f: FaceId| {
+        let corners = mesh.corners(f);
+        let length = |k: usize| corners[k].distance_squared(corners[(k + 1) % 3]);
+        let long = (0..3).max_by(|a, b| length(*a).total_cmp(&length(*b))).unwrap_or(0);
+        let [a, b, c] = corners;
+        let height = (b - a).cross(c - a).length() / length(long);
+        (height < FLAT).then_some(long)
+    };
+    let own = normals.to_vec();
+    for f in (0..mesh.faces.len() as u32).map(FaceId) {
+        let Some(long) = flat(f) else { continue };
+        let edge = adjacency.edges_of(f)[long];
+        if edge == EdgeId::NONE || !adjacency.is_oriented(mesh, edge) {
+            continue;
+        }
+        let over = adjacency.sides_of(edge).iter().find(|side| side.face() != f);
+        if let Some(over) = over.filter(|over| flat(over.face()).is_none()) {
+            normals[f.idx()] = own[over.face().idx()];
+        }
+    }
 }
 
 /// Makes sharp lines smooth that are shorter than `shortest` in all and hang together with no

@@ -242,7 +242,20 @@ impl WorkMesh {
         }
     }
 
-    fn set_line(&mut self, [a, b]: [u32; 2]) {
+    /// Takes a face away; the other sides on its edges are lines from then on.
+    pub fn remove(&mut self, face: u32) {
+        let corners = self.faces[face as usize];
+        self.faces[face as usize] = [NONE; 3];
+        for v in corners {
+            self.around[v as usize].retain(|f| *f != face);
+        }
+        for k in 0..3 {
+            self.set_line([corners[k], corners[(k + 1) % 3]]);
+        }
+    }
+
+    /// Makes an edge a line.
+    pub fn set_line(&mut self, [a, b]: [u32; 2]) {
         for face in self.around[b as usize].clone() {
             let corners = self.faces[face as usize];
             for k in 0..3 {
@@ -274,16 +287,22 @@ impl WorkMesh {
     /// The two sides of an edge that can be flipped: no line, two faces, other apexes that have no
     /// edge.
     pub fn flippable(&self, edge: [u32; 2]) -> Option<[(u32, usize); 2]> {
+        self.two_sides(edge).filter(|sides| self.can_flip(*sides))
+    }
+
+    /// The sides of an edge of two faces that is no line.
+    pub fn two_sides(&self, edge: [u32; 2]) -> Option<[(u32, usize); 2]> {
         let mut sides = self.sides(edge);
-        let (Some(one), Some(two), None) = (sides.next(), sides.next(), sides.next()) else {
-            return None;
-        };
-        let apex = |(face, k): (u32, usize)| self.faces[face as usize][(k + 2) % 3];
-        let is_fitting = !self.lines[one.0 as usize][one.1]
-            && !self.is_turned(&[one, two])
-            && apex(one) != apex(two)
-            && !self.has_edge([apex(one), apex(two)]);
-        is_fitting.then_some([one, two])
+        match (sides.next(), sides.next(), sides.next()) {
+            (Some(one), Some(two), None) if !self.lines[one.0 as usize][one.1] => Some([one, two]),
+            _ => None,
+        }
+    }
+
+    /// Whether an edge of these two sides can be flipped.
+    pub fn can_flip(&self, sides: [(u32, usize); 2]) -> bool {
+        let [c, d] = sides.map(|(face, k)| self.faces[face as usize][(k + 2) % 3]);
+        !self.is_turned(&sides) && c != d && !self.has_edge([c, d])
     }
 
     /// Whether the surface stays what it is topologically when an edge collapses: no two edges or

@@ -7,12 +7,15 @@
 //! Departures: vertices are brought back to the nearest point of the input after each round; sharp
 //! edges, borders and seams are lines whose vertices move along them and are brought back to them;
 //! edges come up by their length; a collapse puts the vertex in the middle where it may; edges of
-//! slivers are flipped whatever the numbers of neighbors; no step turns a face by 60° or more.
+//! slivers are flipped whatever the numbers of neighbors, and those that lines hold are taken away;
+//! no step turns a face by 60° or more. Faces of the input that are hardly wider than noise make no
+//! edge sharp.
 //!
 //! Edges of more than two faces, and those at which the orientation changes, are lines whose
 //! vertices stay: they are split, and nothing else is done to them.
 
 mod build;
+mod flat;
 mod mesh;
 pub mod patch;
 mod relax;
@@ -34,6 +37,7 @@ use crate::geometry::surface::normals::face_normals;
 use crate::geometry::transfer::Places;
 use crate::geometry::transfer::charts::is_seam;
 use build::{LineOptions, build};
+use flat::remove_flat;
 use mesh::WorkMesh;
 use relax::{Ground, line_tree, relax};
 
@@ -100,6 +104,8 @@ pub const MOST_FACES: usize = 10_000_000;
 /// Edges of this many times the length are split, and of this many collapse.
 const LONGEST: f64 = 4.0 / 3.0;
 const SHORTEST: f64 = 4.0 / 5.0;
+/// Passes over edges to be flipped, in each round.
+const FLIPS: usize = 3;
 
 /// Lines of faces whose names change are kept, too.
 const NAMES: [&str; 4] = [Layer::MATERIAL, Layer::GROUP, Layer::OBJECT, Layer::TEXCOORD];
@@ -118,11 +124,10 @@ pub fn remesh(
     options: &RemeshOptions,
     control: Control,
 ) -> Result<Remeshed, RemeshError> {
-    let source = canonical(mesh, control.part(0.0, 0.03))?;
+    let mut source = canonical(mesh, control.part(0.0, 0.03))?;
     let n_left_out = mesh.faces.len() - source.faces.len();
     // Near 1 nothing overflows; a power of two changes no digit.
     let scale = unit_scale(&source);
-    let mut source = source;
     source.positions.iter_mut().for_each(|p| *p *= scale);
     let mut length = target_length(&source, options.target, scale);
     let mut n_faces = faces_at(&source, length);
@@ -170,7 +175,9 @@ pub fn remesh(
             length *= factor.clamp(0.8, 1.25);
         }
     }
-    flip_all(&mut work, control.part(0.85, 0.86))?;
+    // What moving has made flat again goes before the last flips.
+    remove_flat(&mut work, LONGEST * length, control.part(0.85, 0.855))?;
+    steps::flip(&mut work, FLIPS, control.part(0.855, 0.86))?;
     let mut found = compacted(&work, control.part(0.86, 0.86))?;
     let places = Places::find((&source, &tree), &found, f64::INFINITY, control.part(0.86, 0.9))?;
     let mut layers = Vec::new();
@@ -192,19 +199,9 @@ fn one_round(
     let (shortest, longest) = (SHORTEST * length, LONGEST * length);
     steps::split_long(work, longest, control.part(0.0, 0.2))?;
     steps::collapse_short(work, [shortest, longest], control.part(0.2, 0.48))?;
-    steps::cut_lines(work, longest, control.part(0.48, 0.5))?;
-    flip_all(work, control.part(0.5, 0.65))?;
+    remove_flat(work, longest, control.part(0.48, 0.5))?;
+    steps::flip(work, FLIPS, control.part(0.5, 0.65))?;
     relax(work, ground, control.part(0.65, 1.0))
-}
-
-fn flip_all(work: &mut WorkMesh, control: Control) -> Result<(), Cancelled> {
-    for pass in 0..3 {
-        let share = |pass: u32| f64::from(pass) / 3.0;
-        if steps::flip(work, control.part(share(pass), share(pass + 1)))? == 0 {
-            break;
-        }
-    }
-    Ok(())
 }
 
 /// The faces that can be worked on, with vertices along a curve through space and each face

@@ -129,62 +129,111 @@ fn collapse_of(mesh: &WorkMesh, [a, b]: [u32; 2], longest: f64) -> Option<(u32, 
         (Fixed, second) if is_line && second == along => &[(b, a, one)],
         _ => &[],
     };
-    ways.iter().copied().find(|way| may_collapse(mesh, *way, longest))
+    // It is the same whichever end goes.
+    let mut keeps_topology = None;
+    ways.iter().copied().find(|&(gone, kept, place)| {
+        stays_near(mesh, (gone, kept, place), longest)
+            && *keeps_topology.get_or_insert_with(|| mesh.keeps_topology(gone, kept))
+            && keeps_shape(mesh, (gone, kept, place))
+    })
 }
 
-fn may_collapse(mesh: &WorkMesh, (gone, kept, place): (u32, u32, DVec3), longest: f64) -> bool {
-    // A line from the vertex that goes to an apex would fold onto the one that stays.
-    let folds = mesh
-        .sides([gone, kept])
-        .any(|(face, k)| mesh.is_line([gone, mesh.faces[face as usize][(k + 2) % 3]]));
-    if folds || !mesh.keeps_topology(gone, kept) {
-        return false;
-    }
+/// Whether no edge becomes longer.
+pub(super) fn stays_near(
+    mesh: &WorkMesh,
+    (gone, kept, place): (u32, u32, DVec3),
+    longest: f64,
+) -> bool {
     let is_near = |v: u32| mesh.points[v as usize].distance_squared(place) <= longest * longest;
-    let moves = place != mesh.points[kept as usize];
     let all_near = |v: u32| {
         let faces = mesh.around[v as usize].iter();
         faces.flat_map(|&face| mesh.faces[face as usize]).all(is_near)
     };
+    all_near(gone) && (place == mesh.points[kept as usize] || all_near(kept))
+}
+
+/// Whether no line folds and no face turns.
+fn keeps_shape(mesh: &WorkMesh, (gone, kept, place): (u32, u32, DVec3)) -> bool {
+    // A line from the vertex that goes to an apex would fold onto the one that stays.
+    let folds = mesh
+        .sides([gone, kept])
+        .any(|(face, k)| mesh.is_line([gone, mesh.faces[face as usize][(k + 2) % 3]]));
     let keeps = |v: u32, other: u32| {
         mesh.keeps_sides(v, place, |corners: [u32; 3]| corners.contains(&other))
     };
-    all_near(gone)
-        && (!moves || all_near(kept))
-        && keeps(gone, kept)
-        && (!moves || keeps(kept, gone))
+    let moves = place != mesh.points[kept as usize];
+    !folds && keeps(gone, kept) && (!moves || keeps(kept, gone))
 }
 
 /// Flips edges where the numbers of neighbors come closer to six within the surface and on lines
-/// and four at borders, or where a sliver goes; one pass.
+/// and four at borders, or where a sliver goes; so many passes at most. A later pass looks at the
+/// edges alone of which a flip before it can have changed what is to be done.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.
-pub(super) fn flip(mesh: &mut WorkMesh, control: Control) -> Result<usize, Cancelled> {
-    let edges = edges(mesh, &control)?;
-    let mut n_flipped = 0;
+pub(super) fn flip(
+    mesh: &mut WorkMesh,
+    n_passes: usize,
+    control: Control,
+) -> Result<(), Cancelled> {
+    let mut edges = edges(mesh, &control)?;
+    for pass in 0..n_passes {
+        let control = control.part(pass as f64 / n_passes as f64, 1.0);
+        let flipped = flip_once(mesh, &edges, control)?;
+        if flipped.is_empty() || pass + 1 == n_passes {
+            break;
+        }
+        edges = edges_around(mesh, flipped);
+    }
+    Ok(())
+}
+
+/// One pass over some edges; the vertices at those that were flipped, and across them.
+fn flip_once(
+    mesh: &mut WorkMesh,
+    edges: &[[u32; 2]],
+    control: Control,
+) -> Result<Vec<u32>, Cancelled> {
+    let mut flipped = Vec::new();
     for (place, &edge) in edges.iter().enumerate() {
         if place.is_multiple_of(STRIDE) {
             control.at(place as f64 / edges.len() as f64)?;
         }
-        let Some(sides) = mesh.flippable(edge) else { continue };
-        let (before, after) = (old_faces(mesh, sides), new_faces(mesh, sides));
+        let Some(sides) = mesh.two_sides(edge) else { continue };
         let least = |faces: [[u32; 3]; 2]| {
             let [one, two] = faces.map(|corners| mesh.flatness(corners));
             one.min(two)
         };
-        let (was, will_be) = (least(before), least(after));
-        let is_better = if was.min(will_be) < SLIVER {
-            will_be > 1.5 * was
-        } else {
-            evens_valences(mesh, edge, sides)
-        };
+        let was = least(sides.map(|(face, _)| mesh.faces[face as usize]));
+        let evens = evens_valences(mesh, edge, sides);
+        // Good faces stay, unless the numbers of neighbors are evened.
+        if was >= SLIVER && !evens || !mesh.can_flip(sides) {
+            continue;
+        }
+        let after = new_faces(mesh, sides);
+        let will_be = least(after);
+        let is_better = if was.min(will_be) < SLIVER { will_be > 1.5 * was } else { evens };
         if is_better && is_gentle(mesh, sides, after) {
+            flipped.extend(edge);
+            flipped.extend(apexes(mesh, sides));
             mesh.flip(sides);
-            n_flipped += 1;
         }
     }
-    Ok(n_flipped)
+    Ok(flipped)
+}
+
+/// The edges of all faces at some vertices, each once, by their vertices.
+fn edges_around(mesh: &WorkMesh, mut vertices: Vec<u32>) -> Vec<[u32; 2]> {
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut edges = Vec::with_capacity(8 * vertices.len());
+    for &face in vertices.iter().flat_map(|&v| &mesh.around[v as usize]) {
+        let [a, b, c] = mesh.faces[face as usize];
+        edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }
 
 fn apexes(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [u32; 2] {
@@ -206,10 +255,6 @@ fn evens_valences(mesh: &WorkMesh, [a, b]: [u32; 2], sides: [(u32, usize); 2]) -
         excess(a, ends) + excess(b, ends) + excess(c, others) + excess(d, others)
     };
     sum(-1, 1) < sum(0, 0)
-}
-
-fn old_faces(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [[u32; 3]; 2] {
-    sides.map(|(face, _)| mesh.faces[face as usize])
 }
 
 fn new_faces(mesh: &WorkMesh, sides: [(u32, usize); 2]) -> [[u32; 3]; 2] {
@@ -238,39 +283,3 @@ fn is_gentle(mesh: &WorkMesh, sides: [(u32, usize); 2], after: [[u32; 3]; 2]) ->
 const SAME_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Faces flatter than this are slivers.
 const SLIVER: f64 = 0.15;
-
-/// Takes flat faces away whose longest side is a line: that is cut where the third vertex lies
-/// beside it, which then goes there.
-///
-/// # Errors
-/// [`Cancelled`] when `control` says so.
-pub(super) fn cut_lines(
-    mesh: &mut WorkMesh,
-    longest: f64,
-    control: Control,
-) -> Result<(), Cancelled> {
-    let n_faces = mesh.faces.len();
-    for face in 0..n_faces as u32 {
-        control.item(face as usize, n_faces)?;
-        let corners = mesh.faces[face as usize];
-        if mesh.living_at(face) && mesh.flatness(corners) < FLAT {
-            let sides = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
-            let length = |k: &usize| mesh.length_sq(sides[*k]);
-            let k = (0..3).max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(0);
-            let (apex, edge) = (corners[(k + 2) % 3], sides[k]);
-            let [a, b] = edge.map(|v| mesh.points[v as usize]);
-            let along = (mesh.points[apex as usize] - a).dot(b - a) / mesh.length_sq(edge);
-            let is_free = mesh.kinds[apex as usize] == Kind::Free;
-            let is_middle = (0.2..0.8).contains(&along);
-            if is_free && is_middle && mesh.lines[face as usize][k] && mesh.may_split(edge) {
-                let middle = mesh.split(edge);
-                mesh.points[middle as usize] = a.lerp(b, along);
-                let way = (apex, middle, mesh.points[middle as usize]);
-                if may_collapse(mesh, way, 2.0 * longest) {
-                    mesh.collapse(way.0, way.1, way.2);
-                }
-            }
-        }
-    }
-    Ok(())
-}

@@ -212,6 +212,34 @@ fn the_bunny_stays_where_it_is() {
     assert!(mean(&angles(&found.mesh)) > 48.0, "{}", mean(&angles(&found.mesh)));
 }
 
+/// Smallest angle in degrees, and edges whose faces are folded by more than 150°. The peer is
+/// pymeshlab 2025.7, `meshing_isotropic_explicit_remeshing` with 10 iterations, the same length and
+/// 30° for features: 4.4° and 11 folded edges on the cow, which has nine itself, 14 lengths long in
+/// all, of which more are kept here; 9.6° and none on the bunny.
+#[test]
+fn real_meshes_keep_no_slivers_and_fold_no_more() {
+    let mut found = Vec::new();
+    for name in ["cow.obj", "stanford-bunny.obj"] {
+        let Some(mesh) = model(name) else { return };
+        let options = RemeshOptions { target: EdgeTarget::OfDiagonal(0.01), ..OPTIONS };
+        let mesh = remeshed(&mesh, options).mesh;
+        let normals = face_normals(&mesh, Control::none()).unwrap();
+        let adjacency = Adjacency::new(&mesh, Control::none()).unwrap();
+        let is_folded = |edge: &u32| match adjacency.sides_of(EdgeId(*edge)) {
+            [a, b] => {
+                let [a, b] = [a, b].map(|side| normals[side.face().idx()]);
+                a.dot(b) < 150.0_f64.to_radians().cos()
+            }
+            _ => false,
+        };
+        let n_folded = (0..adjacency.edges().len() as u32).filter(is_folded).count();
+        found.push((angles(&mesh).into_iter().fold(180.0, f64::min), n_folded));
+    }
+    assert!(found[0].0 > 4.4 && found[0].1 <= 13, "{found:?}");
+    // FIXME: the worst face of the peer has 9.6°.
+    assert!(found[1].0 > 3.0 && found[1].1 == 0, "{found:?}");
+}
+
 proptest! {
     #[test]
     fn any_mesh_stays_a_mesh(mesh in any_mesh()) {

@@ -1,5 +1,6 @@
 //! What a surface is like and how it is made finer: counts, normals, subdivision.
 
+mod butterfly;
 pub mod components;
 pub mod field_statistics;
 pub mod folds;

