@@ -11,8 +11,8 @@ use super::bulk::{Bulk, Panorama};
 use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
 use crate::mesh::morton::coarse_order;
 
-/// Nodes that one point may take before it counts as hard: near a hub of many faces it takes as long
-/// by other ways.
+/// Nodes that one point may take before it counts as hard: near a hub of many faces other ways take
+/// as long.
 const MOST_VISITS: usize = 2000;
 /// Hard points beyond so many, and a share of all, end the asking one by one.
 const FEW_HARD: usize = 16;
