@@ -66,6 +66,21 @@ fn straw(seed: u64) -> TriMesh {
     TriMesh::new(positions, (0..N_FACES).map(face).collect())
 }
 
+/// Thin faces around one vertex, each in a direction of its own.
+fn star(seed: u64) -> TriMesh {
+    let random = IndexedRandom::new(seed);
+    let ends = |k: u64| {
+        let z = 2.0 * random.unit(2 * k) - 1.0;
+        let (sin, cos) = (TAU * random.unit(2 * k + 1)).sin_cos();
+        let end = DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z;
+        [end, end + end.any_orthonormal_vector() * 1e-3]
+    };
+    let ends = (0..u64::from(N_FACES)).flat_map(ends);
+    let face = |k: u32| [0, 2 * k + 1, 2 * k + 2].map(VertexId);
+    let positions = std::iter::once(DVec3::ZERO).chain(ends).collect();
+    TriMesh::new(positions, (0..N_FACES).map(face).collect())
+}
+
 fn copies(mesh: &TriMesh, n: usize) -> TriMesh {
     TriMesh::new(mesh.positions.clone(), mesh.faces.repeat(n))
 }
@@ -100,6 +115,8 @@ fn pairs() -> Vec<(&'static str, TriMesh, TriMesh)> {
         ("needles", needles(N_FACES / 2), needles(N_FACES / 3)),
         ("stray_vertex", stray(&ring), moved(&ring, DVec3::X * 0.01)),
         ("straw", straw(1), straw(2)),
+        ("star_moved", star(1), moved(&star(1), DVec3::new(0.01, 0.0, 0.1))),
+        ("star_in_sphere", star(1), sphere(1.0)),
     ]
 }
 

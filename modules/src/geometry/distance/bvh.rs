@@ -203,6 +203,7 @@ impl<'a> Walker<'a> {
         let distance_sq = self.bvh.triangles.get(slot as usize)?.distance_sq(point);
         let start = (distance_sq, slot);
         let (distance_sq, slot) = match &self.bvh.lists {
+            _ if distance_sq <= enough => start,
             None => self.descend(point, start, enough, most_visits)?,
             Some(lists) => self.descend_to_lists(lists, point, start, enough, most_visits)?,
         };

@@ -11,13 +11,16 @@ use rayon::prelude::*;
 use super::bulk::{Bulk, Panorama};
 use super::bvh::{Bvh, GROUP, Hit, Walker, is_usable};
 
-/// Nodes that one point may take before it counts as hard.
-const MOST_VISITS: usize = 512;
+/// Nodes that one point may take before it counts as hard: near a hub of many faces other ways take
+/// as long.
+const MOST_VISITS: usize = 2000;
 /// Hard points beyond so many, and a share of all, end the asking one by one.
 const FEW_HARD: usize = 16;
 const HARD_SHARE: usize = 32;
-/// Nodes that points may take on average before it ends, too.
-const VISITS_PER_POINT: usize = 128;
+/// Nodes that points may take on average before it ends, too, once there are some points: the first
+/// may be exceptions.
+const VISITS_PER_POINT: usize = 96;
+const SOME_POINTS: usize = 32;
 /// Nodes that show whether a point is near enough, where that is so.
 const FEW_VISITS: usize = 64;
 /// Trees of cells are given so many times as many: lists are long where faces lie across each
@@ -308,7 +311,7 @@ impl Hard {
             self.points.push(at as u32);
             self.are_all |= self.points.len() > FEW_HARD + at / HARD_SHARE;
         }
-        self.are_all |= walker.n_visits() > self.patience * VISITS_PER_POINT * (FEW_HARD + at);
+        self.are_all |= walker.n_visits() > self.patience * VISITS_PER_POINT * (SOME_POINTS + at);
         hit
     }
 }

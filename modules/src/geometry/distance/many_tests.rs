@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use mve_mesh::data::{TriMesh, VertexId};
 use mve_mesh::fixtures::{mesh_of, torus};
+use mve_mesh::random::IndexedRandom;
 
 use super::*;
 use crate::geometry::distance::point_triangle::PreparedTriangle;
@@ -32,6 +33,19 @@ fn fan(height: f64, n: u32) -> TriMesh {
     points.push([0.0, 0.0, height]);
     let faces: Vec<[u32; 3]> = (0..n).map(|k| [n, k, (k + 1) % n]).collect();
     mesh_of(&points, &faces)
+}
+
+/// Thin faces around one vertex in all directions, as long as 1.
+fn star(n: u32) -> TriMesh {
+    let random = IndexedRandom::new(1);
+    let ends = |k: u32| {
+        let z = 2.0 * random.unit(2 * u64::from(k)) - 1.0;
+        let (sin, cos) = (TAU * random.unit(2 * u64::from(k) + 1)).sin_cos();
+        let end = DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z;
+        [end, end + end.any_orthonormal_vector() * 1e-3].map(|p| p.to_array())
+    };
+    let points: Vec<[f64; 3]> = std::iter::once([0.0; 3]).chain((0..n).flat_map(ends)).collect();
+    mesh_of(&points, &(0..n).map(|k| [0, 2 * k + 1, 2 * k + 2]).collect::<Vec<_>>())
 }
 
 fn mapped(mesh: &TriMesh, map: impl Fn(DVec3) -> DVec3) -> TriMesh {
@@ -66,6 +80,8 @@ fn pairs() -> Vec<(&'static str, TriMesh, TriMesh)> {
         ("a hub", fan(0.0, 3200), moved(&fan(0.0, 3200), DVec3::Z * 0.1)),
         ("a hub within a hub", fan(0.5, 3200), moved(&fan(0.5, 3200), DVec3::new(0.01, 0.0, 0.1))),
         ("before a hub", fan(0.5, 3200), moved(&fan(0.5, 3200), DVec3::Z * 10.0)),
+        ("a star", star(3200), moved(&star(3200), DVec3::new(0.01, 0.0, 0.1))),
+        ("a star in a ball", star(3200), ball.clone()),
         ("a face astray", stray(&ring), moved(&ring, DVec3::X * 0.01)),
     ]
 }
