@@ -63,7 +63,7 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
 /// With the path, where a file cannot be written or the mesh cannot be said in the format (see
 /// [`write_iv`]); that `control` ended it.
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<Vec<String>, ModuleError> {
-    let materials = obj::save_pictures(&mesh.materials, path, control)?;
+    let materials = obj::save_pictures(&mesh.materials, path, "-iv-textures", control)?;
     let mut warnings = Vec::new();
     save_atomic(path, |out| {
         warnings = write_iv(mesh, &materials, out, control)?;

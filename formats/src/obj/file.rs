@@ -100,7 +100,7 @@ fn texture_folders(folder: &Path, library: &str) -> Vec<PathBuf> {
 /// With the path, when `control` ends it, a file cannot be written or the mesh cannot be said in
 /// the format (see [`write_obj`]).
 pub fn save(mesh: &TriMesh, path: &Path, control: Control) -> Result<(), FileError> {
-    let folder = folder_beside(path);
+    let folder = folder_beside(path, TEXTURE_FOLDER);
     let name = name_from_file(folder.file_name().unwrap_or_default());
     let placed = texture_folder(&mesh.materials, &name);
     save_with(mesh, path, &placed, control)
@@ -161,22 +161,23 @@ fn save_with(
     }
     // A mesh that cannot be written must not cost the old materials.
     write(&mut io::sink(), Some(&mtl_name)).map_err(refuse)?;
-    save_placed(placed, &folder_beside(path), control)?;
+    save_placed(placed, &folder_beside(path, TEXTURE_FOLDER), control)?;
     save_atomic(&mtl_path, |out| write_mtl(&placed.materials, out))?;
     save_atomic(path, |out| write(out, Some(&mtl_name)))
 }
 
-/// Saves the pictures of a mesh that is saved at `path` into the folder beside it, and gives the
-/// materials that name them there.
+/// Saves the pictures of a mesh that is saved at `path` into the folder beside it whose name is the
+/// stem and `ending`, and gives the materials that name them there.
 ///
 /// # Errors
 /// With the path, when `control` ends it or a file cannot be written.
 pub fn save_pictures(
     materials: &[Material],
     path: &Path,
+    ending: &str,
     control: Control,
 ) -> Result<Vec<Material>, FileError> {
-    let folder = folder_beside(path);
+    let folder = folder_beside(path, ending);
     let name = name_from_file(folder.file_name().unwrap_or_default());
     let placed = texture_folder(materials, &name);
     save_placed(&placed, &folder, control)?;
@@ -198,9 +199,9 @@ fn save_placed(placed: &TextureFolder, folder: &Path, control: Control) -> Resul
 }
 
 /// The folder for the pictures of a mesh that is saved at `path`.
-fn folder_beside(path: &Path) -> PathBuf {
+fn folder_beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(TEXTURE_FOLDER);
+    name.push(ending);
     path.with_file_name(name)
 }
 

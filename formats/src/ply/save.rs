@@ -62,7 +62,7 @@ fn with_pictures(
         let text = "of materials PLY has a place for the picture of the base color alone";
         warnings.push(text.to_owned());
     }
-    let materials = obj::save_pictures(&colors, path, control)?;
+    let materials = obj::save_pictures(&colors, path, "-ply-textures", control)?;
     Ok(Arc::new(TriMesh { materials, ..(*mesh).clone() }))
 }
 

@@ -7,10 +7,10 @@ use crate::prelude::*;
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
 const PATH: Param<PathBuf> = Param::output_file(
     "path",
-    "The file; textures go into a folder of its stem and -textures.",
+    "The file; textures go into a folder of its stem and -iv-textures.",
     &["iv"],
 )
-.also_writes(&["-textures/"]);
+.also_writes(&["-iv-textures/"]);
 
 pub static MODULE: Module = Module {
     id: "IvSaver",

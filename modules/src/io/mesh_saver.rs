@@ -7,11 +7,15 @@ use crate::prelude::*;
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh with finite coordinates.");
 const PATH: Param<PathBuf> = Param::output_file(
     "path",
-    "The file; its ending says the format. Textures of OBJ, PLY and Open Inventor go into a folder of \
-     its stem and -textures, materials of OBJ into an MTL file.",
+    "The file; its ending says the format. Textures go into a folder of its stem and -textures, \
+     with PLY -ply-textures and with Open Inventor -iv-textures, materials of OBJ into an MTL file.",
     &mesh_file::WRITTEN,
 )
-.also_writes_with(&["obj", "ply", "iv"], &["mtl", "-textures/"]);
+.also_writes_with(&[
+    ("obj", &["mtl", "-textures/"]),
+    ("ply", &["-ply-textures/"]),
+    ("iv", &["-iv-textures/"]),
+]);
 
 pub static MODULE: Module = Module {
     id: "MeshSaver",

@@ -11,10 +11,10 @@ const FIELD_IN: MaybeIn<Field> = MaybeIn::new(
 );
 const PATH: Param<PathBuf> = Param::output_file(
     "path",
-    "The file; textures go into a folder of its stem and -textures.",
+    "The file; textures go into a folder of its stem and -ply-textures.",
     &["ply"],
 )
-.also_writes(&["-textures/"]);
+.also_writes(&["-ply-textures/"]);
 const ENCODING: Param<Encoding> =
     Param::one_of("encoding", "How numbers stand in the file.", "Binary");
 const PRECISION: Param<Precision> =

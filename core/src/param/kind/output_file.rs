@@ -16,16 +16,16 @@ pub struct OutputFileSpec {
     /// What is written beside it: the extension of a file; or, where it ends in `/`, what follows
     /// the stem in the name of a folder for any files, into which nothing else may write.
     pub also_writes: &'static [&'static str],
-    /// The extensions of the file with which that is written; none where it is with all.
-    pub also_writes_of: &'static [&'static str],
+    /// What is written only beside files of some extension.
+    pub also_writes_with: &'static [(&'static str, &'static [&'static str])],
 }
 
 impl OutputFileSpec {
     /// What is written beside a file of this name.
     pub fn beside(&self, path: &Path) -> &'static [&'static str] {
         let own = path.extension().unwrap_or_default().to_string_lossy();
-        let is_one = self.also_writes_of.iter().any(|known| own.eq_ignore_ascii_case(known));
-        if is_one || self.also_writes_of.is_empty() { self.also_writes } else { &[] }
+        let of_own = self.also_writes_with.iter().find(|(known, _)| own.eq_ignore_ascii_case(known));
+        of_own.map_or(self.also_writes, |(_, also)| *also)
     }
 }
 
@@ -50,7 +50,7 @@ impl Param<PathBuf> {
         doc: &'static str,
         extensions: &'static [&'static str],
     ) -> Self {
-        let spec = OutputFileSpec { extensions, also_writes: &[], also_writes_of: &[] };
+        let spec = OutputFileSpec { extensions, also_writes: &[], also_writes_with: &[] };
         Self::of_kind(name, doc, Kind::OutputFile(spec))
     }
 
@@ -62,15 +62,13 @@ impl Param<PathBuf> {
         self
     }
 
-    /// The same, but only with these extensions of the file.
+    /// What is written beside files of each of these extensions.
     pub const fn also_writes_with(
         mut self,
-        extensions: &'static [&'static str],
-        also: &'static [&'static str],
+        also: &'static [(&'static str, &'static [&'static str])],
     ) -> Self {
         if let Kind::OutputFile(spec) = &mut self.spec.kind {
-            spec.also_writes = also;
-            spec.also_writes_of = extensions;
+            spec.also_writes_with = also;
         }
         self
     }
@@ -86,7 +84,7 @@ mod tests {
         let spec = |param: Param<PathBuf>| param.spec().output_file().unwrap();
         let all = spec(param().also_writes(&["c"]));
         assert_eq!(all.beside(Path::new("x.b")), ["c"]);
-        let some = spec(param().also_writes_with(&["a"], &["c"]));
+        let some = spec(param().also_writes_with(&[("a", &["c"])]));
         assert_eq!(some.beside(Path::new("x.A")), ["c"]);
         assert!(some.beside(Path::new("x.b")).is_empty());
     }
