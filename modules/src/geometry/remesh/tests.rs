@@ -9,7 +9,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::distance::many::ManyQueries;
 use crate::geometry::edit::checks::any_mesh;
-use crate::geometry::generate::{PlaneOptions, ico_sphere, plane};
+use crate::geometry::generate::texcoords::cylinder_texcoords;
+use crate::geometry::generate::{CylinderOptions, PlaneOptions, cylinder, ico_sphere, plane};
 use crate::geometry::surface::mesh_info::mesh_info;
 use crate::test_models::model;
 
@@ -255,5 +256,36 @@ proptest! {
             }
             Err(error) => prop_assert!(error != RemeshError::Cancelled(Cancelled)),
         }
+    }
+}
+
+/// The texture of an unrolled cylinder meets itself along a line: no face reaches over it.
+#[test]
+fn a_seam_within_one_chart_stays_a_seam() {
+    let options = CylinderOptions {
+        radius: 0.5,
+        height: 2.0,
+        segments: 48,
+        height_segments: 12,
+        is_capped: false,
+    };
+    let mut mesh = cylinder(&options);
+    cylinder_texcoords(&mut mesh, &options, Control::none()).unwrap();
+    let spans = |mesh: &TriMesh| -> usize {
+        let layer = mesh.layer(Layer::TEXCOORD).unwrap();
+        let LayerValues::Vec2(values) = &layer.values else { panic!() };
+        let u = |corner: &u32| values[*corner as usize].x;
+        let spans = layer.index.chunks(3).filter(|face| {
+            let (low, high) =
+                (face.iter().map(u)).fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+            high - low > 0.5
+        });
+        spans.count()
+    };
+    assert_eq!(spans(&mesh), 0);
+    for length in [0.05, 0.15] {
+        let found =
+            remeshed(&mesh, RemeshOptions { target: EdgeTarget::Length(length), ..OPTIONS }).mesh;
+        assert_eq!((found.check(), spans(&found)), (Ok(()), 0), "{length}");
     }
 }

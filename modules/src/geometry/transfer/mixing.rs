@@ -18,6 +18,36 @@ impl<'a> Mixer<'a> {
         Self { layer, values: layer.values.clone() }
     }
 
+    /// The same as [`Self::value`], but one of these values where they are equal but for rounding.
+    pub fn value_like(&mut self, mixture: Mixture, known: impl Iterator<Item = u32>) -> u32 {
+        let n_before = self.values.len();
+        let value = self.value(mixture);
+        let same = known.into_iter().find(|&other| self.is_near(value, other));
+        if let Some(same) = same.filter(|_| self.values.len() > n_before) {
+            match &mut self.values {
+                LayerValues::Number(values) => values.truncate(n_before),
+                LayerValues::Vec2(values) => values.truncate(n_before),
+                LayerValues::Vec3(values) => values.truncate(n_before),
+                LayerValues::Label(values) => values.truncate(n_before),
+            }
+            return same;
+        }
+        value
+    }
+
+    fn is_near(&self, one: u32, other: u32) -> bool {
+        let (a, b) = (one as usize, other as usize);
+        if one == NO_VALUE || other == NO_VALUE {
+            return one == other;
+        }
+        match &self.values {
+            LayerValues::Number(v) => (v[a] - v[b]).abs() <= 1e-9 * v[a].abs().max(v[b].abs()),
+            LayerValues::Vec2(v) => v[a].distance(v[b]) <= 1e-9 * v[a].length().max(v[b].length()),
+            LayerValues::Vec3(v) => v[a].distance(v[b]) <= 1e-9 * v[a].length().max(v[b].length()),
+            LayerValues::Label(v) => v[a] == v[b],
+        }
+    }
+
     /// The index of a mixture of the values of three elements: that of one where all are the same,
     /// and none where one is missing. A name is that of the element with the largest share.
     pub fn value(&mut self, mixture: Mixture) -> u32 {

@@ -2,8 +2,8 @@
 //!
 //! An element of the target has the values at the nearest point of the source: interpolated between
 //! the corners of the face there, and those of a face by its middle. Values over corners do not
-//! cross seams: all corners of a face take theirs from the chart that its middle lies on, even
-//! where another one is nearer.
+//! cross seams: all corners of a face take theirs from the chart that its middle lies on, and from
+//! the side of a seam within it, even where another one is nearer.
 
 pub mod charts;
 mod mixing;
@@ -142,24 +142,33 @@ impl<'a> Places<'a> {
                 };
                 let chart = charts.of_face(middle.face);
                 let of_vertex = &known[v.idx()];
-                if let Some((_, value)) = of_vertex.iter().find(|(other, _)| *other == chart) {
+                let known_value = of_vertex.iter().find(|(other, _)| *other == chart);
+                if let Some((_, value)) = known_value.filter(|_| !charts.meet_themselves) {
                     index.push(*value);
                     continue;
                 }
                 let place = self.target.positions[v.idx()];
                 let mut nearest = *hit;
-                if charts.of_face(hit.face) != chart {
+                if charts.of_face(hit.face) != chart || charts.meet_themselves {
                     let reach_sq = walker.distance_sq_to(place, middle);
                     let reach = reach_sq.sqrt() * (1.0 + 1e-9);
                     walker.within(place, reach, MOST_FACES, &mut around);
-                    around.retain(|hit| charts.of_face(hit.face) == chart);
+                    if charts.meet_themselves {
+                        let faces: Vec<FaceId> = around.iter().map(|hit| hit.face).collect();
+                        let joined = charts.joined(middle.face, &faces);
+                        around.retain(|hit| joined.contains(&hit.face));
+                    } else {
+                        around.retain(|hit| charts.of_face(hit.face) == chart);
+                    }
                     let by_distance = |a: &&Hit, b: &&Hit| {
                         a.distance_sq.total_cmp(&b.distance_sq).then(a.face.cmp(&b.face))
                     };
                     nearest = around.iter().min_by(by_distance).copied().unwrap_or(*middle);
                 }
                 let corner = |face: usize, k: usize| (3 * face + k) as u32;
-                let value = mixer.value(self.mixture(place, &nearest, corner));
+                let like = known[v.idx()].iter().filter(|(other, _)| *other == chart);
+                let like = like.map(|(_, value)| *value);
+                let value = mixer.value_like(self.mixture(place, &nearest, corner), like);
                 known[v.idx()].push((chart, value));
                 index.push(value);
             }
