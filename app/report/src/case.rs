@@ -65,8 +65,13 @@ fn digits_beside(mean: f64, half: f64) -> usize {
 impl Cell {
     /// The number in it.
     pub fn number(&self) -> Option<f64> {
+        Some(self.estimate()?.mean)
+    }
+
+    /// The number in it with its interval.
+    pub fn estimate(&self) -> Option<Estimate> {
         match self {
-            Self::Number(estimate) => Some(estimate.mean),
+            Self::Number(estimate) => Some(*estimate),
             _ => None,
         }
     }

@@ -36,6 +36,8 @@ pub struct MeasureColumn {
     /// The parameter and the value with which the column holds this, where it holds something else
     /// with others.
     only_with: Option<(String, String)>,
+    /// Whether a module declares it as chief.
+    is_chief: bool,
     /// Whether some step gave a number.
     pub is_there: bool,
 }
@@ -91,6 +93,13 @@ impl MeasureColumn {
     pub fn estimate(&self, results: &Results, case: &Case) -> Option<Estimate> {
         self.is_in(results, case).then(|| case.estimate(&self.column))?
     }
+
+    /// Half of the interval that a single number of a case has by those that it is drawn from: the
+    /// median and the least of a few timings vary as these do.
+    pub fn spread(&self, case: &Case) -> Option<f64> {
+        let is_drawn = ["seconds_median", "seconds_min"].contains(&self.column.as_str());
+        is_drawn.then(|| case.estimate("seconds"))??.half_width
+    }
 }
 
 /// The measures of a report, the most important first.
@@ -114,7 +123,11 @@ pub fn measures(results: &Results) -> Vec<MeasureColumn> {
     }
     if named.is_empty() {
         let chosen = chosen(results);
-        all.extend(chosen.iter().flat_map(|column| of_column(results, column)));
+        let is_chief = |column: &str| results.plan.columns.role(column) == Role::Chief;
+        all.extend(chosen.iter().flat_map(|column| {
+            let all = of_column(results, column).into_iter();
+            all.filter(|measure| measure.is_chief || !is_chief(column))
+        }));
         all.retain(|measure| measure.is_there);
     }
     told_apart(&mut all);
@@ -171,6 +184,7 @@ pub fn of_column(results: &Results, column: &str) -> Vec<MeasureColumn> {
             is_of_model: record.is_of_model,
             better: record.better,
             only_with: record.only_with,
+            is_chief: record.role == Role::Chief,
             is_there: false,
         };
         measure.is_there =
