@@ -90,8 +90,7 @@ impl Figure {
 /// Plots of all measures, and how many panels were left out.
 pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, usize) {
     let against = columns::against(results);
-    let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));
-    let drawn: Vec<&MeasureColumn> = measures.iter().filter(is_drawn).collect();
+    let drawn = columns::drawn(results, measures);
     let quota = (MOST_PANELS / (drawn.len() * against.len()).max(1)).max(1);
     let mut n_hidden = 0;
     let mut all = Vec::new();
@@ -152,13 +151,15 @@ pub(super) fn scale<'a>(values: impl Iterator<Item = &'a Estimate>) -> Option<Sc
 /// of what is treated, where the column differs among its points.
 ///
 /// Panels are parted by the axes whose values are no numbers, as models of different sizes have
-/// nothing to do in one panel; else by the first. What the column does not tell apart within the
+/// nothing to do in one panel; else by the first that does not set the size, along which they are
+/// plotted. What the column does not tell apart within the
 /// values of a scale it may tell apart between them: then one panel has all points.
 fn panels_of(results: &Results, measure: &MeasureColumn, column: &str) -> Vec<Panel> {
     let own = results.other_axes();
     let texts = (0..own.len()).filter(|place| own[*place].varies() && !own[*place].is_scale());
     let texts: Vec<usize> = texts.collect();
-    let parting = if texts.is_empty() { (0..own.len()).take(1).collect() } else { texts.clone() };
+    let other = (0..own.len()).find(|place| !own[*place].is_sizing);
+    let parting = if texts.is_empty() { other.into_iter().collect() } else { texts.clone() };
     let mut parts: BTreeMap<Vec<usize>, Vec<&Case>> = BTreeMap::new();
     for case in &results.cases {
         let part = parting.iter().map(|place| case.at[*place]).collect();
@@ -280,7 +281,11 @@ impl Front {
                 .iter()
                 .map(|place| (points[*place].x.mean, sign * points[*place].y.mean))
                 .collect();
-            pareto_front(&places).into_iter().map(|place| compared[place]).collect()
+            let front = pareto_front(&places);
+            // Points of one place give no line.
+            let is_line = front.iter().any(|place| places[*place] != places[front[0]]);
+            let front = front.into_iter().filter(|_| is_line);
+            front.map(|place| compared[place]).collect()
         });
         Panel { title, points, front, is_line }
     }

@@ -172,7 +172,7 @@ fn a_step_that_missed_its_target_is_marked_and_never_the_best() {
     let answers = Report::read(folder.path()).unwrap().answers_in_words();
     let words = answers.iter().map(|(question, answer)| (question.as_str(), answer.join(" ")));
     let words: Vec<_> = words.collect();
-    assert_eq!(words[0].0, "Is “Error” lower with angle 45 than with angle 10?");
+    assert_eq!(words[0].0, "Is “Error” lower with angle 10 than with angle 45?");
     assert!(words[0].1.ends_with("2 pairs are left out, as a step did not reach its target."));
 }
 
