@@ -137,6 +137,25 @@ fn the_present_report_of_a_map_can_be_taken() {
 }
 
 #[test]
+fn what_options_name_is_told_by_the_option() {
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let slips = [
+        (
+            "--columns",
+            "simplify.cots",
+            "is not varied by the program; did you mean \"simplify.cost\"?",
+        ),
+        ("--rows", "s.cost", "\"s.cost\" is not varied by the program"),
+        ("--measure", "info.arae", "did you mean \"info.area\"?"),
+    ];
+    for (option, name, message) in slips {
+        let answer = folder.mve(&["report", "mve-out/box-costs", option, name]);
+        answer.fails(3, &format!("{option}: \"{name}\" is not ")).fails(3, message);
+    }
+}
+
+#[test]
 fn slips_are_told_before_anything_runs() {
     let folder = folder();
     folder.write("box.json", &MAP.replace("\"better\"", "\"beter\""));

@@ -48,7 +48,7 @@ fn marks(people: &People, results: &Results) -> TextTable {
     let rows = results.rows().into_iter().map(row);
     let rows = rows.filter(|row| row[n_names..].iter().any(|cell| !cell.is_empty())).collect();
     let title = format!(
-        "Mean mark, 0 like the original, 1 unlike, with its 95 % confidence interval; {}",
+        "Mean mark, 0 like the original, 1 unlike, with its 95 % confidence interval within these; {}",
         match people.n_raters {
             1 => "1 person".to_owned(),
             n => format!("{n} people"),
@@ -57,10 +57,10 @@ fn marks(people: &People, results: &Results) -> TextTable {
     TextTable { title, header, n_names, rows }
 }
 
-/// A mean from 0 to 1 with its interval.
-fn in_words(Estimate { mean, half_width, .. }: Estimate) -> String {
-    let half = half_width.map(|half| format!(" ± {half:.2}"));
-    format!("{mean:.2}{}", half.unwrap_or_default())
+/// A mean from 0 to 1 with the ends of its interval.
+fn in_words(mark: Estimate) -> String {
+    let span = People::span(&mark).map(|(low, high)| format!(" ({low:.2} to {high:.2})"));
+    format!("{:.2}{}", mark.mean, span.unwrap_or_default())
 }
 
 /// A row a measure; `group` is what the first axis varies.
