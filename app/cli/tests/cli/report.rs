@@ -25,7 +25,8 @@ fn folder() -> Folder {
 fn a_program_leaves_a_page_and_answers() {
     let folder = folder();
     let answer = folder.mve(&["program", "box.json"]).succeeds();
-    let answer = answer.says("Does Quadric keep more area?\n").says("geometric mean of 2 pairs");
+    let answer =
+        answer.says("Does Quadric keep more area?\n").says("is equal with Quadric and with");
     answer.says("report   mve-out/box-costs/report.html\n");
     let page = folder.read("mve-out/box-costs/report.html");
     assert!(page.contains("<title>Cuts &lt;of&gt; a box</title>"));

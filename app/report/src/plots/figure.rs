@@ -108,7 +108,7 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
             let x = columns::title(results, measures, column);
             let points = || panels.iter().flat_map(|panel| &panel.points);
             let scales = [
-                scale(points().map(|point| &point.x)),
+                scale_of_means(points().map(|point| &point.x)),
                 scale(points().map(|point| &point.y)).filter(|_| !measure.is_of_model),
             ];
             all.push(Figure {
@@ -121,6 +121,13 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
         }
     }
     (all, n_hidden)
+}
+
+/// The range of some means, whose intervals are not drawn.
+pub(super) fn scale_of_means<'a>(values: impl Iterator<Item = &'a Estimate>) -> Option<Scale> {
+    let means: Vec<Estimate> =
+        values.map(|value| Estimate { half_width: None, ..*value }).collect();
+    scale(means.iter())
 }
 
 /// The range of some values with room around it, so that no mark is cut; `None` of no values.
@@ -305,6 +312,14 @@ mod tests {
         assert!(scale_of(&[1.0, 10.0]).unwrap().is_log);
         assert!(!scale_of(&[1.0, 9.9]).unwrap().is_log && !scale_of(&[0.0, 50.0]).unwrap().is_log);
         assert_eq!(scale_of(&[]), None);
+    }
+
+    #[test]
+    fn what_is_not_drawn_takes_no_room() {
+        let wide = [1.0, 2.0].map(|mean| Estimate { n: 2, mean, half_width: Some(50.0) });
+        let range = scale_of_means(wide.iter()).unwrap();
+        assert!(range.low > 0.5 && range.high < 2.5 && !range.is_log, "{range:?}");
+        assert!(scale(wide.iter()).unwrap().high > 50.0);
     }
 
     #[test]

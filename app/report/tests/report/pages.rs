@@ -58,7 +58,7 @@ fn a_column_has_numbers_of_one_form() {
     let folder = small(report.clone(), [1.6679e-4, 0.0014279, 0.5, 0.25]).finish();
     let page = text(folder.path(), Format::Html);
     assert!(page.contains("<td class=\"best\">1.6679e-4</td><td>1.4279e-3</td>"), "{page}");
-    assert!(page.contains("<td>5e-1</td><td class=\"best\">2.5e-1</td>"), "{page}");
+    assert!(page.contains("<td>5.0000e-1</td><td class=\"best\">2.5000e-1</td>"), "{page}");
     assert!(page.contains("<td data-v=\"0.0014279\">1.4279e-3</td>"), "{page}");
     // How often each is the best is a count as it was.
     assert!(page.contains("Best in, of 2</th><td>1</td><td>1</td>"), "{page}");

@@ -74,7 +74,7 @@ fn rounding_counts_as_zero_and_is_not_ranked() {
     let csv = text(folder.path(), Format::Csv);
     assert!(csv.contains("Box,A,1e-17,") && csv.contains("Box,B,1e-16,"), "{csv}");
     let page = text(small(report, [1e-11, 1e-10, 1.0, 0.5]).finish().path(), Format::Html);
-    assert!(!page.contains(note) && page.contains("<td class=\"best\">1e-11</td>"), "{page}");
+    assert!(!page.contains(note) && page.contains("<td class=\"best\">1.0000e-11</td>"), "{page}");
 }
 
 #[test]
