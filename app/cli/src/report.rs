@@ -34,7 +34,7 @@ correlations of the measures, and how it was made. Only its links lead to the st
 Which values of a column are better, its title and its unit are declared by modules. What is \
 shown, plotted and asked can be said in the map, as \"report\" of a program; `mve schema` has the \
 form. Without it the report shows what modules declare as chief measures, and asks of each thing \
-that is compared whether it does better than the first.
+that is compared whether it does better than the default.
 
 LaTeX is for pdfLaTeX; with signs that it does not set, such as Chinese ones, the first lines say \
 that it takes XeLaTeX or LuaLaTeX.")]

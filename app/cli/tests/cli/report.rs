@@ -32,6 +32,10 @@ fn a_program_leaves_a_page_and_answers() {
     assert!(page.contains("<title>Cuts &lt;of&gt; a box</title>"));
     assert!(page.contains("<dt>map</dt><dd>box.json</dd>") && page.contains("<dt>machine</dt>"));
     assert!(page.contains("href=\"steps/") && page.contains("href=\"results.csv\""));
+    // What a question compares with, where nobody asks one.
+    let plan: serde_json::Value =
+        serde_json::from_str(&folder.read("mve-out/box-costs/plan.json")).unwrap();
+    assert_eq!(plan["defaults"]["simplify.cost"], "Quadric");
     let summary = folder.read("mve-out/box-costs/summary.md");
     let place = |what: &str| summary.find(what).unwrap();
     assert!(place("info.area") < place("info.vertices"), "{summary}");
