@@ -119,22 +119,7 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
     let mut rows: Vec<PivotRow> = results.rows().iter().map(|(at, cases)| row(at, cases)).collect();
     let mut columns: Vec<Vec<String>> =
         results.series.iter().map(|series| results.series_names(series)).collect();
-    // What holds something else with some series, or in some rows, says nothing there.
-    let is_full = |column: usize| rows.iter().any(|row| row.cells[column].cell != Cell::Empty);
-    let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
-    let mut kept = full.iter();
-    columns.retain(|_| kept.next().copied().unwrap_or(false));
-    let mut kept = full.iter();
-    ways.retain(|_| kept.next().copied().unwrap_or(false));
-    for row in &mut rows {
-        let mut kept = full.iter();
-        row.cells.retain(|_| kept.next().copied().unwrap_or(false));
-        let mut kept = full.iter();
-        row.compared.retain(|_| kept.next().copied().unwrap_or(false));
-    }
-    if full.contains(&true) && full.contains(&false) {
-        rows.retain(|row| row.cells.iter().any(|cell| cell.cell != Cell::Empty));
-    }
+    drop_empty(&mut rows, &mut columns, &mut ways);
     let (means, n_best) = match measure.better {
         Better::Neither => (None, None),
         _ => (means(&rows, columns.len()), n_best(&rows, columns.len())),
@@ -151,6 +136,32 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
         means,
         n_best,
     }
+}
+
+/// Leaves out columns and rows without a value: what holds something else with some series, or in
+/// some rows, says nothing there.
+fn drop_empty(
+    rows: &mut Vec<PivotRow>,
+    columns: &mut Vec<Vec<String>>,
+    ways: &mut Vec<Vec<usize>>,
+) {
+    let is_full = |column: usize| rows.iter().any(|row| row.cells[column].cell != Cell::Empty);
+    let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
+    keep(columns, &full);
+    keep(ways, &full);
+    for row in rows.iter_mut() {
+        keep(&mut row.cells, &full);
+        keep(&mut row.compared, &full);
+    }
+    if full.contains(&true) && full.contains(&false) {
+        rows.retain(|row| row.cells.iter().any(|cell| cell.cell != Cell::Empty));
+    }
+}
+
+/// Leaves the items at places that are kept.
+fn keep<T>(items: &mut Vec<T>, is_kept: &[bool]) {
+    let mut kept = is_kept.iter();
+    items.retain(|_| kept.next().copied().unwrap_or(false));
 }
 
 /// One table of all measures.

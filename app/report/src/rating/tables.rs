@@ -48,7 +48,7 @@ fn marks(people: &People, results: &Results) -> TextTable {
     let rows = results.rows().into_iter().map(row);
     let rows = rows.filter(|row| row[n_names..].iter().any(|cell| !cell.is_empty())).collect();
     let title = format!(
-        "Mean mark, 0 like the original, 1 unlike, with its 95 % confidence interval within these; {}",
+        "Mean mark, 0 like the original, 1 unlike, with its 95 % confidence interval; {}",
         match people.n_raters {
             1 => "1 person".to_owned(),
             n => format!("{n} people"),
