@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use mve_core::{
     CancelToken, CommandScope, DiskCache, EventKind, Part, Patience, Problem, Program,
-    ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, StepRecord, StepStatus,
-    Store, TIMINGS, chosen, did_you_mean, is_steering,
+    ProgramEvent, ProgramOptions, ProgramOutcome, Retry, Shard, Sharing, Step, StepRecord,
+    StepStatus, Store, TIMINGS, chosen, did_you_mean, is_steering, meant,
 };
 use mve_report::Report;
 use serde::Serialize;
@@ -220,24 +220,30 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit, Stop> {
 fn part_of(args: &Args, program: &Program) -> Result<Part, Stop> {
     let shard = args.shard.unwrap_or(Shard { index: 0, count: 1 });
     let part = Part { shard, only: args.only.clone() };
-    for (path, value) in &part.only {
-        if !program.varied.contains(path) {
-            let hint = did_you_mean(path, program.varied.iter().map(String::as_str));
-            let all = program.varied.join(", ");
+    check_only(&part.only, &program.varied, &program.steps)?;
+    Ok(part)
+}
+
+/// Refuses what `--only` names and no step has.
+pub fn check_only(only: &[(String, Json)], varied: &[String], steps: &[Step]) -> Result<(), Stop> {
+    for (path, value) in only {
+        if !varied.contains(path) {
+            let hint = did_you_mean(path, varied.iter().map(String::as_str));
+            let all = varied.join(", ");
             return Err(Stop::usage(format!(
                 "--only {path}: the program does not vary it; it varies {all}{hint}"
             )));
         }
-        let only = Part { only: vec![(path.clone(), value.clone())], ..Part::default() };
-        if program.places(&only).is_empty() {
-            let values = program.steps.iter().filter_map(|step| step.params.get(path));
-            let ids = values.filter_map(|value| chosen(value).map(|(id, _)| id));
+        let known = steps.iter().filter_map(|step| step.params.get(path));
+        let known: Vec<&Json> = known.collect();
+        if meant(value, known.iter().copied()).is_empty() {
+            let ids = known.into_iter().filter_map(|value| chosen(value).map(|(id, _)| id));
             let hint = value.as_str().map(|value| did_you_mean(value, ids)).unwrap_or_default();
             let message = format!("--only {path}: no step has it as {value}{hint}");
             return Err(Stop::usage(message));
         }
     }
-    Ok(part)
+    Ok(())
 }
 
 /// The values that outlive the call.

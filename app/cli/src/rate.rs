@@ -23,7 +23,7 @@ use crate::exit::{Exit, Stop};
 use crate::load::CommandArgs;
 use crate::machine::set_threads;
 use crate::out;
-use crate::program::parse_only;
+use crate::program::{check_only, parse_only};
 use crate::progress::Progress;
 use crate::stop::Signals;
 
@@ -200,6 +200,7 @@ impl<'a> Study<'a> {
             (path.as_str(), meant(wanted, values))
         });
         let only: Vec<(&str, Vec<&Json>)> = only.collect();
+        check_only(&self.args.only, &self.plan.varied, &self.plan.steps)?;
         for step in &self.plan.steps {
             let is_done = self.store.record(&step.id).is_some_and(|r| r.status == StepStatus::Done);
             let mut params: Vec<String> =

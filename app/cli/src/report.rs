@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use mve_core::{Map, Store, did_you_mean};
+use mve_core::{Map, Measure, ReportSpec, Store, did_you_mean};
 use mve_report::rating::Ratings;
 use mve_report::{Asked, Format, Report, ReportError};
 use serde_json::Value as Json;
@@ -34,14 +34,14 @@ correlations of the measures, and how it was made. Only its links lead to the st
 Which values of a column are better, its title and its unit are declared by modules. What is \
 shown, plotted and asked can be said in the map, as \"report\" of a program; `mve schema` has the \
 form. Without it the report shows what modules declare as chief measures, and asks of each thing \
-that is compared whether it does better than the first.
+that is compared whether it does better than the default.
 
 LaTeX is for pdfLaTeX; with signs that it does not set, such as Chinese ones, the first lines say \
 that it takes XeLaTeX or LuaLaTeX.")]
 pub struct Args {
     /// Folder of a program's results
-    #[arg(value_name = "STORE")]
-    store: PathBuf,
+    #[arg(value_name = "STORE", required_unless_present = "ratings")]
+    store: Option<PathBuf>,
     /// File to write, of plots the folder; - is standard output [default: STORE/report.html,
     /// STORE/plots; tables go to standard output]
     #[arg(short, long, value_name = "FILE")]
@@ -113,25 +113,29 @@ impl From<ReportError> for Stop {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<Exit, Stop> {
+    let (store, files) = store_of(args)?;
+    check_asked(args, &store)?;
     let asked = Asked {
-        report: args.map.as_deref().map(|map| report_in(map, &args.store)).transpose()?,
+        report: args.map.as_deref().map(|map| report_in(map, &store)).transpose()?,
         measures: args.measure.clone(),
         rows: args.rows.clone(),
         columns: args.columns.clone(),
     };
-    let mut report = Report::read_for(&args.store, &asked)?;
-    if !args.ratings.is_empty() {
-        report = report.with_ratings(&ratings(&args.ratings)?)?;
+    let mut report = Report::read_for(&store, &asked)?;
+    if !files.is_empty() {
+        report = report.with_ratings(&ratings(&files)?)?;
         if args.format == FormatName::Latex {
             out::tell("note: LaTeX has no table of ratings; take Markdown, CSV or the page");
         }
     }
-    let Some(format) = args.format.format() else { return plots(args, &report) };
+    let Some(format) = args.format.format() else {
+        return plots(args, &store, &report);
+    };
     // Tables may be read by a program: what they lack is said beside them.
     if args.format != FormatName::Html {
         report.notes().iter().for_each(|note| out::tell(&format!("note: {note}")));
     }
-    let page = (args.format == FormatName::Html).then(|| args.store.join(PAGE));
+    let page = (args.format == FormatName::Html).then(|| store.join(PAGE));
     let file = match &args.out {
         Some(path) if path == Path::new("-") => None,
         Some(path) => Some(path.clone()),
@@ -142,6 +146,50 @@ pub fn run(args: &Args) -> Result<Exit, Stop> {
     let mut text = answers(&report);
     text.push_str(&format!("report   {}\n", path.display()));
     out::print(&text)
+}
+
+/// The store, and the files of ratings. A folder behind `--ratings` is the store, which that option
+/// takes as well when it stands before it.
+fn store_of(args: &Args) -> Result<(PathBuf, Vec<PathBuf>), Stop> {
+    let mut files = args.ratings.clone();
+    if let Some(store) = &args.store {
+        return Ok((store.clone(), files));
+    }
+    let place = files.iter().position(|path| path.is_dir()).ok_or_else(|| {
+        Stop::usage("name the folder of the results: mve report STORE --ratings FILE")
+    })?;
+    let store = files.remove(place);
+    Ok((store, files))
+}
+
+/// Refuses what options name and the results do not have, by the names of the options.
+fn check_asked(args: &Args, store: &Path) -> Result<(), Stop> {
+    let names = || args.rows.iter().chain(&args.columns).chain(&args.measure);
+    let Some(found) = Store::look(store).map_err(ReportError::from)? else { return Ok(()) };
+    if names().next().is_none() {
+        return Ok(());
+    }
+    let plan = found.plan().map_err(ReportError::from)?;
+    let (none, one) = (ReportSpec::default, |path: &String| vec![path.clone()]);
+    let rows = args.rows.iter().map(|path| ReportSpec { group: one(path), ..none() });
+    let columns = args.columns.iter().map(|path| ReportSpec { series: one(path), ..none() });
+    let measures = args.measure.iter();
+    let measures =
+        measures.map(|column| ReportSpec { measures: vec![Measure::new(column)], ..none() });
+    let faults = rows.chain(columns).chain(measures).flat_map(|spec| plan.faults(&spec));
+    let options = [
+        ("\"report.group\"", "--rows"),
+        ("\"report.series\"", "--columns"),
+        ("\"report.measures[0].column\"", "--measure"),
+    ];
+    let in_words = |fault: String| {
+        let named = options
+            .iter()
+            .find_map(|(place, option)| Some(format!("{option}{}", fault.strip_prefix(place)?)));
+        named.unwrap_or(fault)
+    };
+    let faults: Vec<String> = faults.map(|fault| in_words(fault.to_string())).collect();
+    if faults.is_empty() { Ok(()) } else { Err(Stop::refused(faults.join("\n"))) }
 }
 
 /// Most bytes of a file of ratings.
@@ -187,11 +235,11 @@ fn report_in(map: &Path, store: &Path) -> Result<Json, Stop> {
 }
 
 /// Writes each plot into a file of its own.
-fn plots(args: &Args, report: &Report) -> Result<Exit, Stop> {
+fn plots(args: &Args, store: &Path, report: &Report) -> Result<Exit, Stop> {
     if args.out.as_deref() == Some(Path::new("-")) {
         return Err(Stop::usage("plots are files of their own; name a folder for them"));
     }
-    let folder = args.out.clone().unwrap_or_else(|| args.store.join("plots"));
+    let folder = args.out.clone().unwrap_or_else(|| store.join("plots"));
     std::fs::create_dir_all(&folder).map_err(|error| Stop::file(&folder, &error))?;
     let mut text = String::new();
     for plot in report.plots() {

@@ -6,37 +6,23 @@
 use std::collections::HashSet;
 
 use indexmap::IndexMap;
-use mve_core::{Better, Question, meant};
-use serde_json::{Map as JsonMap, Value as Json};
+use mve_core::{Better, Question};
+use serde_json::Value as Json;
 
 use crate::case::Case;
 use crate::change::ChangeForm;
 use crate::columns::{self, MeasureColumn};
 use crate::labels;
+use crate::pairs::{Pair, order, pair, pairs, side};
 use crate::results::Results;
 use crate::stats::{RatioEstimate, geometric_mean, sign_test, wilcoxon};
 use crate::words::{pairs_are, plural, single};
 
-/// Numbers closer than this share of themselves are equal.
-const ALIKE: f64 = 1e-12;
+/// Changes below this share are not told as numbers.
+const HARDLY: f64 = 5e-5;
 
 /// The probability below which a difference counts as shown, as is usual.
 const SHOWN: f64 = 0.05;
-
-/// Two steps that differ in one parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pair {
-    /// What both have in common.
-    pub label: String,
-    /// The place on the axis of the rows.
-    pub group: usize,
-    /// The two values.
-    pub values: [f64; 2],
-    /// The first value in units of the second, where both are above 0.
-    pub ratio: Option<f64>,
-    /// For each column that should be the same: both values.
-    pub same: Vec<Option<[f64; 2]>>,
-}
 
 /// What the data say to a question.
 pub struct Answer {
@@ -138,92 +124,6 @@ pub fn answer(results: &Results, measures: &[MeasureColumn], question: &Question
     answer
 }
 
-/// Sign of the difference of a pair.
-fn order(pair: &Pair) -> i32 {
-    let [a, b] = pair.values;
-    if (a - b).abs() <= ALIKE * a.abs().max(b.abs()) {
-        return 0;
-    }
-    if a < b { -1 } else { 1 }
-}
-
-/// The cases that a side means.
-fn side<'a>(results: &'a Results, path: &str, side: &Json) -> Vec<&'a Case> {
-    let value = |case: &'a Case| case.params.get(path);
-    let values = meant(side, results.cases.iter().filter_map(value));
-    let is_meant = |case: &&'a Case| value(case).is_some_and(|value| values.contains(&value));
-    results.cases.iter().filter(is_meant).collect()
-}
-
-/// All pairs of the cases of two sides.
-fn pairs<'a>(
-    path: &str,
-    sides: &[Json; 2],
-    [first, second]: &[Vec<&'a Case>; 2],
-) -> Vec<(&'a Case, &'a Case)> {
-    let rest = |case: &Case| {
-        let mut params = case.params.clone();
-        params.shift_remove(path);
-        labels::canonical(&params)
-    };
-    let mut partners: IndexMap<String, Vec<&Case>> = IndexMap::new();
-    second.iter().for_each(|case| partners.entry(rest(case)).or_default().push(case));
-    let own = |case: &Case, side: &Json| own_params(side, &case.params[path]);
-    let mut found = Vec::new();
-    for a in first {
-        let Some(candidates) = partners.get(&rest(a)) else { continue };
-        let params = own(a, &sides[0]);
-        let exact = candidates.iter().find(|b| own(b, &sides[1]) == params);
-        let mut fitting = candidates.iter().filter(|b| {
-            let others = own(b, &sides[1]);
-            others.iter().all(|(name, value)| params.get(name).is_none_or(|p| p == value))
-        });
-        // What one side alone can be set to must leave one partner, or the pair would be a guess.
-        let only = fitting.next().filter(|_| fitting.next().is_none());
-        if let Some(b) = exact.or(only) {
-            found.push((*a, *b));
-        }
-    }
-    found
-}
-
-/// The parameters of the entry that a value chooses, where a side names the entry alone.
-fn own_params(side: &Json, value: &Json) -> JsonMap<String, Json> {
-    if side == value {
-        return JsonMap::new();
-    }
-    let params = side.as_str().and_then(|id| value.get(id)).and_then(Json::as_object);
-    params.cloned().unwrap_or_default()
-}
-
-fn pair(
-    results: &Results,
-    cases: [&Case; 2],
-    path: &str,
-    measure: &MeasureColumn,
-    same: &[String],
-) -> Option<Pair> {
-    let mean = |case: &Case, column: &str| Some(case.estimate(column)?.mean);
-    let both = |column: &str| Some([mean(cases[0], column)?, mean(cases[1], column)?]);
-    let value = |case: &Case| Some(measure.estimate(results, case)?.mean);
-    let values = [value(cases[0])?, value(cases[1])?];
-    let is_positive = values.iter().all(|value| *value > 0.0);
-    let ratio = is_positive.then(|| values[0] / values[1]).filter(|ratio| ratio.is_normal());
-    let same = same.iter().map(|column| both(column)).collect();
-    // What is compared is not what both have in common, but its own parameters are.
-    let mut label = Vec::new();
-    for (place, axis) in cases[0].at.iter().zip(&results.axes) {
-        if !axis.paths.iter().any(|known| known == path) {
-            label.push(axis.labels[*place].clone());
-        } else if let Some(Json::Object(value)) = cases[0].params.get(path) {
-            let own = value.values().filter_map(Json::as_object).flatten();
-            label.extend(own.map(|(name, value)| format!("{name} {}", labels::of_value(value))));
-        }
-    }
-    let group = results.group_of(cases[0]);
-    Some(Pair { label: label.join(" · "), group, values, ratio, same })
-}
-
 impl Answer {
     fn compute(&mut self) {
         let ratios: Vec<f64> = self.pairs.iter().filter_map(|pair| pair.ratio).collect();
@@ -282,7 +182,7 @@ impl Answer {
                 pairs_are(left)
             ));
         }
-        if let Some(over) = self.averaged().filter(|over| !self.is_by_groups_alone(*over)) {
+        if let Some(over) = self.averaged().filter(|over| self.is_added(*over)) {
             sentences.push(format!(
                 "With the pairs of each {} averaged first, since they are not independent: {} \
                  (geometric mean of {}{}).",
@@ -306,12 +206,7 @@ impl Answer {
     fn without_average(&self) -> String {
         let ([a, b], m, n) = (&self.names, &self.measure, self.pairs.len());
         if self.n_lower + self.n_higher == 0 {
-            let pairs = match n {
-                1 => "the only pair".to_owned(),
-                2 => "both pairs".to_owned(),
-                _ => format!("all {n} pairs"),
-            };
-            return format!("“{m}” is equal with {a} and with {b} in {pairs}.");
+            return self.equal();
         }
         format!(
             "“{m}” is lower with {a} than with {b} in {} of {n} pairs and higher in {} (p {} by the \
@@ -327,7 +222,7 @@ impl Answer {
         let mut sentences = Vec::new();
         let left_out = [
             (self.n_missed, "a step did not reach its target"),
-            (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),
+            (self.n_unequal, "the results differ in size by more than 1\u{a0}% and two faces"),
         ];
         for (n, why) in left_out.into_iter().filter(|(n, _)| *n > 0) {
             sentences.push(format!("{} left out, as {why}.", pairs_are(n)));
@@ -371,8 +266,49 @@ impl Answer {
         over_groups && self.is_shown_by_pairs() && self.overall.is_some()
     }
 
+    /// Whether the mean over the groups stands behind the most important sentence.
+    fn is_added(&self, over: RatioEstimate) -> bool {
+        let is_tested = self.overall.is_some_and(|overall| self.without_test(overall).is_none());
+        is_tested && !self.is_by_groups_alone(over)
+    }
+
+    /// The most important sentence where the two values of each pair are equal, or where there is
+    /// but one pair: then there is nothing to test.
+    fn without_test(&self, overall: RatioEstimate) -> Option<String> {
+        let ([a, b], m) = (&self.names, &self.measure);
+        let most = self.pairs.iter().map(|pair| (pair.ratio.unwrap_or(0.0) - 1.0).abs());
+        let most = most.fold(0.0, f64::max);
+        if self.n_lower + self.n_higher == 0 {
+            return Some(self.equal());
+        }
+        if most < HARDLY {
+            let pairs = all_pairs(self.pairs.len());
+            let percent = labels::rounded(100.0 * HARDLY, 1);
+            return Some(format!(
+                "“{m}” differs by less than {percent}\u{a0}% with {a} and with {b} in {pairs}."
+            ));
+        }
+        let is_only = self.pairs.len() == 1;
+        is_only.then(|| {
+            let change = self.form().change(overall.ratio);
+            format!(
+                "“{m}” is {change} with {a} than with {b} in the only pair; one pair does not tell \
+                 whether others would be alike."
+            )
+        })
+    }
+
+    /// That the values of all pairs are equal.
+    fn equal(&self) -> String {
+        let ([a, b], pairs) = (&self.names, all_pairs(self.pairs.len()));
+        format!("“{}” is equal with {a} and with {b} in {pairs}.", self.measure)
+    }
+
     /// The most important sentence. Why nothing is shown stands first, where nothing is.
     fn lead(&self, results: &Results, overall: RatioEstimate) -> String {
+        if let Some(sentence) = self.without_test(overall) {
+            return sentence;
+        }
         let ([a, b], m) = (&self.names, &self.measure);
         let pairs = if overall.n == 1 { "1 pair".into() } else { format!("{} pairs", overall.n) };
         let change = self.form().change(overall.ratio);
@@ -399,7 +335,7 @@ impl Answer {
             );
         }
         let start = match (overall.n, self.is_shown()) {
-            (1, _) => "One pair alone shows little:",
+            (1, _) => "One ratio alone shows little:",
             (_, true) => "On average",
             // Were all pairs to differ the same way, the signed-rank test would give 2 / 2ⁿ.
             (2..=5, false) => "Too few pairs to tell: on average",
@@ -456,6 +392,15 @@ impl Answer {
             }
         });
         if self.pairs.is_empty() { Vec::new() } else { words.collect() }
+    }
+}
+
+/// All of so many pairs.
+fn all_pairs(n: usize) -> String {
+    match n {
+        1 => "the only pair".to_owned(),
+        2 => "both pairs".to_owned(),
+        _ => format!("all {n} pairs"),
     }
 }
 

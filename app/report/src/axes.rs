@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use indexmap::IndexMap;
-use mve_core::{PlanFile, ReportSpec};
+use indexmap::{IndexMap, IndexSet};
+use mve_core::{PlanFile, ReportSpec, Role, median};
 use serde_json::Value as Json;
 
 use crate::case::Case;
@@ -12,6 +12,9 @@ use crate::labels;
 /// Series of which a reader still keeps apart the lines of a plot and the columns of a table. More
 /// are only drawn where a map asks for them.
 const MOST_SERIES: usize = 12;
+
+/// The share by which sizes must differ along an axis that sets them.
+const SIZED: f64 = 0.02;
 
 /// Parameters that advance together.
 #[derive(Debug)]
@@ -24,6 +27,8 @@ pub struct Axis {
     pub values: Vec<Vec<Option<Json>>>,
     /// A short name of each value.
     pub labels: Vec<String>,
+    /// Whether it sets how large results are, so that they are plotted along it.
+    pub is_sizing: bool,
 }
 
 impl Axis {
@@ -63,7 +68,11 @@ pub fn axes(plan: &PlanFile, spec: &ReportSpec, cases: &mut [Case]) -> (Vec<Axis
         }
         let values: Vec<_> = places.into_values().collect();
         let labels = labels::of_axis(&values);
-        all.push(Axis { paths, title, values, labels });
+        all.push(Axis { paths, title, values, labels, is_sizing: false });
+    }
+    let sizing = sizing(&all, plan, cases);
+    if let Some(place) = sizing {
+        all[place].is_sizing = true;
     }
     let series = series(&all, plan, spec);
     let order = order(&all, spec, &series);
@@ -115,19 +124,69 @@ fn series(axes: &[Axis], plan: &PlanFile, spec: &ReportSpec) -> Vec<usize> {
         axes[*place].paths.first().is_some_and(|path| fed.contains(labels::node_of(path)))
     };
     let done: Vec<usize> = texts.iter().copied().filter(is_done).collect();
-    let mut chosen =
-        if done.is_empty() { texts.last().copied().into_iter().collect() } else { done };
+    // One table has a row for each model where nothing is done to them in several ways.
+    let is_alone = |place: &usize| varying.len() == 1 && is_input(plan, &axes[*place]);
+    let last = texts.last().copied().filter(|place| !is_alone(place));
+    let mut chosen = if done.is_empty() { last.into_iter().collect() } else { done };
     let n_series = |places: &[usize]| -> usize {
         places.iter().map(|place| axes[*place].values.len()).product()
     };
     while chosen.len() > 1 && (n_series(&chosen) > MOST_SERIES || chosen.len() == varying.len()) {
         chosen.remove(0);
     }
-    // Numbers alone are something to plot against, not to tell apart.
+    // Numbers alone are something to plot against, not to tell apart, above all those that say how
+    // large results become.
     if chosen.is_empty() && varying.len() > 1 {
-        chosen.extend(free.last());
+        let other = free.iter().rfind(|place| !axes[**place].is_sizing);
+        chosen.extend(other.or(free.last()));
     }
     chosen
+}
+
+/// The axis of numbers by which the size of results differs most, all else being equal.
+fn sizing(axes: &[Axis], plan: &PlanFile, cases: &[Case]) -> Option<usize> {
+    let names = cases.iter().flat_map(Case::records).flat_map(|record| &record.nodes);
+    let columns = names
+        .flat_map(|(node, record)| record.scalars.keys().map(move |name| format!("{node}.{name}")));
+    let is_size = |column: &String| plan.columns.role(column) == Role::Size;
+    let sizes: IndexSet<String> = columns.filter(is_size).collect();
+    let spread_of = |place: &usize| {
+        let spread = |column: &String| median(&spreads(cases, *place, column)).unwrap_or(0.0);
+        sizes.iter().map(spread).fold(0.0, f64::max)
+    };
+    let scales = (0..axes.len()).filter(|place| axes[*place].varies() && axes[*place].is_scale());
+    let all = scales.map(|place| (place, spread_of(&place))).filter(|(_, spread)| *spread > SIZED);
+    all.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|(place, _)| place)
+}
+
+/// By how much a column differs along an axis, as a share, for each assignment of all others.
+fn spreads(cases: &[Case], axis: usize, column: &str) -> Vec<f64> {
+    let mut ends: IndexMap<Vec<usize>, (f64, f64)> = IndexMap::new();
+    for case in cases {
+        let Some(size) = case.estimate(column).map(|size| size.mean) else { continue };
+        let mut others = case.at.clone();
+        others.remove(axis);
+        let (low, high) = ends.entry(others).or_insert((size, size));
+        (*low, *high) = (low.min(size), high.max(size));
+    }
+    let share = |(low, high): &(f64, f64)| (high - low) / high.abs().max(low.abs()).max(1e-300);
+    ends.values().map(share).collect()
+}
+
+/// Whether an axis varies what the map starts from: files that it reads, or nodes that take nothing
+/// from others. Whether one model comes out better than another one is nothing to ask.
+pub fn is_input(plan: &PlanFile, axis: &Axis) -> bool {
+    let fed = fed(plan);
+    let is_source = |path: &String| !fed.is_empty() && !fed.contains(labels::node_of(path));
+    let is_read = |text: &str| {
+        let rest = |file: &String| file.strip_suffix(text).map(|rest| rest.to_owned());
+        let mut rests = plan.inputs.keys().filter_map(rest);
+        !text.is_empty() && rests.any(|rest| rest.is_empty() || rest.ends_with('/'))
+    };
+    let first = |value: &Vec<Option<Json>>| value.first().cloned().flatten();
+    let mut values = axis.values.iter().filter_map(first);
+    axis.paths.first().is_some_and(is_source)
+        || values.any(|value| value.as_str().is_some_and(is_read))
 }
 
 /// Nodes that take a value from another one.

@@ -45,16 +45,29 @@ pub enum Cell {
 pub enum NumberForm {
     /// `0.0014`.
     Plain,
-    /// `1.4e-3`.
-    Exponent,
+    /// `1.4000e-3`, with as many decimals as the longest number of the column has.
+    Exponent { decimals: usize },
 }
 
 impl NumberForm {
     /// With exponents where one of the cells needs one.
-    pub fn of<'a>(mut cells: impl Iterator<Item = &'a Cell>) -> Self {
-        if cells.any(Cell::has_exponent) { Self::Exponent } else { Self::Plain }
+    pub fn of<'a>(cells: impl Iterator<Item = &'a Cell>) -> Self {
+        let cells: Vec<&Cell> = cells.collect();
+        if !cells.iter().any(|cell| cell.has_exponent()) {
+            return Self::Plain;
+        }
+        let decimals = |number: f64| {
+            let text = labels::with_exponent(number, DIGITS);
+            let mantissa = text.split('e').next().unwrap_or_default().to_owned();
+            mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len())
+        };
+        let numbers = cells.iter().filter_map(|cell| cell.number());
+        Self::Exponent { decimals: numbers.map(decimals).max().unwrap_or(0) }
     }
 }
+
+/// Significant digits of a number that has no interval.
+const DIGITS: usize = 5;
 
 /// How many digits of a mean its interval leaves.
 fn digits_beside(mean: f64, half: f64) -> usize {
@@ -62,11 +75,28 @@ fn digits_beside(mean: f64, half: f64) -> usize {
     if digits.is_finite() { digits.clamp(1.0, 17.0) as usize } else { 5 }
 }
 
+/// A mean with its interval, both with exponents.
+fn in_exponents(Estimate { mean, half_width, .. }: &Estimate, form: NumberForm) -> String {
+    match (half_width.filter(|half| *half > 0.0), form) {
+        (Some(half), _) => {
+            let mean = labels::with_exponent(*mean, digits_beside(*mean, half));
+            format!("{mean} ± {}", labels::with_exponent(half, 2))
+        }
+        (None, NumberForm::Exponent { decimals }) if *mean != 0.0 => format!("{mean:.decimals$e}"),
+        (None, _) => labels::with_exponent(*mean, DIGITS),
+    }
+}
+
 impl Cell {
     /// The number in it.
     pub fn number(&self) -> Option<f64> {
+        Some(self.estimate()?.mean)
+    }
+
+    /// The number in it with its interval.
+    pub fn estimate(&self) -> Option<Estimate> {
         match self {
-            Self::Number(estimate) => Some(estimate.mean),
+            Self::Number(estimate) => Some(*estimate),
             _ => None,
         }
     }
@@ -79,12 +109,7 @@ impl Cell {
     /// The cell for reading, with the interval where there is one.
     pub fn shown(&self, form: NumberForm) -> String {
         match self {
-            Self::Number(Estimate { mean, half_width, .. }) if form == NumberForm::Exponent => {
-                let half = half_width.filter(|half| *half > 0.0);
-                let digits = half.map_or(5, |half| digits_beside(*mean, half));
-                let half = half.map(|half| format!(" ± {}", labels::with_exponent(half, 2)));
-                labels::with_exponent(*mean, digits) + &half.unwrap_or_default()
-            }
+            Self::Number(estimate) if form != NumberForm::Plain => in_exponents(estimate, form),
             Self::Empty => String::new(),
             Self::Text(text) => text.clone(),
             Self::Number(Estimate { mean, half_width: Some(half), .. }) if *half > 0.0 => {

@@ -20,6 +20,9 @@ use crate::stats::Estimate;
 const MOST_OF_A_NODE: usize = 4;
 const MOST_MEASURES: usize = 8;
 
+/// How many columns one table of all measures has, where nothing is compared.
+const MOST_OF_A_TABLE: usize = 24;
+
 /// A column that measures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasureColumn {
@@ -36,6 +39,8 @@ pub struct MeasureColumn {
     /// The parameter and the value with which the column holds this, where it holds something else
     /// with others.
     only_with: Option<(String, String)>,
+    /// Whether a module declares it as chief.
+    is_chief: bool,
     /// Whether some step gave a number.
     pub is_there: bool,
 }
@@ -91,6 +96,13 @@ impl MeasureColumn {
     pub fn estimate(&self, results: &Results, case: &Case) -> Option<Estimate> {
         self.is_in(results, case).then(|| case.estimate(&self.column))?
     }
+
+    /// Half of the interval that a single number of a case has by those that it is drawn from: the
+    /// median and the least of a few timings vary as these do.
+    pub fn spread(&self, case: &Case) -> Option<f64> {
+        let is_drawn = ["seconds_median", "seconds_min"].contains(&self.column.as_str());
+        is_drawn.then(|| case.estimate("seconds"))??.half_width
+    }
 }
 
 /// The measures of a report, the most important first.
@@ -114,7 +126,11 @@ pub fn measures(results: &Results) -> Vec<MeasureColumn> {
     }
     if named.is_empty() {
         let chosen = chosen(results);
-        all.extend(chosen.iter().flat_map(|column| of_column(results, column)));
+        let is_chief = |column: &str| results.plan.columns.role(column) == Role::Chief;
+        all.extend(chosen.iter().flat_map(|column| {
+            let all = of_column(results, column).into_iter();
+            all.filter(|measure| measure.is_chief || !is_chief(column))
+        }));
         all.retain(|measure| measure.is_there);
     }
     told_apart(&mut all);
@@ -129,7 +145,7 @@ fn chosen(results: &Results) -> Vec<String> {
     if chosen.is_empty() {
         chosen = undeclared(results);
     }
-    chosen.truncate(MOST_MEASURES);
+    chosen.truncate(if results.has_series() { MOST_MEASURES } else { MOST_OF_A_TABLE });
     if results.is_timed() {
         let times = TIMES.iter().filter(|name| **name != "seconds");
         chosen.extend(times.map(|name| (*name).to_owned()));
@@ -137,12 +153,18 @@ fn chosen(results: &Results) -> Vec<String> {
     chosen
 }
 
-/// What looks like a measure.
+/// What looks like a measure; where nothing is compared all that says how things are, be it the
+/// same everywhere.
 fn undeclared(results: &Results) -> Vec<String> {
+    if !results.has_series() {
+        let telling = few_of_each(results, MOST_OF_A_TABLE, &|_| true);
+        let all = || results.outputs().into_iter().filter(|column| results.has_numbers(column));
+        return if telling.is_empty() { all().take(MOST_OF_A_TABLE).collect() } else { telling };
+    }
     let hidden = against(results);
     let measuring = measuring_nodes(results);
     let series_node = results.series_node();
-    let chosen = few_of_each(results, &|column| {
+    let chosen = few_of_each(results, MOST_OF_A_NODE, &|column| {
         let node = node_of(column);
         let is_chosen = match measuring.is_empty() {
             true => Some(node) != series_node,
@@ -151,7 +173,9 @@ fn undeclared(results: &Results) -> Vec<String> {
         is_chosen && !hidden.iter().any(|known| known == column)
     });
     match chosen.is_empty() {
-        true => few_of_each(results, &|column| !hidden.iter().any(|known| known == column)),
+        true => few_of_each(results, MOST_OF_A_NODE, &|column| {
+            !hidden.iter().any(|known| known == column)
+        }),
         false => chosen,
     }
 }
@@ -171,6 +195,7 @@ pub fn of_column(results: &Results, column: &str) -> Vec<MeasureColumn> {
             is_of_model: record.is_of_model,
             better: record.better,
             only_with: record.only_with,
+            is_chief: record.role == Role::Chief,
             is_there: false,
         };
         measure.is_there =
@@ -243,6 +268,14 @@ pub fn is_time(column: &str) -> bool {
     TIMES.contains(&column) || column.starts_with("seconds.")
 }
 
+/// The measures that are plotted: those that the report names, else the first few.
+pub fn drawn<'a>(results: &Results, measures: &'a [MeasureColumn]) -> Vec<&'a MeasureColumn> {
+    let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));
+    let is_named = !results.spec.measures.is_empty();
+    let most = if is_named { usize::MAX } else { MOST_MEASURES + TIMES.len() };
+    measures.iter().filter(is_drawn).take(most).collect()
+}
+
 /// The columns that measures are plotted against: those that the report names, else how large
 /// results are and how long they took. Times count where they were measured with nothing shared.
 pub fn against(results: &Results) -> Vec<String> {
@@ -264,11 +297,11 @@ pub fn chief(results: &Results) -> Vec<String> {
     let outputs = results.outputs();
     let is_chief = |column: &&String| results.plan.columns.role(column) != Role::Detail;
     let chief: Vec<String> = outputs.iter().filter(is_chief).cloned().collect();
-    if chief.is_empty() { few_of_each(results, &|_| true) } else { chief }
+    if chief.is_empty() { few_of_each(results, MOST_OF_A_NODE, &|_| true) } else { chief }
 }
 
 /// Outputs by a filter: the first few of each node that differ between cases and from each other.
-fn few_of_each(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String> {
+fn few_of_each(results: &Results, most: usize, is_wanted: &dyn Fn(&str) -> bool) -> Vec<String> {
     let mut n_of_node: HashMap<String, usize> = HashMap::new();
     let mut seen: Vec<Vec<Option<f64>>> = Vec::new();
     let mut chosen = Vec::new();
@@ -283,7 +316,7 @@ fn few_of_each(results: &Results, is_wanted: &dyn Fn(&str) -> bool) -> Vec<Strin
         }
         let n = n_of_node.entry(node_of(&column).to_owned()).or_default();
         *n += 1;
-        if *n <= MOST_OF_A_NODE {
+        if *n <= most {
             seen.push(numbers);
             chosen.push(column);
         }

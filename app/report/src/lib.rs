@@ -12,6 +12,7 @@ mod columns;
 mod html;
 mod labels;
 mod latex;
+mod pairs;
 mod pictures;
 mod pivot;
 mod plots;
@@ -186,10 +187,11 @@ impl Report {
         answers.into_iter().map(|answer| (answer.text, answer.sentences)).collect()
     }
 
-    /// What a reader must know first, in sentences: steps that are missing, and those that did not
-    /// reach their target.
+    /// What a reader must know first, in sentences: steps that are missing, those that did not
+    /// reach their target, and that nothing differs.
     pub fn notes(&self) -> Vec<String> {
-        let notes = [self.results.missing_in_words(), self.results.missed_in_words()];
+        let equal = self.results.equal_in_words(&self.measures);
+        let notes = [self.results.missing_in_words(), self.results.missed_in_words(), equal];
         notes.into_iter().filter(|note| !note.is_empty()).collect()
     }
 

@@ -6,7 +6,7 @@ use mve_core::{Better, brief};
 use crate::case::{Case, Cell, NumberForm};
 use crate::columns::MeasureColumn;
 use crate::results::Results;
-use crate::stats::{estimate, geometric_mean};
+use crate::stats::{Estimate, estimate, geometric_mean};
 
 /// A table of one measure, or, where nothing is compared, of all measures.
 #[derive(Default)]
@@ -27,8 +27,9 @@ pub struct Pivot {
     ways: Vec<Vec<usize>>,
     /// The rows.
     pub rows: Vec<PivotRow>,
-    /// Geometric means over the rows that are complete and can be compared, and of how many.
-    pub means: Option<(Vec<f64>, usize)>,
+    /// Geometric means over the rows that are complete and can be compared, each with what the
+    /// intervals of its values make of it, and of how many rows.
+    pub means: Option<(Vec<Estimate>, usize)>,
     /// In how many rows each column is the best, alone or with others.
     pub n_best: Option<Vec<usize>>,
 }
@@ -40,8 +41,12 @@ pub struct PivotRow {
     pub names: Vec<String>,
     /// Its cells.
     pub cells: Vec<PivotCell>,
+    /// Of each cell the number that can be compared with others of the row.
+    compared: Vec<Option<Estimate>>,
     /// Whether its results are of different sizes, so that none is the best.
     pub is_unequal: bool,
+    /// Whether the interval of what would be the best overlaps that of another, so that none is.
+    is_unclear: bool,
     /// Whether it counts rows, and is not of the measure.
     is_count: bool,
 }
@@ -90,10 +95,14 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
             .map(|case| case.map_or(Cell::Empty, |case| measure.cell(results, case)))
             .collect();
         let numbers = cases.iter().zip(&cells).map(|(case, cell)| {
-            let is_compared = case.is_some_and(Case::is_comparable) && !is_unequal;
-            cell.number().filter(|_| is_compared)
+            let case = case.filter(|case| case.is_comparable() && !is_unequal)?;
+            let number = cell.estimate()?;
+            let half_width = number.half_width.or_else(|| measure.spread(case));
+            Some(Estimate { half_width, ..number })
         });
-        let is_best = best_of_ways(&numbers.collect::<Vec<_>>(), &ways, measure.better);
+        let compared: Vec<Option<Estimate>> = numbers.collect();
+        let best = Best::of_ways(&compared, &ways, measure.better);
+        let is_best = best.places.into_iter();
         let cells = cells.into_iter().zip(is_best).zip(cases).map(|((cell, is_best), case)| {
             let missed = case.and_then(Case::missed).filter(|_| cell != Cell::Empty);
             PivotCell { cell, is_best, missed }
@@ -101,27 +110,16 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
         PivotRow {
             names: results.row_names(at),
             cells: cells.collect(),
+            compared,
             is_unequal,
+            is_unclear: best.is_unclear,
             is_count: false,
         }
     };
     let mut rows: Vec<PivotRow> = results.rows().iter().map(|(at, cases)| row(at, cases)).collect();
     let mut columns: Vec<Vec<String>> =
         results.series.iter().map(|series| results.series_names(series)).collect();
-    // What holds something else with some series, or in some rows, says nothing there.
-    let is_full = |column: usize| rows.iter().any(|row| row.cells[column].cell != Cell::Empty);
-    let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
-    let mut kept = full.iter();
-    columns.retain(|_| kept.next().copied().unwrap_or(false));
-    let mut kept = full.iter();
-    ways.retain(|_| kept.next().copied().unwrap_or(false));
-    for row in &mut rows {
-        let mut kept = full.iter();
-        row.cells.retain(|_| kept.next().copied().unwrap_or(false));
-    }
-    if full.contains(&true) && full.contains(&false) {
-        rows.retain(|row| row.cells.iter().any(|cell| cell.cell != Cell::Empty));
-    }
+    drop_empty(&mut rows, &mut columns, &mut ways);
     let (means, n_best) = match measure.better {
         Better::Neither => (None, None),
         _ => (means(&rows, columns.len()), n_best(&rows, columns.len())),
@@ -140,6 +138,32 @@ fn of_measure(results: &Results, measure: &MeasureColumn) -> Pivot {
     }
 }
 
+/// Leaves out columns and rows without a value: what holds something else with some series, or in
+/// some rows, says nothing there.
+fn drop_empty(
+    rows: &mut Vec<PivotRow>,
+    columns: &mut Vec<Vec<String>>,
+    ways: &mut Vec<Vec<usize>>,
+) {
+    let is_full = |column: usize| rows.iter().any(|row| row.cells[column].cell != Cell::Empty);
+    let full: Vec<bool> = (0..columns.len()).map(is_full).collect();
+    keep(columns, &full);
+    keep(ways, &full);
+    for row in rows.iter_mut() {
+        keep(&mut row.cells, &full);
+        keep(&mut row.compared, &full);
+    }
+    if full.contains(&true) && full.contains(&false) {
+        rows.retain(|row| row.cells.iter().any(|cell| cell.cell != Cell::Empty));
+    }
+}
+
+/// Leaves the items at places that are kept.
+fn keep<T>(items: &mut Vec<T>, is_kept: &[bool]) {
+    let mut kept = is_kept.iter();
+    items.retain(|_| kept.next().copied().unwrap_or(false));
+}
+
 /// One table of all measures.
 fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
     let row = |(row, cases): (Vec<usize>, Vec<Option<&Case>>)| {
@@ -150,7 +174,7 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
             missed: case.and_then(Case::missed),
         };
         let cells = measures.iter().map(cell).collect();
-        PivotRow { names: results.row_names(&row), cells, is_unequal: false, is_count: false }
+        PivotRow::of(results.row_names(&row), cells)
     };
     let table = Pivot {
         column: None,
@@ -167,42 +191,81 @@ fn plain(results: &Results, measures: &[&MeasureColumn]) -> Option<Pivot> {
     (!measures.is_empty()).then_some(table)
 }
 
-/// Which of the numbers are the best; none where all are the same, or no end is better.
-pub fn best_of(numbers: &[Option<f64>], better: Better) -> Vec<bool> {
-    let all = || numbers.iter().flatten().copied();
-    let best = match better {
-        Better::Lower => all().reduce(f64::min),
-        Better::Higher => all().reduce(f64::max),
-        Better::Neither => None,
-    };
-    let best = best.map(brief);
-    let is_best = |number: &Option<f64>| number.map(brief) == best && best.is_some();
-    let marked: Vec<bool> = numbers.iter().map(is_best).collect();
-    let n_marked = marked.iter().filter(|is| **is).count();
-    if n_marked == all().count() { vec![false; numbers.len()] } else { marked }
+/// Which numbers of a row are the best.
+#[derive(Debug, Default, PartialEq)]
+struct Best {
+    /// For each number whether it is.
+    places: Vec<bool>,
+    /// Whether none is, as the interval of the best one overlaps that of another.
+    is_unclear: bool,
 }
 
-/// The same of each way to measure alone.
-fn best_of_ways(numbers: &[Option<f64>], ways: &[Vec<usize>], better: Better) -> Vec<bool> {
-    let marked = |(place, way): (usize, &Vec<usize>)| {
-        let own = numbers.iter().zip(ways).map(|(number, other)| number.filter(|_| other == way));
-        best_of(&own.collect::<Vec<_>>(), better)[place]
-    };
-    ways.iter().enumerate().map(marked).collect()
+impl Best {
+    /// The best, alone or with its equals; none where all are the same, where no end is better, or
+    /// where the intervals do not tell the best from the others.
+    fn of(numbers: &[Option<Estimate>], better: Better) -> Self {
+        let all = || numbers.iter().flatten().map(|number| number.mean);
+        let best = match better {
+            Better::Lower => all().reduce(f64::min),
+            Better::Higher => all().reduce(f64::max),
+            Better::Neither => None,
+        };
+        let best = best.map(brief);
+        let is_best = |number: &Option<Estimate>| {
+            best.is_some() && number.map(|number| brief(number.mean)) == best
+        };
+        let (first, others): (Vec<_>, Vec<_>) = numbers.iter().copied().partition(&is_best);
+        let overlaps = |a: &Estimate, b: &Estimate| {
+            let half = |number: &Estimate| number.half_width.unwrap_or(0.0);
+            (a.mean - b.mean).abs() <= half(a) + half(b)
+        };
+        let mut others = others.iter().flatten();
+        let is_other = |other: &Estimate| first.iter().flatten().any(|best| overlaps(best, other));
+        let is_unclear = best.is_some() && others.any(is_other);
+        let places: Vec<bool> =
+            numbers.iter().map(|number| is_best(number) && !is_unclear).collect();
+        let n_marked = places.iter().filter(|is| **is).count();
+        match n_marked == all().count() {
+            true => Self { places: vec![false; numbers.len()], is_unclear },
+            false => Self { places, is_unclear },
+        }
+    }
+
+    /// The same of each way to measure alone.
+    fn of_ways(numbers: &[Option<Estimate>], ways: &[Vec<usize>], better: Better) -> Self {
+        let mut all = Self::default();
+        for (place, way) in ways.iter().enumerate() {
+            let own =
+                numbers.iter().zip(ways).map(|(number, other)| number.filter(|_| other == way));
+            let best = Self::of(&own.collect::<Vec<_>>(), better);
+            all.places.push(best.places[place]);
+            all.is_unclear |= best.is_unclear;
+        }
+        all
+    }
 }
 
-fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<f64>, usize)> {
-    let numbers = |row: &PivotRow| row.compared().collect::<Option<Vec<f64>>>();
-    let complete: Vec<Vec<f64>> = rows.iter().filter_map(numbers).collect();
+fn means(rows: &[PivotRow], n_columns: usize) -> Option<(Vec<Estimate>, usize)> {
+    let numbers = |row: &PivotRow| row.compared.iter().copied().collect::<Option<Vec<_>>>();
+    let complete: Vec<Vec<Estimate>> = rows.iter().filter_map(numbers).collect();
     if complete.len() < 2 || n_columns < 2 {
         return None;
     }
-    let mean = |column: usize| {
-        let values: Vec<f64> = complete.iter().map(|row| row[column]).collect();
-        geometric_mean(&values).map(|estimate| estimate.ratio)
-    };
-    let means: Option<Vec<f64>> = (0..n_columns).map(mean).collect();
+    let mean = |column: usize| mean_of(complete.iter().map(|row| row[column]));
+    let means: Option<Vec<Estimate>> = (0..n_columns).map(mean).collect();
     means.map(|means| (means, complete.len()))
+}
+
+/// The geometric mean of means; its interval by the propagation of theirs, as errors of independent
+/// logarithms, none where they have none.
+fn mean_of(values: impl Iterator<Item = Estimate>) -> Option<Estimate> {
+    let values: Vec<Estimate> = values.collect();
+    let means: Vec<f64> = values.iter().map(|value| value.mean).collect();
+    let mean = geometric_mean(&means)?.ratio;
+    let shares = values.iter().map(|value| value.half_width.unwrap_or(0.0) / value.mean);
+    let share = shares.map(|share| share * share).sum::<f64>().sqrt() / values.len() as f64;
+    let half_width = values.iter().any(|value| value.half_width.is_some()).then_some(mean * share);
+    Some(Estimate { n: values.len(), mean, half_width })
 }
 
 fn n_best(rows: &[PivotRow], n_columns: usize) -> Option<Vec<usize>> {
@@ -218,7 +281,7 @@ impl Pivot {
         let sum = |name: String, cells: Vec<PivotCell>, is_count: bool| {
             let mut names = vec![name];
             names.resize(self.row_axes.len().max(1), String::new());
-            PivotRow { names, cells, is_unequal: false, is_count }
+            PivotRow { is_count, ..PivotRow::of(names, cells) }
         };
         if let Some((means, n)) = &self.means {
             let of = match *n {
@@ -226,9 +289,10 @@ impl Pivot {
                 n if n == self.n_comparable() => format!(" of {n} comparable rows"),
                 n => format!(" of {n} complete rows"),
             };
-            let numbers: Vec<Option<f64>> = means.iter().copied().map(Some).collect();
-            let cells = means.iter().zip(best_of_ways(&numbers, &self.ways, self.better));
-            let cells = cells.map(|(mean, is_best)| PivotCell::of(*mean, is_best));
+            let numbers: Vec<Option<Estimate>> = means.iter().copied().map(Some).collect();
+            let best = Best::of_ways(&numbers, &self.ways, self.better);
+            let cells = means.iter().zip(best.places);
+            let cells = cells.map(|(mean, is_best)| PivotCell::of(mean.mean, is_best));
             rows.push(sum(format!("Geometric mean{of}"), cells.collect(), false));
         }
         if let Some(counts) = &self.n_best {
@@ -242,7 +306,7 @@ impl Pivot {
 
     /// How many rows have several numbers that can be compared: the others have no best.
     fn n_comparable(&self) -> usize {
-        let is_comparable = |row: &&PivotRow| row.compared().flatten().count() > 1;
+        let is_comparable = |row: &&PivotRow| row.compared.iter().flatten().count() > 1;
         self.rows.iter().filter(is_comparable).count()
     }
 
@@ -275,7 +339,15 @@ impl Pivot {
         }
         if self.better != Better::Neither && self.has_unequal_rows() {
             notes.push(
-                "‡ the results differ in size by more than 1 %, so none is the best.".to_owned(),
+                "‡ the results differ in size by more than 1 % and two faces, so none is the best."
+                    .to_owned(),
+            );
+        }
+        if self.rows.iter().any(|row| row.is_unclear) {
+            notes.push(
+                "No value of a row is the best where the 95 % confidence interval of the best one \
+                 overlaps that of another: such a difference may be chance."
+                    .to_owned(),
             );
         }
         if self.better != Better::Neither && self.ways.iter().any(|way| *way != self.ways[0]) {
@@ -296,10 +368,10 @@ impl Pivot {
 }
 
 impl PivotRow {
-    /// The number of each cell that can be compared with others of the row.
-    fn compared(&self) -> impl Iterator<Item = Option<f64>> {
-        let is_compared = |cell: &PivotCell| !self.is_unequal && cell.missed.is_none();
-        self.cells.iter().map(move |cell| cell.cell.number().filter(|_| is_compared(cell)))
+    /// A row of these cells that sets nothing apart.
+    fn of(names: Vec<String>, cells: Vec<PivotCell>) -> Self {
+        let compared = Vec::new();
+        Self { names, cells, compared, is_unequal: false, is_unclear: false, is_count: false }
     }
 
     /// Its cells for reading, by the forms of the table's columns.
@@ -321,6 +393,46 @@ impl PivotCell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn best_of(numbers: &[Option<f64>], better: Better) -> Vec<bool> {
+        let numbers = numbers.iter().map(|number| number.and_then(|number| estimate(&[number])));
+        Best::of(&numbers.collect::<Vec<_>>(), better).places
+    }
+
+    fn with_interval(mean: f64, half: f64) -> Option<Estimate> {
+        Some(Estimate { n: 3, mean, half_width: Some(half) })
+    }
+
+    #[test]
+    fn what_may_be_chance_is_not_the_best() {
+        let noise = [with_interval(0.024, 0.036), with_interval(0.023, 0.053)];
+        let best = Best::of(&noise, Better::Lower);
+        assert_eq!((best.places, best.is_unclear), (vec![false; 2], true));
+        let near = [with_interval(0.0158, 0.0056), with_interval(0.0191, 0.0045)];
+        assert!(Best::of(&near, Better::Lower).is_unclear);
+        // A single value may as well be one of those of the other.
+        let single = [with_interval(1.0, 0.5), estimate(&[1.4]), with_interval(9.0, 0.1)];
+        assert!(Best::of(&single, Better::Lower).is_unclear);
+        let clear = [with_interval(1.0, 0.1), with_interval(2.0, 0.1), with_interval(2.1, 0.4)];
+        let best = Best::of(&clear, Better::Lower);
+        assert_eq!((best.places, best.is_unclear), (vec![true, false, false], false));
+        // Of the worst ones which is the worst is of no interest.
+        assert!(Best::of(&clear, Better::Higher).is_unclear);
+    }
+
+    #[test]
+    fn a_mean_of_noise_is_noise() {
+        // Relative errors of 0.3 and 0.4 of two factors: sqrt(0.09 + 0.16) / 2 = 0.25 of 2.
+        let mean =
+            mean_of([with_interval(1.0, 0.3), with_interval(4.0, 1.6)].into_iter().flatten());
+        let mean = mean.unwrap();
+        assert!((mean.mean - 2.0).abs() < 1e-12);
+        assert!((mean.half_width.unwrap() - 0.5).abs() < 1e-12, "{mean:?}");
+        assert_eq!(
+            mean_of([1.0, 4.0].iter().filter_map(|v| estimate(&[*v]))).unwrap().half_width,
+            None
+        );
+    }
 
     #[test]
     fn the_best_of_a_row_is_marked_with_its_equals() {

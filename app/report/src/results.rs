@@ -15,6 +15,7 @@ use serde_json::Value as Json;
 use crate::ReportError;
 use crate::axes::{self, Axis};
 use crate::case::{Case, StepOf};
+use crate::columns::{MeasureColumn, is_time};
 use crate::labels::{self, node_of};
 
 /// What a store holds.
@@ -148,21 +149,22 @@ impl Results {
     }
 
     /// The column that says how large a result is: of the node whose parameter gives the series, or
-    /// of one that runs after it.
+    /// of one that runs after it; where there is none, as series are ways to measure, of any node.
     fn find_size(&self) -> Option<String> {
         let place = |node: &str| self.plan.nodes.iter().position(|known| known == node);
         let first = self.series_node().and_then(place).unwrap_or(0);
         let is_after = |column: &&String| place(node_of(column)).is_none_or(|place| place >= first);
         let outputs = self.outputs();
-        let sizes = outputs.iter().filter(|column| self.plan.columns.role(column) == Role::Size);
-        let found = sizes.filter(is_after).filter(|column| self.has_numbers(column));
-        found
-            .max_by_key(|column| {
-                // The first of those that differ from step to step.
-                let nth = outputs.iter().position(|known| known == *column).unwrap_or(0);
-                (!self.is_constant(column), usize::MAX - nth)
-            })
-            .cloned()
+        let is_size = |column: &&String| self.plan.columns.role(column) == Role::Size;
+        let is_there = |column: &&String| is_size(column) && self.has_numbers(column);
+        let sizes: Vec<&String> = outputs.iter().filter(is_there).collect();
+        // The first of those that differ from step to step.
+        let telling = |sizes: &[&String]| {
+            let differing = sizes.iter().find(|column| !self.is_constant(column));
+            differing.or(sizes.first()).map(|column| (*column).clone())
+        };
+        let after: Vec<&String> = sizes.iter().copied().filter(is_after).collect();
+        telling(&after).or_else(|| telling(&sizes))
     }
 
     /// Whether some step gave a number for a column.
@@ -305,6 +307,11 @@ impl Results {
         mve_core::are_alike(compared.filter_map(|case| self.size_of(case)))
     }
 
+    /// Whether an axis varies what the map starts from.
+    pub fn is_input(&self, axis: &Axis) -> bool {
+        axes::is_input(&self.plan, axis)
+    }
+
     /// The node whose parameter gives the series: what is compared.
     pub fn series_node(&self) -> Option<&str> {
         self.series_axes().last()?.paths.first().map(|path| node_of(path))
@@ -370,6 +377,23 @@ impl Results {
             (0, _) => String::new(),
             (1, n) => format!("1 of {n} steps did not reach its target."),
             (missed, n) => format!("{missed} of {n} steps did not reach their target."),
+        }
+    }
+
+    /// That no measure differs between several cases, in words; empty where one does, and where
+    /// things are compared, of which the answers and the tables say it.
+    pub fn equal_in_words(&self, measures: &[MeasureColumn]) -> String {
+        let columns =
+            || measures.iter().filter(|measure| measure.is_there && !is_time(&measure.column));
+        let n_all = self.cases.len();
+        let has_all = |measure: &MeasureColumn| {
+            let of_case = |case: &Case| measure.estimate(self, case).is_some();
+            self.cases.iter().all(of_case) && self.is_constant(&measure.column)
+        };
+        let is_compared = self.has_series();
+        match n_all > 1 && !is_compared && columns().next().is_some() && columns().all(has_all) {
+            true => format!("All {n_all} cases gave the same: no measure differs between them."),
+            false => String::new(),
         }
     }
 

@@ -36,7 +36,8 @@ pub fn csv(results: &Results, measures: &[MeasureColumn], people: Option<&People
     if people.is_some() {
         header.extend([
             COLUMN.to_owned(),
-            format!("{COLUMN}.half_width_95"),
+            format!("{COLUMN}.low_95"),
+            format!("{COLUMN}.high_95"),
             "people.n".to_owned(),
         ]);
     }
@@ -58,8 +59,9 @@ pub fn csv(results: &Results, measures: &[MeasureColumn], people: Option<&People
         }
         if let Some(people) = people {
             let mark = people.mark(place);
-            let half = mark.and_then(|mark| mark.half_width);
-            let numbers = [mark.map(|mark| mark.mean), half];
+            let span = mark.as_ref().and_then(People::span);
+            let [low, high] = [span.map(|(low, _)| low), span.map(|(_, high)| high)];
+            let numbers = [mark.map(|mark| mark.mean), low, high];
             row.extend(numbers.map(|number| number.map_or_else(String::new, exact)));
             row.push(mark.map_or(0, |mark| mark.n).to_string());
         }

@@ -14,6 +14,7 @@ use super::{Program, ProgramOptions, ReportFault, ReportSpec, Sharing, Step};
 use crate::fingerprint::Fingerprint;
 use crate::machine::Machine;
 use crate::map::{Map, MapError, ProgramSpec};
+use crate::param::MODULE;
 
 /// Notes of runs that are kept, the last ones.
 const MOST_RUNS: usize = 100;
@@ -41,6 +42,10 @@ pub struct PlanFile {
     /// The dotted paths of the parameters that vary.
     #[serde(default)]
     pub varied: Vec<String>,
+    /// Of the parameters that vary the value without the program, where it is known: what the map
+    /// says, else the default of the module.
+    #[serde(default)]
+    pub defaults: IndexMap<String, Json>,
     /// Names of the nodes, in running order.
     #[serde(default)]
     pub nodes: Vec<String>,
@@ -104,6 +109,26 @@ impl RunNote {
     }
 }
 
+impl Program {
+    /// The values of the parameters that vary as they are without the program.
+    fn defaults(&self) -> IndexMap<String, Json> {
+        let of_path = |path: &String| {
+            let (node, param) = path.split_once('.')?;
+            let node = self.map.nodes.get(node)?;
+            if param == MODULE {
+                return Some((path.clone(), Json::from(node.module.as_str())));
+            }
+            let of_module = || {
+                let module = self.registry.find(&node.module)?.module;
+                module.params.iter().find(|spec| spec.name == param)?.default_json()
+            };
+            let value = node.params.get(param).cloned().or_else(of_module)?;
+            Some((path.clone(), value))
+        };
+        self.varied.iter().filter_map(of_path).collect()
+    }
+}
+
 impl PlanFile {
     /// What a program runs, and the notes of calls that ran it.
     pub(super) fn of(program: &Program, runs: Vec<RunNote>) -> Self {
@@ -118,6 +143,7 @@ impl PlanFile {
             inputs: inputs.collect(),
             modules: modules.collect(),
             varied: program.varied.clone(),
+            defaults: program.defaults(),
             nodes: program.nodes.clone(),
             columns: program.columns.clone(),
             spec: program.spec.clone(),

@@ -44,7 +44,9 @@ fn the_page_has_each_result_beside_its_original_and_its_marks_come_back() {
     folder.mve(&[&rate[..], &["--only", "simplify.target_faces=100"]].concat()).succeeds();
     assert_eq!(data(&folder)["items"].as_array().unwrap().len(), 2);
     let none = folder.mve(&[&rate[..], &["--only", "simplify.target_faces=101"]].concat());
-    none.fails(3, "no such step is done");
+    none.fails(2, "--only simplify.target_faces: no step has it as 101");
+    let slip = folder.mve(&[&rate[..], &["--only", "simplify.target_face=100"]].concat());
+    slip.fails(2, "did you mean \"simplify.target_faces\"?");
     // The same page once more, from values that are kept.
     folder.mve(&rate).succeeds();
     assert_eq!(data(&folder), page);
@@ -58,9 +60,18 @@ fn the_page_has_each_result_beside_its_original_and_its_marks_come_back() {
     folder.write("a.json", &ratings("a", 0.0));
     folder.write("b.json", &ratings("b", 3.0));
     let tables = ["report", STORE, "--ratings", "a.json,b.json", "--format", "markdown"];
-    folder.mve(&tables).succeeds().says("2 people").says("1.00 ± 0.00").says("0.20 ± 0.00");
+    folder
+        .mve(&tables)
+        .succeeds()
+        .says("2 people")
+        .says("1.00 (1.00 to 1.00)")
+        .says("0.20 (0.20 to 0.20)");
     folder.mve(&["report", STORE, "--ratings", "a.json", "b.json"]).succeeds();
     assert!(folder.read(&format!("{STORE}/report.html")).contains("<h2>People</h2>"));
+    let last = folder.mve(&["report", "--format", "markdown", "--ratings", "a.json", STORE]);
+    last.succeeds().says("1 person");
+    let none = folder.mve(&["report", "--ratings", "a.json"]);
+    none.fails(2, "name the folder of the results");
     folder.write("other.json", &ratings("c", 1.0).replace(items[0]["step"].as_str().unwrap(), "x"));
     let other = folder.mve(&["report", STORE, "--ratings", "other.json"]);
     other.fails(3, "other.json: marks results of another store");

@@ -25,12 +25,17 @@ fn folder() -> Folder {
 fn a_program_leaves_a_page_and_answers() {
     let folder = folder();
     let answer = folder.mve(&["program", "box.json"]).succeeds();
-    let answer = answer.says("Does Quadric keep more area?\n").says("geometric mean of 2 pairs");
+    let answer =
+        answer.says("Does Quadric keep more area?\n").says("is equal with Quadric and with");
     answer.says("report   mve-out/box-costs/report.html\n");
     let page = folder.read("mve-out/box-costs/report.html");
     assert!(page.contains("<title>Cuts &lt;of&gt; a box</title>"));
     assert!(page.contains("<dt>map</dt><dd>box.json</dd>") && page.contains("<dt>machine</dt>"));
     assert!(page.contains("href=\"steps/") && page.contains("href=\"results.csv\""));
+    // What a question compares with, where nobody asks one.
+    let plan: serde_json::Value =
+        serde_json::from_str(&folder.read("mve-out/box-costs/plan.json")).unwrap();
+    assert_eq!(plan["defaults"]["simplify.cost"], "Quadric");
     let summary = folder.read("mve-out/box-costs/summary.md");
     let place = |what: &str| summary.find(what).unwrap();
     assert!(place("info.area") < place("info.vertices"), "{summary}");
@@ -134,6 +139,25 @@ fn the_present_report_of_a_map_can_be_taken() {
     answer.fails(3, "box.json: 1 problem").says("did you mean \"info.area\"?");
     folder.write("box.json", &MAP.replace("\"costs\"", "\"cost\""));
     folder.mve(&report).fails(3, "there is no program \"costs\", of which this is a store");
+}
+
+#[test]
+fn what_options_name_is_told_by_the_option() {
+    let folder = folder();
+    folder.mve(&["program", "box.json"]).succeeds();
+    let slips = [
+        (
+            "--columns",
+            "simplify.cots",
+            "is not varied by the program; did you mean \"simplify.cost\"?",
+        ),
+        ("--rows", "s.cost", "\"s.cost\" is not varied by the program"),
+        ("--measure", "info.arae", "did you mean \"info.area\"?"),
+    ];
+    for (option, name, message) in slips {
+        let answer = folder.mve(&["report", "mve-out/box-costs", option, name]);
+        answer.fails(3, &format!("{option}: \"{name}\" is not ")).fails(3, message);
+    }
 }
 
 #[test]

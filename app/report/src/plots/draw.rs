@@ -13,10 +13,11 @@ use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{AxisLabelOverlap, ComputedLayout, Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render_utils::{generate_ticks, generate_ticks_log};
 use kuva::render::theme::Theme;
 use mve_core::brief;
 
-use super::figure::{Figure, Panel, Point, Scale, scale};
+use super::figure::{Figure, Panel, Point, Scale, scale, scale_of_means};
 use super::style::{N_COLORS, SeriesStyle};
 use crate::labels;
 
@@ -26,6 +27,12 @@ const SIZE: (f64, f64) = (400.0, 285.0);
 /// Characters of a title that fit into the width, and into the height, of a panel.
 const TITLE: usize = 46;
 const SIDE_TITLE: usize = 34;
+
+/// Marks of a scale, the size of their labels in points, and the width of one character of these,
+/// digits being the widest, as a share of the size.
+const TICKS: usize = 5;
+const TICK_SIZE: u32 = 11;
+const TICK_WIDTH: f64 = 0.64;
 
 /// Panels beside each other on paper.
 const ABREAST: usize = 3;
@@ -163,10 +170,10 @@ fn aligned(layouts: Vec<Layout>) -> Vec<Layout> {
 }
 
 fn panel_parts(figure: &Figure, panel: &Panel, canvas: Canvas) -> (Vec<Plot>, Layout) {
-    let own = |value: fn(&Point) -> &crate::stats::Estimate| scale(panel.points.iter().map(value));
+    let points = || panel.points.iter();
     let scales = [
-        figure.scales[0].or_else(|| own(|point| &point.x)),
-        figure.scales[1].or_else(|| own(|point| &point.y)),
+        figure.scales[0].or_else(|| scale_of_means(points().map(|point| &point.x))),
+        figure.scales[1].or_else(|| scale(points().map(|point| &point.y))),
     ];
     let mut plots: Vec<Plot> = Vec::new();
     plots.extend(front(panel, canvas));
@@ -177,7 +184,6 @@ fn panel_parts(figure: &Figure, panel: &Panel, canvas: Canvas) -> (Vec<Plot>, La
         let is_log = scales[1].is_some_and(|scale| scale.is_log);
         plots.extend(series_plots(style, &own, Look { is_line: panel.is_line, is_log, canvas }));
     }
-    let format = TickFormat::Custom(Arc::new(|value| labels::rounded(value, 4)));
     let mut layout = Layout::auto_from_plots(&plots)
         .with_title(labels::shortened_to(&panel.title, TITLE))
         .with_x_label(labels::shortened_to(&figure.titles[0], TITLE))
@@ -187,19 +193,50 @@ fn panel_parts(figure: &Figure, panel: &Panel, canvas: Canvas) -> (Vec<Plot>, La
         .with_height(SIZE.1)
         .with_title_size(13)
         .with_label_size(12)
-        .with_tick_size(11)
-        .with_ticks(5)
-        .with_x_label_overlap(AxisLabelOverlap::Thin)
-        .with_tick_format(format);
+        .with_tick_size(TICK_SIZE)
+        .with_ticks(TICKS)
+        .with_x_label_overlap(AxisLabelOverlap::Thin);
     if let Some(Scale { low, high, is_log }) = scales[0] {
         layout = layout.with_x_axis_min(low).with_x_axis_max(high);
+        layout = layout.with_x_tick_format(tick_format(&scales[0]));
         layout = if is_log { layout.with_log_x() } else { layout };
     }
     if let Some(Scale { low, high, is_log }) = scales[1] {
         layout = layout.with_y_axis_min(low).with_y_axis_max(high);
+        layout = layout.with_y_tick_format(tick_format(&scales[1]));
         layout = if is_log { layout.with_log_y() } else { layout };
     }
-    (plots, layout)
+    (plots, beside_ticks(layout, &scales[1]))
+}
+
+/// About where a scale is marked.
+fn ticks(scale: &Option<Scale>) -> Vec<f64> {
+    match *scale {
+        Some(Scale { low, high, is_log: true }) => generate_ticks_log(low, high),
+        Some(Scale { low, high, is_log: false }) => generate_ticks(low, high, TICKS),
+        None => Vec::new(),
+    }
+}
+
+/// All marks of a scale in one form: with exponents where one of them needs one.
+fn tick_format(scale: &Option<Scale>) -> TickFormat {
+    let has_exponent = ticks(scale).iter().any(|tick| labels::rounded(*tick, 4).contains('e'));
+    TickFormat::Custom(Arc::new(move |value| match has_exponent {
+        true => labels::with_exponent(value, 4),
+        false => labels::rounded(value, 4),
+    }))
+}
+
+/// Moves the title of the upright scale beside the labels of its marks. The crate takes their width
+/// from the data and a form of its own, where scale and form are ours.
+fn beside_ticks(layout: Layout, scale: &Option<Scale>) -> Layout {
+    let format = tick_format(scale);
+    let longest = ticks(scale).iter().map(|tick| format.format(*tick).chars().count()).max();
+    let width = longest.unwrap_or(0) as f64 * f64::from(TICK_SIZE) * TICK_WIDTH;
+    let computed = ComputedLayout::from_layout(&layout);
+    let more = (width - computed.y_tick_label_px).max(0.0);
+    let (left, right) = (computed.margin_left + more, computed.margin_right);
+    layout.with_force_margins(left, right).with_y_label_offset(-more, 0.0)
 }
 
 /// The line that joins the points of the front, behind the series.
@@ -277,6 +314,48 @@ fn marks(style: &SeriesStyle, points: &[&Point], look: Look) -> ScatterPlot {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_of_a_scale_have_one_form() {
+        let shown = |low: f64, high: f64| {
+            let scale = Some(Scale { low, high, is_log: true });
+            let format = tick_format(&scale);
+            ticks(&scale).iter().map(|tick| format.format(*tick)).collect::<Vec<_>>()
+        };
+        let mixed = shown(1e-5, 1e-1);
+        assert!(mixed.len() > 3 && mixed.iter().all(|text| text.contains('e')), "{mixed:?}");
+        let plain = shown(0.01, 100.0);
+        assert!(plain.iter().all(|text| !text.contains('e')), "{plain:?}");
+    }
+
+    #[test]
+    fn the_title_of_a_scale_is_beside_the_labels_of_its_marks() {
+        // One value in a scale that other panels share: the marks are longer than the value says.
+        let point = Point {
+            series: 0,
+            x: crate::stats::estimate(&[1.0]).unwrap(),
+            y: crate::stats::estimate(&[0.002]).unwrap(),
+            name: String::new(),
+            is_missed: false,
+        };
+        let panel =
+            Panel { title: String::new(), points: vec![point], front: Vec::new(), is_line: false };
+        let figure = Figure {
+            columns: [String::new(), String::new()],
+            titles: ["x".to_owned(), "y".to_owned()],
+            panels: Vec::new(),
+            scales: [None, Some(Scale { low: 0.0019, high: 0.0042, is_log: false })],
+            styles: Vec::new(),
+        };
+        let (_, layout) = panel_parts(&figure, &panel, Canvas::Paper);
+        let computed = ComputedLayout::from_layout(&layout);
+        // From the axis outwards: 8 points, "0.0025" of the widest digits of DejaVu Sans (0.636 of
+        // the size), a gap of 5, half of the title's 12.
+        let outer = 8.0 + 6.0 * 0.636 * 11.0 + 5.0 + 6.0;
+        let title = 8.0 + computed.y_tick_label_px + 5.0 + 6.0 - layout.y_label_offset.0;
+        assert!(title >= outer, "{title} {outer}");
+        assert!(computed.margin_left >= title + 6.0, "{} {title}", computed.margin_left);
+    }
 
     #[test]
     fn panels_below_each_other_begin_at_one_place() {

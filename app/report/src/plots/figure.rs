@@ -90,8 +90,7 @@ impl Figure {
 /// Plots of all measures, and how many panels were left out.
 pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, usize) {
     let against = columns::against(results);
-    let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));
-    let drawn: Vec<&MeasureColumn> = measures.iter().filter(is_drawn).collect();
+    let drawn = columns::drawn(results, measures);
     let quota = (MOST_PANELS / (drawn.len() * against.len()).max(1)).max(1);
     let mut n_hidden = 0;
     let mut all = Vec::new();
@@ -109,7 +108,7 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
             let x = columns::title(results, measures, column);
             let points = || panels.iter().flat_map(|panel| &panel.points);
             let scales = [
-                scale(points().map(|point| &point.x)),
+                scale_of_means(points().map(|point| &point.x)),
                 scale(points().map(|point| &point.y)).filter(|_| !measure.is_of_model),
             ];
             all.push(Figure {
@@ -122,6 +121,13 @@ pub fn figures(results: &Results, measures: &[MeasureColumn]) -> (Vec<Figure>, u
         }
     }
     (all, n_hidden)
+}
+
+/// The range of some means, whose intervals are not drawn.
+pub(super) fn scale_of_means<'a>(values: impl Iterator<Item = &'a Estimate>) -> Option<Scale> {
+    let means: Vec<Estimate> =
+        values.map(|value| Estimate { half_width: None, ..*value }).collect();
+    scale(means.iter())
 }
 
 /// The range of some values with room around it, so that no mark is cut; `None` of no values.
@@ -152,13 +158,15 @@ pub(super) fn scale<'a>(values: impl Iterator<Item = &'a Estimate>) -> Option<Sc
 /// of what is treated, where the column differs among its points.
 ///
 /// Panels are parted by the axes whose values are no numbers, as models of different sizes have
-/// nothing to do in one panel; else by the first. What the column does not tell apart within the
+/// nothing to do in one panel; else by the first that does not set the size, along which they are
+/// plotted. What the column does not tell apart within the
 /// values of a scale it may tell apart between them: then one panel has all points.
 fn panels_of(results: &Results, measure: &MeasureColumn, column: &str) -> Vec<Panel> {
     let own = results.other_axes();
     let texts = (0..own.len()).filter(|place| own[*place].varies() && !own[*place].is_scale());
     let texts: Vec<usize> = texts.collect();
-    let parting = if texts.is_empty() { (0..own.len()).take(1).collect() } else { texts.clone() };
+    let other = (0..own.len()).find(|place| !own[*place].is_sizing);
+    let parting = if texts.is_empty() { other.into_iter().collect() } else { texts.clone() };
     let mut parts: BTreeMap<Vec<usize>, Vec<&Case>> = BTreeMap::new();
     for case in &results.cases {
         let part = parting.iter().map(|place| case.at[*place]).collect();
@@ -280,7 +288,11 @@ impl Front {
                 .iter()
                 .map(|place| (points[*place].x.mean, sign * points[*place].y.mean))
                 .collect();
-            pareto_front(&places).into_iter().map(|place| compared[place]).collect()
+            let front = pareto_front(&places);
+            // Points of one place give no line.
+            let is_line = front.iter().any(|place| places[*place] != places[front[0]]);
+            let front = front.into_iter().filter(|_| is_line);
+            front.map(|place| compared[place]).collect()
         });
         Panel { title, points, front, is_line }
     }
@@ -300,6 +312,14 @@ mod tests {
         assert!(scale_of(&[1.0, 10.0]).unwrap().is_log);
         assert!(!scale_of(&[1.0, 9.9]).unwrap().is_log && !scale_of(&[0.0, 50.0]).unwrap().is_log);
         assert_eq!(scale_of(&[]), None);
+    }
+
+    #[test]
+    fn what_is_not_drawn_takes_no_room() {
+        let wide = [1.0, 2.0].map(|mean| Estimate { n: 2, mean, half_width: Some(50.0) });
+        let range = scale_of_means(wide.iter()).unwrap();
+        assert!(range.low > 0.5 && range.high < 2.5 && !range.is_log, "{range:?}");
+        assert!(scale(wide.iter()).unwrap().high > 50.0);
     }
 
     #[test]

@@ -140,6 +140,12 @@ impl People {
         estimate(self.marks.get(place)?)
     }
 
+    /// The ends of the interval of a mean mark, as far as there are marks: from 0 to 1.
+    pub fn span(mark: &Estimate) -> Option<(f64, f64)> {
+        let half = mark.half_width?;
+        Some(((mark.mean - half).max(0.0), (mark.mean + half).min(1.0)))
+    }
+
     /// How well each measure agrees with the mean marks.
     pub fn agreements(&self, results: &Results, measures: &[MeasureColumn]) -> Vec<Agreement> {
         let groups: Vec<usize> = results.cases.iter().map(|case| results.group_of(case)).collect();

@@ -57,10 +57,10 @@ fn marks(people: &People, results: &Results) -> TextTable {
     TextTable { title, header, n_names, rows }
 }
 
-/// A mean from 0 to 1 with its interval.
-fn in_words(Estimate { mean, half_width, .. }: Estimate) -> String {
-    let half = half_width.map(|half| format!(" ± {half:.2}"));
-    format!("{mean:.2}{}", half.unwrap_or_default())
+/// A mean from 0 to 1 with the ends of its interval.
+fn in_words(mark: Estimate) -> String {
+    let span = People::span(&mark).map(|(low, high)| format!(" ({low:.2} to {high:.2})"));
+    format!("{:.2}{}", mark.mean, span.unwrap_or_default())
 }
 
 /// A row a measure; `group` is what the first axis varies.

@@ -1,5 +1,6 @@
 //! Reports of stores that are made by hand: what they say, and that nothing in a store breaks them.
 
+mod doubt;
 mod pages;
 mod ratings;
 mod verdicts;

@@ -25,18 +25,25 @@ fn marks_are_spread_averaged_and_correlated() {
     let report = read().with_ratings(&files).unwrap();
     let markdown = report.text(Format::Markdown, None);
     assert!(markdown.contains("## People") && markdown.contains("2 people"), "{markdown}");
-    // Two marks of 0.5 and 0: 0.25 ± 12.7062 · 0.25, by Student's t with one degree of freedom.
-    for cell in ["| 0.00 ± 0.00 | 0.25 ± 3.18 |", "| 0.75 ± 3.18 | 1.00 ± 0.00 |"] {
+    // Two marks of 0.5 and 0: 0.25 ± 12.7062 · 0.25, by Student's t with one degree of freedom, of
+    // which the scale holds no more than itself.
+    for cell in [
+        "| 0.00 (0.00 to 0.00) | 0.25 (0.00 to 1.00) |",
+        "| 0.75 (0.00 to 1.00) | 1.00 (1.00 to 1.00) |",
+    ] {
         assert!(markdown.contains(cell), "{cell}: {markdown}");
     }
     // numpy.corrcoef([1, 2, 3, 4], [0, .25, .75, 1])[0, 1] = 0.98994949; all ranks agree.
     assert!(markdown.contains("| Error | 0.99 | 1 | 4 |"), "{markdown}");
     let csv = report.text(Format::Csv, None);
     let header = csv.lines().next().unwrap();
-    assert!(header.contains("people.mark,people.mark.half_width_95,people.n"), "{header}");
-    assert!(csv.lines().nth(2).unwrap().contains(",0.25,3.17"), "{csv}");
+    assert!(
+        header.contains("people.mark,people.mark.low_95,people.mark.high_95,people.n"),
+        "{header}"
+    );
+    assert!(csv.lines().nth(2).unwrap().contains(",0.25,0,1,2,"), "{csv}");
     let html = report.text(Format::Html, None);
-    assert!(html.contains("<section id=\"people\">") && html.contains("0.25 ± 3.18"));
+    assert!(html.contains("<section id=\"people\">") && html.contains("0.25 (0.00 to 1.00)"));
     assert!(html.matches("mark of people").count() > 0);
     assert_eq!(report.plots().len(), read().plots().len() + 1);
     // Without ratings nothing is said of people.
