@@ -166,6 +166,25 @@ impl Canvas {
         self.shapes.nodes.iter().map(move |(name, shape)| (name.as_str(), size(shape)))
     }
 
+    /// Tells a map how large its nodes are drawn, before they are, so that those without a place
+    /// are laid out apart.
+    pub fn measure(&mut self, document: &mut Document, registry: &Registry) {
+        self.shapes = Shapes::default();
+        self.shapes.update(document, registry, false);
+        self.sizes().for_each(|(name, size)| document.set_size(name, size));
+        document.place_others();
+        self.shapes = Shapes::default();
+    }
+
+    /// A place for something of this size that covers no node: in sight, and as near to a point as
+    /// there is one.
+    pub fn free_near(&self, at: [f64; 2], size: [f64; 2]) -> Option<[f64; 2]> {
+        let size = egui::vec2(size[0] as f32, size[1] as f32);
+        let seen = self.view?.visible();
+        let free = self.shapes.free_near(camera::pos(at), size, seen)?;
+        Some([f64::from(free.x), f64::from(free.y)])
+    }
+
     /// Moves a node into the middle of the view.
     pub fn show_node(&mut self, node: &str) {
         self.wants_node = Some(node.to_owned());
@@ -226,7 +245,9 @@ impl Canvas {
         let mut view = CanvasView { camera, screen };
         let is_first = self.camera.is_none() && screen.area() > 0.0;
         let is_resized = self.view.is_some_and(|view| view.screen.size() != screen.size());
-        let bounds = match std::mem::take(&mut self.wants) {
+        let wants = std::mem::take(&mut self.wants);
+        let asked = !matches!(wants, FitTarget::Nothing) || is_first;
+        let bounds = match wants {
             FitTarget::Selection => {
                 self.is_fitted = false;
                 self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
@@ -238,7 +259,13 @@ impl Canvas {
             }
         };
         if let Some(bounds) = bounds {
-            view.camera = view.fitting(bounds);
+            let fitting = view.fitting(bounds);
+            // Panels that take room from the canvas take none from the letters on it.
+            let is_too_small = fitting.zoom < paint::ROWS_FROM && fitting.zoom < camera.zoom;
+            view.camera = match is_resized && !asked && is_too_small {
+                true => CanvasCamera { zoom: camera.zoom, ..fitting },
+                false => fitting,
+            };
         }
         if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
             self.is_fitted = false;

@@ -177,6 +177,14 @@ impl Hand {
         self.step();
     }
 
+    /// Changes the map as its text would.
+    pub fn edit(&mut self, edits: &[mve_editor::document::Edit]) {
+        let session = self.editor_mut().session_mut();
+        let registry = session.runner.registry().clone();
+        session.document.apply(edits, &registry).expect("it can be done");
+        self.step();
+    }
+
     /// Shows no values.
     pub fn unpin_all(&mut self) {
         self.editor_mut().session_mut().pinned.clear();
