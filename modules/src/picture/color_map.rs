@@ -176,8 +176,8 @@ const TICK: usize = 5;
 /// Most letters of the title of a bar.
 const MAX_TITLE: usize = 48;
 
-/// A picture of the range from `low` at the bottom to `high` at the top, with ticks at both ends and
-/// at round numbers, black on white. Above it stand name and unit of the field.
+/// A picture of the range from `low` at the bottom to `high` at the top, black on white, with ticks
+/// at both ends and at round numbers between. Above it stand name and unit of the field.
 pub fn color_bar(field: &Field, range: [f64; 2], options: &ColorMapOptions) -> Image {
     let [low, high] = range;
     let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };

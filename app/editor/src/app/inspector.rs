@@ -166,19 +166,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
         };
         ui.label(format!("It is {what}."));
     }
-    let unasked = &session.runner.checked().unasked;
-    for (_, line) in unasked.iter().filter(|(node, _)| outermost(node) == name) {
-        let text = format!("Run {ASKS_FIRST}: {}", mve_core::printable(line));
-        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
-    }
-    let warnings = session
-        .runner
-        .problems()
-        .iter()
-        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
-    for warning in warnings {
-        problem_line(ui, session, warning);
-    }
+    beforehand(ui, session, name);
     let Some(info) = session.runner.registry().of(node) else {
         ui.label("There is no module of this name. The node is kept as it stands.");
         return;
@@ -217,6 +205,23 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     ui.separator();
     port_table(ui, session, name, module, false, wishes);
     said(ui, session, shared, name, &status);
+}
+
+/// What is known of a node before it runs: what is asked, and what is odd about it.
+fn beforehand(ui: &mut Ui, session: &Session, name: &str) {
+    let unasked = &session.runner.checked().unasked;
+    for (_, line) in unasked.iter().filter(|(node, _)| outermost(node) == name) {
+        let text = format!("Run {ASKS_FIRST}: {}", mve_core::printable(line));
+        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+    }
+    let warnings = session
+        .runner
+        .problems()
+        .iter()
+        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
+    for warning in warnings {
+        problem_line(ui, session, warning);
+    }
 }
 
 /// A value in a line, cut where there is no room for it, with all its digits on hover.

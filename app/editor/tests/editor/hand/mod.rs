@@ -179,9 +179,8 @@ impl Hand {
 
     /// Changes the map as its text would.
     pub fn edit(&mut self, edits: &[mve_editor::document::Edit]) {
-        let session = self.editor_mut().session_mut();
-        let registry = session.runner.registry().clone();
-        session.document.apply(edits, &registry).expect("it can be done");
+        let Session { document, runner, .. } = self.editor_mut().session_mut();
+        document.apply(edits, runner.registry()).expect("it can be done");
         self.step();
     }
 
