@@ -10,7 +10,7 @@ use std::path::Path;
 
 use eframe::egui::{self, RichText, Ui};
 pub use field::{CELL_WIDTH, FieldPlace, ParamField};
-use mve_core::{ParamSpec, chosen};
+use mve_core::{ParamSpec, Repeat, chosen};
 use serde_json::{Map as JsonMap, Value as Json};
 pub use suggest::{Counts, halves, known_count};
 use widgets::focus_asked;
@@ -51,7 +51,7 @@ pub struct Form<'a> {
     pub given: &'a JsonMap<String, Json>,
     /// Whether the first field is to get the focus.
     pub wants_focus: bool,
-    /// For a parameter with a link, the output that it comes from.
+    /// Where the value of a parameter comes from that is not set here: a link, or rounds.
     pub link_of: &'a dyn Fn(&str) -> Option<String>,
     /// How many of a unit there are in the inputs of the node.
     pub counts: &'a [(&'static str, usize)],
@@ -102,8 +102,8 @@ impl Form<'_> {
                 ui.add(label).on_hover_text(doc_of(spec));
             });
             if let Some(from) = (self.link_of)(path) {
-                ui.label(RichText::new(format!("from {from}")).weak())
-                    .on_hover_text("This parameter takes its value from a link.");
+                ui.label(RichText::new(from).weak())
+                    .on_hover_text("A link or the rounds of a loop give this parameter its value.");
                 return;
             }
             let place = FieldPlace::Row;
@@ -175,6 +175,31 @@ pub fn value_text(spec: &ParamSpec, given: Option<&Json>) -> String {
         // What does not fit its declaration is shown as it stands.
         other => other.to_string(),
     }
+}
+
+/// The values of a parameter, one a round, where a loop sets it.
+pub fn each_text(repeat: &Repeat, param: &str) -> Option<String> {
+    let value = repeat.each.as_ref()?.get(param)?;
+    Some(match value {
+        Json::Array(values) => values.iter().map(short).collect::<Vec<_>>().join(", "),
+        other => short(other),
+    })
+}
+
+/// How often a node runs, in a word: as many times, at most as many until a number says so, or once
+/// for each of some values.
+pub fn rounds_text(repeat: &Repeat) -> String {
+    let lists = repeat.each.iter().flat_map(|each| each.values());
+    let listed = lists.filter_map(Json::as_array).map(|list| list.len() as u32).next();
+    match (repeat.times.or(listed), &repeat.until) {
+        (Some(times), None) => format!("{times}\u{d7}"),
+        (Some(times), Some(_)) => format!("\u{2264}{times}\u{d7}"),
+        (None, _) => "each \u{d7}".to_owned(),
+    }
+}
+
+fn short(value: &Json) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub mod programs;
 pub mod runner;
 pub mod views;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use app::{Editor, Settings, Start};
 use eframe::egui;
@@ -40,6 +40,7 @@ pub fn open_window(
     files: Vec<PathBuf>,
     first: FirstSight,
 ) -> Result<(), String> {
+    files.iter().try_for_each(|file| can_be_opened(file))?;
     let viewport = egui::ViewportBuilder::default()
         .with_app_id("mve")
         .with_title("mve")
@@ -68,6 +69,21 @@ pub fn open_window(
     })
 }
 
+/// Refuses a file that cannot be read, in a sentence; a window that shows something else in its
+/// place would seem to show the file.
+fn can_be_opened(path: &Path) -> Result<(), String> {
+    let told = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let is_map = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    let file = std::fs::File::open(path).map_err(|error| told(&error))?;
+    if file.metadata().is_ok_and(|about| about.is_dir()) {
+        return Err(told(&"is a folder"));
+    }
+    match is_map {
+        true => mve_core::Map::load(path).map(drop).map_err(|error| told(&error)),
+        false => Ok(()),
+    }
+}
+
 /// An error of the window system without the place in the source of winit that found it.
 fn without_place(error: &str) -> String {
     let Some((before, place)) = error.split_once("os error at ") else { return error.to_owned() };
@@ -78,6 +94,20 @@ fn without_place(error: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_read_opens_no_window() {
+        let folder = tempfile::tempdir().unwrap();
+        let broken = folder.path().join("broken.json");
+        std::fs::write(&broken, "{").unwrap();
+        for file in [folder.path().join("nothere.json"), folder.path().to_owned(), broken] {
+            let error = can_be_opened(&file).unwrap_err();
+            assert!(error.starts_with(&file.display().to_string()), "{error}");
+        }
+        let fine = folder.path().join("fine.json");
+        std::fs::write(&fine, "{\"mve\": 1}").unwrap();
+        assert_eq!(can_be_opened(&fine), Ok(()));
+    }
 
     #[test]
     fn no_path_of_the_machine_that_built_it_is_told() {

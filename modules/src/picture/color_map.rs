@@ -176,13 +176,13 @@ const TICK: usize = 5;
 /// Most letters of the title of a bar.
 const MAX_TITLE: usize = 48;
 
-/// A picture of the range from `low` at the bottom to `high` at the top, with ticks at round
-/// numbers, black on white. Above it stand name and unit of the field.
+/// A picture of the range from `low` at the bottom to `high` at the top, black on white, with ticks
+/// at both ends and at round numbers between. Above it stand name and unit of the field.
 pub fn color_bar(field: &Field, range: [f64; 2], options: &ColorMapOptions) -> Image {
     let [low, high] = range;
     let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };
     let title: String = format!("{}{unit}", field.name).chars().take(MAX_TITLE).collect();
-    let ticks = ticks(range);
+    let ticks = bar_labels(range);
     let longest = ticks.iter().map(|(_, label)| Font::width_of(label)).max().unwrap_or(0);
     let width = (BAR_WIDTH + 2 * TICK + longest).max(Font::width_of(&title)) + 2 * MARGIN;
     let top = 2 * MARGIN + Font::HEIGHT;
@@ -250,6 +250,27 @@ pub fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
         (at.clamp(0.0, 1.0), label)
     };
     (0..=n_ticks).map(tick).collect()
+}
+
+/// The ticks of a bar: both ends of the range, and the round numbers between that have room beside
+/// them.
+fn bar_labels(range: [f64; 2]) -> Vec<(f64, String)> {
+    let [low, high] = range;
+    let between = ticks(range);
+    // A range without length, or too narrow a one, has its ends or its middle alone.
+    if low >= high || between.len() < 2 {
+        return between;
+    }
+    let room = (Font::HEIGHT + 2) as f64 / (BAR_HEIGHT - 1) as f64;
+    let end = |at: f64, value: f64| {
+        let round = between.iter().find(|(tick, _)| (tick - at).abs() < 1e-9);
+        (at, round.map_or_else(|| mve_core::brief(value + 0.0), |(_, label)| label.clone()))
+    };
+    let ends = [end(0.0, low), end(1.0, high)];
+    let inner = between.iter().filter(|(at, _)| *at >= room && *at <= 1.0 - room).cloned();
+    let mut labels: Vec<_> = inner.chain(ends).collect();
+    labels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    labels
 }
 
 /// A number in at most so many digits, by powers of ten where it is large or small.

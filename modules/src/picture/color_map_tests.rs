@@ -80,6 +80,21 @@ fn ticks_are_round_numbers() {
 }
 
 #[test]
+fn both_ends_of_a_bar_have_numbers_and_none_is_written_over_another() {
+    let labels = |low: f64, high: f64| -> Vec<String> {
+        let labels = bar_labels([low, high]);
+        let places: Vec<f64> = labels.iter().map(|(at, _)| at * (BAR_HEIGHT - 1) as f64).collect();
+        let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(gaps.fold(f64::INFINITY, f64::min) > Font::HEIGHT as f64);
+        labels.into_iter().map(|(_, label)| label).collect()
+    };
+    assert_eq!(labels(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+    assert_eq!(labels(-3.1, 7.9), ["-3.1", "-2", "0", "2", "4", "6", "7.9"]);
+    // A round number too close to an end gives way to it.
+    assert_eq!(labels(-0.137, 0.81), ["-0.137", "0.0", "0.2", "0.4", "0.6", "0.81"]);
+}
+
+#[test]
 fn a_bar_runs_from_the_last_color_down_to_the_first() {
     let field = field(vec![0.0, 1.0]);
     let image = color_bar(&field, [0.0, 1.0], &PLAIN);

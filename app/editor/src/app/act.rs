@@ -118,18 +118,23 @@ impl Editor {
         let sizes: std::collections::HashMap<_, _> = self.session().canvas.sizes().collect();
         let ends = |item: &Item| {
             let [x, y] = document.position(item)?;
-            let height = match item {
-                Item::Node(name) => sizes.get(name.as_str()).map_or(0.0, |size| size[1]),
-                _ => 0.0,
+            let [width, height] = match item {
+                Item::Node(name) => sizes.get(name.as_str()).copied().unwrap_or_default(),
+                Item::Frame(name) => document.extras().frames.get(name)?.size,
+                _ => [0.0; 2],
             };
-            Some(([x, y], y + height))
+            Some(([x, y], [x + width, y + height]))
         };
-        let all = items.iter().filter_map(ends);
-        let all = all
-            .reduce(|(a, a_end), (b, b_end)| ([a[0].min(b[0]), a[1].min(b[1])], a_end.max(b_end)));
-        // Below the originals, so that it covers nothing of them.
-        if let Some(([x, _], end)) = all.filter(|_| !clip.is_empty()) {
-            self.edit(&[Edit::Paste { clip, at: [x, end + BELOW] }]);
+        let all = items.iter().filter_map(ends).reduce(|(a, a_end), (b, b_end)| {
+            let low = [a[0].min(b[0]), a[1].min(b[1])];
+            (low, [a_end[0].max(b_end[0]), a_end[1].max(b_end[1])])
+        });
+        let Some(([x, y], [right, end])) = all.filter(|_| !clip.is_empty()) else { return };
+        let free = self.session().canvas.free_near([x, y], [right - x, end - y]);
+        // Without a free place in sight: below the originals, so that it covers nothing of them.
+        self.edit(&[Edit::Paste { clip, at: free.unwrap_or([x, end + BELOW]) }]);
+        if free.is_none() {
+            self.session_mut().canvas.fit_selection();
         }
     }
 

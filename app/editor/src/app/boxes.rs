@@ -52,6 +52,8 @@ enum Content {
 pub struct Boxes {
     open: Content,
     recovered: Vec<Recovered>,
+    /// Of these, the one that a hand wants to discard, until it says so again.
+    discarding: Option<usize>,
 }
 
 impl Boxes {
@@ -322,7 +324,11 @@ impl Editor {
 
     /// Offers the maps of a window that ended without being asked to.
     fn recovered_box(&mut self, ui: &mut Ui) {
-        let mut decision: Option<(usize, bool)> = None;
+        if let Some(place) = self.boxes.discarding {
+            self.discard_box(ui, place);
+            return;
+        }
+        let mut wanted = None;
         let mut is_later = false;
         let shown = Modal::new("recovered".into()).show(ui.ctx(), |ui| {
             ui.set_width(520.0);
@@ -335,10 +341,10 @@ impl Editor {
                         describe(ui, recovered);
                     });
                     if ui.button("Recover").on_hover_text("Open it in a tab, unsaved").clicked() {
-                        decision = Some((place, true));
+                        wanted = Some(place);
                     }
-                    if ui.button("Discard").clicked() {
-                        decision = Some((place, false));
+                    if ui.button("Discard…").clicked() {
+                        self.boxes.discarding = Some(place);
                     }
                 });
             }
@@ -350,19 +356,36 @@ impl Editor {
         if is_later || shown.should_close() {
             self.boxes.recovered.clear();
         }
-        let Some((place, is_wanted)) = decision else { return };
+        let Some(place) = wanted else { return };
         let recovered = self.boxes.recovered.remove(place);
-        if is_wanted {
-            match recovered.open() {
-                Ok(document) => self.add_recovered(document),
-                Err(error) => {
-                    self.toast(error.to_string());
-                    return;
-                }
+        match recovered.open() {
+            Ok(document) => {
+                self.add_recovered(document);
+                self.forget_recovered(&recovered);
             }
+            Err(error) => self.toast(error.to_string()),
         }
+    }
+
+    /// Asks once more before a map is gone that stands nowhere else.
+    fn discard_box(&mut self, ui: &mut Ui, place: usize) {
+        let recovered = self.boxes.recovered.get(place);
+        let path = recovered.and_then(|recovered| recovered.path.as_ref());
+        let name =
+            path.map_or("a map without a file".to_owned(), |path| path.display().to_string());
+        let text = format!("Discard what was not saved of {name}? There is no way back.");
+        let Some(answer) = question(ui, &text, &["Discard for good", "Keep it"]) else { return };
+        self.boxes.discarding = None;
+        if answer == 0 && place < self.boxes.recovered.len() {
+            let recovered = self.boxes.recovered.remove(place);
+            self.forget_recovered(&recovered);
+        }
+    }
+
+    /// Removes the copy of a map that was opened again, or that nobody wants.
+    fn forget_recovered(&mut self, recovered: &Recovered) {
         if let Some(recovery) = &mut self.recovery
-            && let Err(error) = recovery.discard(&recovered)
+            && let Err(error) = recovery.discard(recovered)
         {
             self.toast(error.to_string());
         }

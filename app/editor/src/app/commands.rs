@@ -8,6 +8,9 @@ use mve_core::{Retry, printable};
 use super::Editor;
 use crate::runner::Part;
 
+/// What is said beforehand of a map that runs outside programs.
+pub const ASKS_FIRST: &str = "asks before it runs an outside program";
+
 /// A run that waits for an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CommandQuestion {

@@ -5,12 +5,13 @@ use indexmap::IndexMap;
 use mve_core::{Link, NodeMode, PortRef, Problem, Value};
 use serde_json::Map as JsonMap;
 
+use super::commands::ASKS_FIRST;
 use super::session::Session;
 use super::{Wish, repeat};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
-use crate::forms::{Form, FormEvent};
-use crate::runner::{Part, Shared, Status};
+use crate::forms::{Form, FormEvent, each_text};
+use crate::runner::{Part, Shared, Status, outermost};
 use crate::views::brief_text;
 
 /// Shows the inspector of what is selected.
@@ -67,7 +68,7 @@ fn several(ui: &mut Ui, session: &Session, names: &[&String], wishes: &mut Vec<W
             let text = format!("differ, and show the default: {}", differing.join(", "));
             ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
         }
-        let from_link = |path: &str| linked(path).then(|| "links".to_owned());
+        let from_link = |path: &str| linked(path).then(|| "from links".to_owned());
         let form = Form {
             id: module,
             given: &given,
@@ -117,6 +118,9 @@ fn nothing(ui: &mut Ui, session: &Session, wishes: &mut Vec<Wish>) {
     if problems.is_empty() && !map.nodes.is_empty() {
         ui.weak("The map has no problems.");
     }
+    if session.asks_first() {
+        ui.weak(format!("Run {ASKS_FIRST}."));
+    }
     for problem in problems {
         if problem_line(ui, session, problem)
             && let Some(node) = &problem.place.node
@@ -162,14 +166,7 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
         };
         ui.label(format!("It is {what}."));
     }
-    let warnings = session
-        .runner
-        .problems()
-        .iter()
-        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
-    for warning in warnings {
-        problem_line(ui, session, warning);
-    }
+    beforehand(ui, session, name);
     let Some(info) = session.runner.registry().of(node) else {
         ui.label("There is no module of this name. The node is kept as it stands.");
         return;
@@ -186,7 +183,10 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
         ui.separator();
         let from_link = |path: &str| {
             let is_it = |link: &&mve_core::Link| link.to.node == name && link.to.port == path;
-            session.document.map().links.iter().find(is_it).map(|link| link.from.to_string())
+            let each = node.repeat.as_ref().and_then(|repeat| each_text(repeat, path));
+            let link = session.document.map().links.iter().find(is_it);
+            let link = link.map(|link| format!("from {}", link.from));
+            each.map(|values| format!("{values}: one a round")).or(link)
         };
         let form = Form {
             id: name,
@@ -205,6 +205,23 @@ fn node(ui: &mut Ui, session: &Session, shared: &Shared, name: &str, wishes: &mu
     ui.separator();
     port_table(ui, session, name, module, false, wishes);
     said(ui, session, shared, name, &status);
+}
+
+/// What is known of a node before it runs: what is asked, and what is odd about it.
+fn beforehand(ui: &mut Ui, session: &Session, name: &str) {
+    let unasked = &session.runner.checked().unasked;
+    for (_, line) in unasked.iter().filter(|(node, _)| outermost(node) == name) {
+        let text = format!("Run {ASKS_FIRST}: {}", mve_core::printable(line));
+        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+    }
+    let warnings = session
+        .runner
+        .problems()
+        .iter()
+        .filter(|problem| !problem.is_error() && problem.place.node.as_deref() == Some(name));
+    for warning in warnings {
+        problem_line(ui, session, warning);
+    }
 }
 
 /// A value in a line, cut where there is no room for it, with all its digits on hover.

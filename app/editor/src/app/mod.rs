@@ -27,7 +27,7 @@ use mve_core::Registry;
 use crate::canvas::Action;
 use crate::document::{Document, Recovery};
 use crate::programs::ProgramAction;
-use crate::runner::{Part, Shared};
+use crate::runner::{PART_OF_ANOTHER, Part, Shared};
 use crate::views::Still;
 
 pub use session::{Inside, Session};
@@ -377,6 +377,10 @@ impl Editor {
 
     /// Runs a part of the map that is shown.
     fn run(&mut self, part: Part) {
+        if self.session().is_part() {
+            self.toast(PART_OF_ANOTHER);
+            return;
+        }
         self.session_mut().run(part);
     }
 }

@@ -91,7 +91,14 @@ impl Session {
             around_folder: PathBuf::new(),
         };
         session.find_maps();
+        session.lay_out();
         session
+    }
+
+    /// Puts nodes without a place where they are apart, before they are drawn.
+    fn lay_out(&mut self) {
+        let Self { canvas, document, runner, .. } = self;
+        canvas.measure(document, runner.registry());
     }
 
     /// Opens a map's file.
@@ -124,6 +131,8 @@ impl Session {
     pub fn set_around(&mut self, registry: Registry, folder: PathBuf) {
         (self.around, self.around_folder) = (registry, folder);
         self.checked = None;
+        self.find_maps();
+        self.lay_out();
     }
 
     /// The panel of its programs, and what it shows.
@@ -163,6 +172,11 @@ impl Session {
         }
     }
 
+    /// Whether a run of the map asks a person for leave before it begins.
+    pub fn asks_first(&self) -> bool {
+        !self.runner.checked().unasked.is_empty()
+    }
+
     /// Lets outside programs run that a person has seen, from now on.
     pub fn allow_commands(&mut self, lines: impl Iterator<Item = String>) {
         Arc::make_mut(&mut self.allowed).extend(lines);
@@ -178,6 +192,11 @@ impl Session {
     pub fn run_without_commands(&mut self, part: Part) {
         self.run_for = Some(self.document.revision());
         self.runner.run(Subject { asks: false, ..self.subject() }, part);
+    }
+
+    /// Whether the map is a part of another one, without which nothing of it runs.
+    pub fn is_part(&self) -> bool {
+        self.runner.checked().is_part
     }
 
     /// Runs a part of the map.
@@ -289,10 +308,6 @@ impl Session {
             .map(|(_, value)| value.data_type());
         let best = values.iter().rev().find(|(_, value)| Some(value.data_type()) == kind);
         let best = best.map(|(port, _)| port.clone());
-        if best.is_some() {
-            // The viewer takes room from the canvas.
-            self.canvas.fit();
-        }
         self.pinned.extend(best);
     }
 

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use eframe::egui::{self, Button, Panel, ProgressBar, RichText, Ui};
 use mve_modules::data::TriMesh;
 
+use super::commands::ASKS_FIRST;
 use super::panels::NARROW;
 use super::{Command, Editor, Lower, Middle, Session, Theme, Wish};
 use crate::canvas::Action;
 use crate::document::{Edit, Item};
-use crate::runner::{RunProgress, seconds_text};
+use crate::runner::{PART_OF_ANOTHER, RunProgress, seconds_text};
 
 /// A line of a menu that gives a command.
 fn entry(ui: &mut Ui, label: &str, keys: &str, is_on: bool) -> bool {
@@ -31,12 +32,16 @@ fn state_text(session: &Session) -> String {
     if session.document.map().nodes.is_empty() {
         return "The map is empty: press Tab on the canvas to add a module.".to_owned();
     }
+    if session.is_part() {
+        return PART_OF_ANOTHER.to_owned();
+    }
     if let Some(node) = session.first_stopped() {
         return format!("{node} was stopped before it was done: Run (F5) starts it again.");
     }
     let time = || session.runner.last_run().map(|time| seconds_text(time.as_secs_f64()));
     match (session.has_changes_to_run(), time()) {
         (Some(true), _) => "Up to date, but for files: Run (F5) writes them.".to_owned(),
+        (Some(false), _) if session.asks_first() => format!("Ready to run (F5); {ASKS_FIRST}."),
         (Some(false), _) => "Ready to run (F5).".to_owned(),
         (None, Some(time)) => format!("Up to date; the last run took {time}."),
         (None, None) => "Up to date.".to_owned(),
@@ -210,7 +215,7 @@ impl Editor {
 
     fn run_menu(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         let is_running = self.session().runner.is_running();
-        if entry(ui, "Run", "F5", true) {
+        if entry(ui, "Run", "F5", !self.session().is_part()) {
             wishes.push(Wish::Command(Command::Run));
         }
         if entry(ui, "Stop", "Shift+Esc", is_running) {
@@ -228,7 +233,9 @@ impl Editor {
         };
         // Of one size, so that the rest of the bar stays where it is.
         let button = Button::new(RichText::new(label).strong()).min_size(egui::vec2(64.0, 0.0));
-        if ui.add(button).on_hover_text(hint).clicked() {
+        let is_on = progress.is_some() || !self.session().is_part();
+        let button = ui.add_enabled(is_on, button).on_hover_text(hint);
+        if button.on_disabled_hover_text(PART_OF_ANOTHER).clicked() {
             wishes.push(Wish::Command(command));
         }
         ui.checkbox(&mut self.settings.runs_on_edit, "on edit")

@@ -15,6 +15,7 @@ mod menu;
 mod paint;
 mod param;
 mod picture;
+mod room;
 mod search;
 mod shape;
 mod touch;
@@ -226,7 +227,9 @@ impl Canvas {
         let mut view = CanvasView { camera, screen };
         let is_first = self.camera.is_none() && screen.area() > 0.0;
         let is_resized = self.view.is_some_and(|view| view.screen.size() != screen.size());
-        let bounds = match std::mem::take(&mut self.wants) {
+        let wants = std::mem::take(&mut self.wants);
+        let asked = !matches!(wants, FitTarget::Nothing) || is_first;
+        let bounds = match wants {
             FitTarget::Selection => {
                 self.is_fitted = false;
                 self.shapes.bounds(scene.document.selection().iter().filter_map(node_of))
@@ -238,7 +241,13 @@ impl Canvas {
             }
         };
         if let Some(bounds) = bounds {
-            view.camera = view.fitting(bounds);
+            let fitting = view.fitting(bounds);
+            // Panels that take room from the canvas take none from the letters on it.
+            let is_too_small = fitting.zoom < paint::ROWS_FROM && fitting.zoom < camera.zoom;
+            view.camera = match is_resized && !asked && is_too_small {
+                true => CanvasCamera { zoom: camera.zoom, ..fitting },
+                false => fitting,
+            };
         }
         if let Some(shape) = self.wants_node.take().and_then(|name| self.shapes.nodes.get(&name)) {
             self.is_fitted = false;

@@ -251,11 +251,12 @@ impl Brush<'_> {
         let at = title.left_center() + Vec2::new(pad, 0.0);
         let white = Color32::from_gray(250);
         self.line(at, Align2::LEFT_CENTER, look.state.name, 13.0, 112.0, white);
+        let rounds = shape.rounds.as_ref().map(|rounds| format!("{rounds} {}", shape.module));
         let mark = match (shape.mode, shape.summary) {
             (NodeMode::Muted, _) => "muted",
             (NodeMode::Bypassed, _) => "bypassed",
             (_, None) => "unknown",
-            _ => shape.module.as_str(),
+            _ => rounds.as_deref().unwrap_or(&shape.module),
         };
         let at = title.right_center() - Vec2::new(pad, 0.0);
         self.line(at, Align2::RIGHT_CENTER, mark, 9.5, 76.0, white);

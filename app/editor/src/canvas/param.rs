@@ -3,7 +3,7 @@
 use eframe::egui::{self, Area, Frame, Id, Key, Order, Rect, Ui};
 
 use super::{Action, CanvasCamera, Scene};
-use crate::forms::Form;
+use crate::forms::{Form, each_text};
 use crate::views::counts_of;
 
 /// A parameter's form while it is open.
@@ -48,7 +48,10 @@ impl OpenParam {
                     id: &id,
                     given: &node.params,
                     wants_focus,
-                    link_of: &|_| None,
+                    link_of: &|path| {
+                        let repeat = node.repeat.as_ref()?;
+                        each_text(repeat, path).map(|values| format!("{values}: one a round"))
+                    },
                     counts: &inputs.iter().flat_map(counts_of).collect::<Vec<_>>(),
                     folder: &scene.document.folder(),
                 };

@@ -8,7 +8,7 @@ use mve_core::{DataType, Link, Module, Node, NodeMode, ParamSpec, PortRef, Regis
 
 use crate::catalog;
 use crate::document::{Document, Item};
-use crate::forms::{name_of, value_text};
+use crate::forms::{each_text, name_of, rounds_text, value_text};
 use crate::views::Thumbnails;
 
 /// Width of a node, in units of the canvas.
@@ -88,6 +88,8 @@ pub struct Shape {
     pub color: Color32,
     /// Whether it runs.
     pub mode: NodeMode,
+    /// How often it runs, where that is more than once.
+    pub rounds: Option<String>,
     /// Whether it writes files, which only Run does.
     pub writes_files: bool,
     /// Whether only its title is drawn.
@@ -162,6 +164,30 @@ impl Shapes {
         place.shrink(10.0).min
     }
 
+    /// The corner of a free place of this size that is nearest to a point, within what is seen.
+    pub fn free_near(&self, at: Pos2, size: Vec2, seen: Rect) -> Option<Pos2> {
+        const STEP: f32 = 20.0;
+        let covered: Vec<Rect> =
+            self.nodes.values().map(|shape| shape.rect().expand(STEP * 0.95)).collect();
+        let room = Rect::from_min_max(seen.min, seen.max - size).shrink(STEP * 0.5);
+        if !(room.is_positive() && room.is_finite()) {
+            return None;
+        }
+        let steps = |from: f32, to: f32| {
+            let (first, last) = ((from / STEP).ceil() as i32, (to / STEP).floor() as i32);
+            (first..=last).map(|step| step as f32 * STEP)
+        };
+        let rows = steps(room.top(), room.bottom());
+        let places =
+            rows.flat_map(|y| steps(room.left(), room.right()).map(move |x| Pos2::new(x, y)));
+        let mut places: Vec<Pos2> = places.collect();
+        places.sort_by(|a, b| a.distance_sq(at).total_cmp(&b.distance_sq(at)));
+        places.into_iter().find(|place| {
+            let place = Rect::from_min_size(*place, size);
+            covered.iter().all(|covered| !covered.intersects(place))
+        })
+    }
+
     /// The smallest rectangle around some nodes, or around all where `names` is empty.
     pub fn bounds<'a>(&self, names: impl Iterator<Item = &'a str>) -> Option<Rect> {
         let mut names = names.peekable();
@@ -219,6 +245,7 @@ fn shape(
             Color32::from_rgb(r, g, b)
         }),
         mode: node.mode,
+        rounds: node.repeat.as_ref().map(rounds_text),
         writes_files: registry.writes_files(node),
         is_collapsed: form == NodeForm::Collapsed,
         inputs: Vec::new(),
@@ -297,11 +324,16 @@ fn add_params(
             });
         }
         let given = node.params.get(spec.name);
+        let each = node.repeat.as_ref().and_then(|repeat| each_text(repeat, spec.name));
         shape.params.push(ParamRow {
             spec,
             name: name_of(spec),
-            value: if is_linked { "linked".to_owned() } else { value_text(spec, given) },
-            is_set: given.is_some(),
+            is_set: given.is_some() || each.is_some(),
+            value: match each {
+                Some(each) => each,
+                None if is_linked => "linked".to_owned(),
+                None => value_text(spec, given),
+            },
             is_linked,
             y: TITLE + row as f32 * ROW,
         });

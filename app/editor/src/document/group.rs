@@ -191,7 +191,7 @@ impl Transaction<'_> {
             }
         }
         let at = self.map.layout.get(name).copied().unwrap_or_default();
-        let places = places_of_others(&inner);
+        let places = places_of_others(&inner, self.sizes);
         inner.layout.extend(places);
         let is_end = |node: &Node| [MAP_INPUT.id, MAP_OUTPUT.id].contains(&node.module.as_str());
         let mut names: HashMap<String, String> = HashMap::new();

@@ -101,7 +101,7 @@ impl Document {
         Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             extras: Extras::of(&map),
-            places: transaction::places_of_others(&map),
+            places: transaction::places_of_others(&map, &HashMap::new()),
             text: OnceCell::new(),
             revision: 0,
             history: History::default(),
@@ -270,7 +270,7 @@ impl Document {
     /// Puts a map in the place of the one that is open.
     fn show(&mut self, map: Arc<Map>) {
         self.extras = Extras::of(&map);
-        self.places = transaction::places_of_others(&map);
+        self.places = transaction::places_of_others(&map, &self.sizes);
         self.map = map;
         self.text = OnceCell::new();
         self.revision += 1;
@@ -296,6 +296,12 @@ impl Document {
             Some(known) => *known = size,
             None => drop(self.sizes.insert(node.to_owned(), size)),
         }
+    }
+
+    /// Lays the nodes out that have no place in the map, as large as they are drawn. The map stays
+    /// as it is.
+    pub fn place_others(&mut self) {
+        self.places = transaction::places_of_others(&self.map, &self.sizes);
     }
 
     /// Writes the map to its file.

@@ -43,13 +43,17 @@ pub(super) fn offset(point: [f64; 2], by: [f64; 2]) -> Result<[f64; 2], EditErro
 }
 
 /// Places for the nodes of a map that have none in its layout, below those that have.
-pub(super) fn places_of_others(map: &Map) -> IndexMap<String, [f64; 2]> {
+pub(super) fn places_of_others(
+    map: &Map,
+    sizes: &HashMap<String, [f64; 2]>,
+) -> IndexMap<String, [f64; 2]> {
     let others: Vec<String> =
         map.nodes.keys().filter(|name| !map.layout.contains_key(*name)).cloned().collect();
     if others.is_empty() {
         return IndexMap::new();
     }
-    let size = |name: &str| arrange::guessed_size(map, name);
+    let guessed = |name: &str| arrange::guessed_size(map, name);
+    let size = |name: &str| sizes.get(name).copied().unwrap_or_else(|| guessed(name));
     let mut places = arrange::in_layers(map, &others, size);
     let placed = map.layout.iter().filter(|(name, _)| map.nodes.contains_key(*name));
     let areas = placed.map(|(name, at)| Area { at: *at, size: size(name) });
@@ -67,7 +71,7 @@ impl Transaction<'_> {
     pub fn edit(&mut self, edit: &Edit) -> Result<(), EditError> {
         if edit.moves_others() {
             // From now on these nodes stay where they were drawn.
-            let places = places_of_others(&self.map);
+            let places = places_of_others(&self.map, self.sizes);
             self.map.layout.extend(places);
         }
         match edit {

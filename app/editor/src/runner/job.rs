@@ -6,7 +6,7 @@ use mve_core::{CancelToken, Event, EventKind, Keep, OutputScope, RunOptions, run
 
 use super::check::{Part, check};
 use super::log::{Line, Loudness};
-use super::{Message, NodeResult, Shared, Subject};
+use super::{Message, NodeResult, PART_OF_ANOTHER, Shared, Subject};
 
 /// Plans a part of the map and runs it. Everything that happens is told; nothing is returned.
 pub fn run_job(
@@ -31,7 +31,10 @@ pub fn run_job(
         return;
     }
     let Some(plan) = plan else {
-        let text = "nothing can run: the map is empty, or its nodes have problems";
+        let text = match of_part.is_part {
+            true => PART_OF_ANOTHER,
+            false => "nothing can run: the map is empty, or its nodes have problems",
+        };
         tell(Message::Said(Line::of(None, Loudness::Error, text)));
         tell(Message::Finished);
         return;

@@ -2,6 +2,7 @@
 //! and what they find arrives as messages that the window takes in once a frame.
 
 mod check;
+mod inside;
 mod job;
 mod log;
 mod status;
@@ -19,11 +20,16 @@ use mve_core::{
 };
 
 pub use check::{MapCheck, Part};
+use inside::Inside;
 pub use log::{Line, Log, Loudness};
 pub use status::{Status, seconds_text};
 
 /// Nodes that were removed, and whose results are kept for the case of an undo.
 const MOST_GONE: usize = 64;
+
+/// What is said of a map that does not run by itself.
+pub const PART_OF_ANOTHER: &str = "This is a part of another map, which gives it its values and \
+                                   runs it: press Run there.";
 
 /// What all runs of the window share.
 pub struct Shared {
@@ -106,6 +112,8 @@ struct Job {
     started: Instant,
     /// Nodes that take part.
     nodes: IndexMap<String, NodeProgress>,
+    /// What has run inside of maps and loops, by the nodes that stand for them.
+    inside: HashMap<String, Inside>,
 }
 
 /// How far a node is in a run.
@@ -205,7 +213,8 @@ impl Runner {
         self.stop();
         let cancel = CancelToken::new();
         let (started, nodes) = (Instant::now(), IndexMap::new());
-        let job = Job { part: part.clone(), cancel: cancel.clone(), started, nodes };
+        let (part_of, inside) = (part.clone(), HashMap::new());
+        let job = Job { part: part_of, cancel: cancel.clone(), started, nodes, inside };
         // What an older run still has to say goes nowhere.
         let (outbox, inbox) = channel();
         self.drain();
@@ -393,7 +402,8 @@ impl Runner {
         }
     }
 
-    fn end(&mut self, node: String, ended: NodeResult) {
+    fn end(&mut self, node: String, mut ended: NodeResult) {
+        self.add_up(&node, &mut ended.record);
         match &ended.record.status {
             NodeStatus::Failed { error, .. } => {
                 self.log.add(Line::of(Some(&node), Loudness::Error, error));

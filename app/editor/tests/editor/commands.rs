@@ -19,8 +19,11 @@ fn outside_programs_run_once_a_person_has_seen_them() {
     let command = format!("touch {}", place.display());
     let map = MAP.replace("PLACE", place.to_str().expect("it is text"));
     let mut hand = Hand::with_text(folder.path(), &map);
-    let problems = hand.problems();
-    assert!(problems[0].starts_with("call.command: would run an outside program"), "{problems:?}");
+    // Nothing is wrong with it: Run asks.
+    assert_eq!(hand.problems(), Vec::<String>::new());
+    hand.step();
+    assert!(hand.sees("Ready to run (F5); asks before it runs an outside program."));
+    assert_eq!(hand.description("node call"), "has not run yet");
     hand.click("on edit");
     hand.click("box.segments: 8");
     hand.type_text("4");

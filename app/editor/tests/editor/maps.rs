@@ -114,3 +114,59 @@ fn a_loop_is_made_and_its_table_is_looked_at() {
     hand.step();
     assert_eq!(hand.map().nodes["smooth"].repeat, None);
 }
+
+/// The map of the first node of this name, in its own tab.
+fn open_inside(hand: &mut Hand, node: &str) {
+    hand.step();
+    hand.click_at(node, 0.5, 0.05);
+    hand.point_within(node, 0.5, 0.05);
+    hand.press(Key::Enter);
+    hand.step();
+}
+
+fn shipped(name: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../maps").join(name)
+}
+
+#[test]
+fn a_part_of_a_map_has_no_problems_but_its_own_and_says_where_it_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = Hand::with_map(folder.path(), &shipped("loops.json"));
+    open_inside(&mut hand, "node angles");
+    assert_eq!(hand.editor().session().title(), "\u{25b8} smoothed");
+    assert_eq!(hand.problems(), Vec::<String>::new());
+    hand.step();
+    assert!(hand.sees_beginning("This is a part of another map"));
+    let why = "does not run: it takes a value from outside: it runs in the map around this one";
+    assert_eq!(hand.description("node smooth"), why);
+    hand.press(Key::F5);
+    assert!(!hand.editor().session().runner.is_running());
+    // What is wrong in it is told all the same.
+    let edit = Edit::SetParam {
+        node: "smooth".to_owned(),
+        path: "steps".to_owned(),
+        value: Some("many".into()),
+    };
+    hand.edit(&[edit]);
+    let problems = hand.problems();
+    assert!(problems.len() == 1 && problems[0].starts_with("smooth.steps: "), "{problems:?}");
+}
+
+#[test]
+fn a_loop_shows_its_rounds_and_takes_the_seconds_of_what_is_inside() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = Hand::with_map(folder.path(), &shipped("loops.json"));
+    hand.step();
+    assert!(hand.sees("angles.steps: 1, 4, 16"));
+    assert!(hand.sees("coarser.share: 0.6"));
+    hand.click("\u{25b6} Run");
+    hand.wait_for_the_run();
+    let session = hand.editor().session();
+    let inside = session.runner.all_ended().filter(|(name, _)| name.starts_with("coarser/"));
+    let inside: f64 = inside
+        .filter(|(name, _)| name.matches('/').count() == 2)
+        .filter_map(|(_, ended)| ended.record.seconds)
+        .sum();
+    let said = session.runner.seconds("coarser").unwrap();
+    assert!(said >= 0.99 * inside && inside > 0.0, "{said} {inside}");
+}

@@ -92,21 +92,73 @@ fn nodes_of_the_shipped_maps_stand_apart() {
             hand.press(Key::L);
             hand.press_with(Modifiers::COMMAND, Key::S);
         }
-        let session = hand.editor().session();
-        let sizes: Vec<_> = session.canvas.sizes().collect();
-        let place = |name: &str| {
-            let node = mve_editor::document::Item::Node(name.to_owned());
-            session.document.position(&node).expect("it is a node")
-        };
-        for (nth, (a, [width_a, height_a])) in sizes.iter().enumerate() {
-            for (b, [width_b, height_b]) in &sizes[..nth] {
-                let ([ax, ay], [bx, by]) = (place(a), place(b));
-                let is_beside = ax + width_a <= bx || bx + width_b <= ax;
-                let is_above = ay + height_a <= by || by + height_b <= ay;
-                assert!(is_beside || is_above, "{}: {a} covers {b}", path.display());
-            }
+        nodes_stand_apart(&hand, &path.display().to_string());
+    }
+}
+
+fn nodes_stand_apart(hand: &Hand, what: &str) {
+    let session = hand.editor().session();
+    let sizes: Vec<_> = session.canvas.sizes().collect();
+    let place = |name: &str| {
+        let node = mve_editor::document::Item::Node(name.to_owned());
+        session.document.position(&node).expect("it is a node")
+    };
+    for (nth, (a, [width_a, height_a])) in sizes.iter().enumerate() {
+        for (b, [width_b, height_b]) in &sizes[..nth] {
+            let ([ax, ay], [bx, by]) = (place(a), place(b));
+            let is_beside = ax + width_a <= bx || bx + width_b <= ax;
+            let is_above = ay + height_a <= by || by + height_b <= ay;
+            assert!(is_beside || is_above, "{what}: {a} covers {b}");
         }
     }
+}
+
+#[test]
+fn nodes_without_a_place_stand_apart_and_the_map_is_as_it_was() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    // Nodes of many rows, of which the map says nothing.
+    let map = r#"{"mve": 1, "nodes": {"vase": {"module": "Vase"}, "box": {"module": "Box"},
+        "a": {"module": "Simplificator"}, "b": {"module": "Smooth"}, "c": {"module": "Smooth"}},
+        "links": ["vase.mesh -> a.mesh", "box.mesh -> b.mesh", "vase.mesh -> c.mesh"]}"#;
+    let mut hand = Hand::with_text(folder.path(), map);
+    hand.step();
+    nodes_stand_apart(&hand, "at once");
+    assert!(!hand.editor().session().document.is_dirty());
+}
+
+#[test]
+fn a_copy_comes_to_a_free_place_in_sight() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let map = r#"{"mve": 1, "nodes": {"box": {"module": "Box"}, "smooth": {"module": "Smooth"}},
+        "layout": {"box": [0, 0], "smooth": [0, 600]}}"#;
+    let mut hand = Hand::with_text(folder.path(), map);
+    hand.step();
+    hand.click_at("node smooth", 0.5, 0.05);
+    hand.point_within("node smooth", 0.5, 0.05);
+    hand.press_with(Modifiers::COMMAND, Key::D);
+    hand.step();
+    assert!(hand.sees("node smooth-2"));
+    nodes_stand_apart(&hand, "copied");
+    let [x, y] = hand.map().layout["smooth-2"];
+    assert!(x.hypot(y - 600.0) < 600.0, "it is near: {x} {y}");
+}
+
+#[test]
+fn nodes_stay_readable_when_a_view_opens_below_them() {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    let nodes: Vec<_> = (0..6).map(|n| format!("\"b{n}\": {{\"module\": \"Box\"}}")).collect();
+    let places: Vec<_> = (0..6).map(|n| format!("\"b{n}\": [0, {}]", 220 * n)).collect();
+    let (nodes, places) = (nodes.join(", "), places.join(", "));
+    let map = format!(r#"{{"mve": 1, "nodes": {{{nodes}}}, "layout": {{{places}}}}}"#);
+    let mut hand = Hand::with_text(folder.path(), &map);
+    hand.step();
+    let before = hand.height_of("node b2");
+    hand.click("\u{25b6} Run");
+    hand.wait_until_up_to_date();
+    hand.step();
+    assert!(!hand.editor().session().pinned.is_empty());
+    let after = hand.height_of("node b2");
+    assert!((after - before).abs() < 0.5, "{before} {after}");
 }
 
 #[test]

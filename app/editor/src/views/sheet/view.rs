@@ -5,6 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Event, Key, Rect, Sense, pos2, vec2};
 use mve_modules::data::Domain;
 
+use super::columns::SheetColumn;
 use super::filter::Filter;
 use super::row::{Form, Row, forms_of, show_row};
 use super::rows::{Rows, Sheet};
@@ -82,6 +83,14 @@ impl Default for SheetView {
     }
 }
 
+/// What a filter may look like, over a column that is there: the first number but that of the row.
+fn hint_of(columns: &[SheetColumn]) -> String {
+    let numbers = columns.iter().skip(1).filter(|column| column.is_numeric());
+    let column = numbers.chain(columns).next();
+    let name = column.map_or("", |column| column.name.as_str());
+    if name.is_empty() { String::new() } else { format!("filter, such as {name} > 0.5") }
+}
+
 impl SheetView {
     /// Shows the elements of one of the pinned values in the space that there is, whatever it
     /// takes: a panel keeps the size that it was given.
@@ -136,7 +145,7 @@ impl SheetView {
         let before = self.domain;
         ui.horizontal_wrapped(|ui| {
             self.choices(ui, &sources, &sheet, &domains);
-            self.filter_field(ui, fault.as_deref());
+            self.filter_field(ui, &sheet, fault.as_deref());
             self.buttons(ui, &sheet, &rows, picked, &mut actions);
             self.say_counts(ui, &sheet, &rows, fault);
         });
@@ -213,11 +222,11 @@ impl SheetView {
         }
     }
 
-    fn filter_field(&mut self, ui: &mut egui::Ui, fault: Option<&str>) {
+    fn filter_field(&mut self, ui: &mut egui::Ui, sheet: &Sheet, fault: Option<&str>) {
         make_room(ui, 280.0);
         ui.label("Filter");
         let field = egui::TextEdit::singleline(&mut self.filter)
-            .hint_text("z > 0.5 and material = \"red\"")
+            .hint_text(egui::RichText::new(hint_of(&sheet.columns)).weak().italics())
             .desired_width(220.0);
         let field = match fault {
             Some(_) => field.text_color(ui.visuals().error_fg_color),

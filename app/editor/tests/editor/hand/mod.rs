@@ -177,6 +177,13 @@ impl Hand {
         self.step();
     }
 
+    /// Changes the map as its text would.
+    pub fn edit(&mut self, edits: &[mve_editor::document::Edit]) {
+        let Session { document, runner, .. } = self.editor_mut().session_mut();
+        document.apply(edits, runner.registry()).expect("it can be done");
+        self.step();
+    }
+
     /// Shows no values.
     pub fn unpin_all(&mut self) {
         self.editor_mut().session_mut().pinned.clear();
