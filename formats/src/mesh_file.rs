@@ -1,5 +1,6 @@
-//! Mesh files of any format: read by how they begin, written by how their names end. What an outside
-//! program wrote is read by the ending, too: by its beginning, anything would be read as something.
+//! Mesh files of any format: read by how they begin, written by how their names end. What an
+//! outside program wrote is read by the ending, too: by its beginning, anything would be read as
+//! something.
 
 use std::fs::File;
 use std::io::Read;

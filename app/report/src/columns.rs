@@ -268,6 +268,23 @@ pub fn is_time(column: &str) -> bool {
     TIMES.contains(&column) || column.starts_with("seconds.")
 }
 
+/// That no measure differs between several cases, in words; empty where one does, and where things
+/// are compared, of which the answers and the tables say it.
+pub fn equal_in_words(results: &Results, measures: &[MeasureColumn]) -> String {
+    let columns =
+        || measures.iter().filter(|measure| measure.is_there && !is_time(&measure.column));
+    let n_all = results.cases.len();
+    let has_all = |measure: &MeasureColumn| {
+        let of_case = |case: &Case| measure.estimate(results, case).is_some();
+        results.cases.iter().all(of_case) && results.is_constant(&measure.column)
+    };
+    let is_compared = results.has_series();
+    match n_all > 1 && !is_compared && columns().next().is_some() && columns().all(has_all) {
+        true => format!("All {n_all} cases gave the same: no measure differs between them."),
+        false => String::new(),
+    }
+}
+
 /// The measures that are plotted: those that the report names, else the first few.
 pub fn drawn<'a>(results: &Results, measures: &'a [MeasureColumn]) -> Vec<&'a MeasureColumn> {
     let is_drawn = |m: &&MeasureColumn| m.is_there && (results.is_timed() || !is_time(&m.column));

@@ -190,7 +190,7 @@ impl Report {
     /// What a reader must know first, in sentences: steps that are missing, those that did not
     /// reach their target, and that nothing differs.
     pub fn notes(&self) -> Vec<String> {
-        let equal = self.results.equal_in_words(&self.measures);
+        let equal = columns::equal_in_words(&self.results, &self.measures);
         let notes = [self.results.missing_in_words(), self.results.missed_in_words(), equal];
         notes.into_iter().filter(|note| !note.is_empty()).collect()
     }

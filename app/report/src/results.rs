@@ -15,7 +15,6 @@ use serde_json::Value as Json;
 use crate::ReportError;
 use crate::axes::{self, Axis};
 use crate::case::{Case, StepOf};
-use crate::columns::{MeasureColumn, is_time};
 use crate::labels::{self, node_of};
 
 /// What a store holds.
@@ -377,23 +376,6 @@ impl Results {
             (0, _) => String::new(),
             (1, n) => format!("1 of {n} steps did not reach its target."),
             (missed, n) => format!("{missed} of {n} steps did not reach their target."),
-        }
-    }
-
-    /// That no measure differs between several cases, in words; empty where one does, and where
-    /// things are compared, of which the answers and the tables say it.
-    pub fn equal_in_words(&self, measures: &[MeasureColumn]) -> String {
-        let columns =
-            || measures.iter().filter(|measure| measure.is_there && !is_time(&measure.column));
-        let n_all = self.cases.len();
-        let has_all = |measure: &MeasureColumn| {
-            let of_case = |case: &Case| measure.estimate(self, case).is_some();
-            self.cases.iter().all(of_case) && self.is_constant(&measure.column)
-        };
-        let is_compared = self.has_series();
-        match n_all > 1 && !is_compared && columns().next().is_some() && columns().all(has_all) {
-            true => format!("All {n_all} cases gave the same: no measure differs between them."),
-            false => String::new(),
         }
     }
 

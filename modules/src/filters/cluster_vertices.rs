@@ -180,7 +180,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     };
     let found = cluster(&mesh, &options, io.control()).map_err(|error| match error {
         ClusterError::Cancelled(cancelled) => cancelled.into(),
-        ClusterError::TooSmall(_) => ModuleError::param(&CELL_EDGE, &error.to_string()),
+        ClusterError::TooSmall(_) => ModuleError::param(&CELL_EDGE, error.to_string()),
     })?;
     let n_faces = found.mesh.faces.len();
     if let Size::Faces(asked) = size

@@ -23,18 +23,6 @@ impl Enumeration for Keeps {
     const VALUES: &'static [Self] = &[Self::Within, Self::Beyond];
 }
 
-impl Enumeration for Shape {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("Box", "Between two ends along each axis."),
-        (
-            "Sphere",
-            "At most so far from a center. A face is cut where its corners are on both sides.",
-        ),
-        ("Plane", "On the side of a plane to which its normal points."),
-    ];
-    const VALUES: &'static [Self] = &[Self::Box, Self::Sphere, Self::Plane];
-}
-
 const MESH_IN: In<TriMesh> = In::new("mesh", "Any triangle mesh.");
 const REGION: Param<Shape> = Param::one_of("region", "The form of the region.", "Box");
 const PLACES: RegionParams = RegionParams::of("region");

@@ -16,6 +16,18 @@ pub(super) enum Shape {
     Plane,
 }
 
+impl Enumeration for Shape {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("Box", "Between two ends along each axis."),
+        (
+            "Sphere",
+            "At most so far from a center. A face is cut where its corners are on both sides.",
+        ),
+        ("Plane", "On the side of a plane to which its normal points."),
+    ];
+    const VALUES: &'static [Self] = &[Self::Box, Self::Sphere, Self::Plane];
+}
+
 /// What numbers of places mean.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Frame {

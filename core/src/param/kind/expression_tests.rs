@@ -94,7 +94,8 @@ fn no_variable_has_the_name_of_a_function_or_of_pi() {
 
 #[test]
 fn conditions_are_joined_by_words() {
-    let at = |text: &str, x: f64| Expression::compile(text, &[("x", "A number.")]).unwrap().eval(&[x]);
+    let at =
+        |text: &str, x: f64| Expression::compile(text, &[("x", "A number.")]).unwrap().eval(&[x]);
     for (x, expected) in [(-1.0, 1.0), (0.5, 0.0), (1.5, 1.0), (3.0, 0.0)] {
         assert_eq!(at("x < 0 or x > 1 and not(x > 2)", x), expected, "{x}");
     }

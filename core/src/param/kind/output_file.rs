@@ -24,7 +24,8 @@ impl OutputFileSpec {
     /// What is written beside a file of this name.
     pub fn beside(&self, path: &Path) -> &'static [&'static str] {
         let own = path.extension().unwrap_or_default().to_string_lossy();
-        let of_own = self.also_writes_with.iter().find(|(known, _)| own.eq_ignore_ascii_case(known));
+        let of_own =
+            self.also_writes_with.iter().find(|(known, _)| own.eq_ignore_ascii_case(known));
         of_own.map_or(self.also_writes, |(_, also)| *also)
     }
 }

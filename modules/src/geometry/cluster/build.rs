@@ -18,8 +18,8 @@ pub enum Duplicates {
     Cancel,
 }
 
-/// The faces whose corners are in three clusters, between the vertices of these. Vertices are in the
-/// order of the clusters and faces in that of the mesh; clusters without a face have none.
+/// The faces whose corners are in three clusters, between the vertices of these. Vertices are in
+/// the order of the clusters and faces in that of the mesh; clusters without a face have none.
 ///
 /// # Errors
 /// [`Cancelled`] when `control` says so.

@@ -35,8 +35,8 @@ impl Grid {
         self.edge
     }
 
-    /// The numbers of the cell along the axes, from 0. Points outside of the box are in the cells at
-    /// its sides.
+    /// The numbers of the cell along the axes, from 0. Points outside of the box are in the cells
+    /// at its sides.
     #[inline]
     pub fn cell(&self, point: DVec3) -> [u64; 3] {
         // Casts saturate, and what is not a number is in the first cell.

@@ -22,7 +22,7 @@ pub fn size_for(
     mut measure: impl FnMut(f64) -> Result<f64, Cancelled>,
 ) -> Result<f64, Cancelled> {
     // Logarithms of a size and of its measure over the goal, below and above the goal.
-    let (mut below, mut above): (Option<(f64, f64)>, Option<(f64, f64)>) = (None, None);
+    let (mut below, mut above) = (None::<(f64, f64)>, None::<(f64, f64)>);
     let (mut best, mut at) = ((f64::INFINITY, first), first.min(largest).ln());
     for tries in 0..MOST_TRIES {
         let size = at.exp().min(largest);

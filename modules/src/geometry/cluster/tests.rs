@@ -260,7 +260,8 @@ proptest! {
         let alone = pool.install(|| cluster(&mesh, &options, Control::none())).unwrap();
         prop_assert_eq!(format!("{:?}", alone.mesh), format!("{:?}", found.mesh));
         if is_manifold {
-            prop_assert_eq!(mesh_info(&found.mesh, Control::none()).unwrap().n_non_manifold_edges, 0);
+            let info = mesh_info(&found.mesh, Control::none()).unwrap();
+            prop_assert_eq!(info.n_non_manifold_edges, 0);
         }
     }
 }
