@@ -222,7 +222,7 @@ impl Answer {
         let mut sentences = Vec::new();
         let left_out = [
             (self.n_missed, "a step did not reach its target"),
-            (self.n_unequal, "the results differ in size by more than 1\u{a0}% and two faces"),
+            (self.n_unequal, "the results differ in size by more than 1\u{a0}%"),
         ];
         for (n, why) in left_out.into_iter().filter(|(n, _)| *n > 0) {
             sentences.push(format!("{} left out, as {why}.", pairs_are(n)));

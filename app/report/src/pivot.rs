@@ -339,8 +339,7 @@ impl Pivot {
         }
         if self.better != Better::Neither && self.has_unequal_rows() {
             notes.push(
-                "‡ the results differ in size by more than 1 % and two faces, so none is the best."
-                    .to_owned(),
+                "‡ the results differ in size by more than 1 %, so none is the best.".to_owned(),
             );
         }
         if self.rows.iter().any(|row| row.is_unclear) {

@@ -2,7 +2,7 @@
 //!
 //! Bounds are absolute, or shares of the mesh's own bounding box. The cut stays open.
 
-use super::regions::{RegionParams, Shape};
+use super::regions::{RegionParams, Shape, joined};
 use crate::geometry::edit::crop::{AtBorder, Keeps, crop};
 use crate::prelude::*;
 
@@ -40,28 +40,7 @@ pub static MODULE: Module = Module {
     summary: "Cuts away what lies outside of a box, a sphere or a plane, or inside of it.",
     inputs: &[MESH_IN.spec()],
     outputs: &[MESH_OUT.spec()],
-    params: &[
-        REGION.spec(),
-        PLACES.frame.spec(),
-        PLACES.low[0].spec(),
-        PLACES.high[0].spec(),
-        PLACES.low[1].spec(),
-        PLACES.high[1].spec(),
-        PLACES.low[2].spec(),
-        PLACES.high[2].spec(),
-        PLACES.center[0].spec(),
-        PLACES.center[1].spec(),
-        PLACES.center[2].spec(),
-        PLACES.radius.spec(),
-        PLACES.point[0].spec(),
-        PLACES.point[1].spec(),
-        PLACES.point[2].spec(),
-        PLACES.normal[0].spec(),
-        PLACES.normal[1].spec(),
-        PLACES.normal[2].spec(),
-        KEEP.spec(),
-        AT_BORDER.spec(),
-    ],
+    params: &joined::<20>(&[&[REGION.spec()], &PLACES.specs(), &[KEEP.spec(), AT_BORDER.spec()]]),
     run,
 };
 

@@ -2,7 +2,7 @@
 //! space.
 
 use glam::DVec3;
-use mve_core::Condition;
+use mve_core::{Condition, ParamSpec};
 
 use crate::geometry::edit::crop::Region;
 use crate::geometry::edit::place::finite_bounds;
@@ -26,6 +26,22 @@ impl Enumeration for Shape {
         ("Plane", "On the side of a plane to which its normal points."),
     ];
     const VALUES: &'static [Self] = &[Self::Box, Self::Sphere, Self::Plane];
+}
+
+/// The declarations of several lists as one, of `N` in all.
+pub(super) const fn joined<const N: usize>(lists: &[&[ParamSpec]]) -> [ParamSpec; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut list, mut n) = (0, 0);
+    while list < lists.len() {
+        let mut at = 0;
+        while at < lists[list].len() {
+            all[n] = lists[list][at];
+            (n, at) = (n + 1, at + 1);
+        }
+        list += 1;
+    }
+    assert!(n == N, "N is another number");
+    all
 }
 
 /// What numbers of places mean.
@@ -97,6 +113,30 @@ impl RegionParams {
                 coordinate("normal_z", "Normal of the plane along z.", 1.0, (form, "Plane")),
             ],
         }
+    }
+
+    /// Their declarations, in the order in which they are to be read.
+    pub const fn specs(&self) -> [ParamSpec; 17] {
+        let Self { frame, low, high, center, radius, point, normal } = self;
+        [
+            frame.spec(),
+            low[0].spec(),
+            high[0].spec(),
+            low[1].spec(),
+            high[1].spec(),
+            low[2].spec(),
+            high[2].spec(),
+            center[0].spec(),
+            center[1].spec(),
+            center[2].spec(),
+            radius.spec(),
+            point[0].spec(),
+            point[1].spec(),
+            point[2].spec(),
+            normal[0].spec(),
+            normal[1].spec(),
+            normal[2].spec(),
+        ]
     }
 
     /// The region that they say, around or within a mesh.

@@ -5,7 +5,7 @@
 
 use mve_core::{Condition, Selection, SelectionDomain};
 
-use super::regions::{RegionParams, Shape, coordinate, direction};
+use super::regions::{RegionParams, Shape, coordinate, direction, joined};
 use crate::geometry::edit::parts::parts_by_edges;
 use crate::geometry::select::chosen::{CornerRule, Elements, Target, is_chosen, selection_field};
 use crate::geometry::select::criteria::{at_border, facing, grown, in_range, in_region};
@@ -182,41 +182,23 @@ pub static MODULE: Module = Module {
     summary: "Selects faces or vertices by a field, place, component, direction or border.",
     inputs: &[MESH_IN.spec(), FIELD_IN.spec(), SELECTION_IN.spec()],
     outputs: &[SELECTION_OUT.spec(), SELECTED_OUT.spec()],
-    params: &[
-        ELEMENTS.spec(),
-        BY.spec(),
-        CORNERS.spec(),
-        LOW.spec(),
-        HIGH.spec(),
-        PLACES.frame.spec(),
-        PLACES.low[0].spec(),
-        PLACES.high[0].spec(),
-        PLACES.low[1].spec(),
-        PLACES.high[1].spec(),
-        PLACES.low[2].spec(),
-        PLACES.high[2].spec(),
-        PLACES.center[0].spec(),
-        PLACES.center[1].spec(),
-        PLACES.center[2].spec(),
-        PLACES.radius.spec(),
-        PLACES.point[0].spec(),
-        PLACES.point[1].spec(),
-        PLACES.point[2].spec(),
-        PLACES.normal[0].spec(),
-        PLACES.normal[1].spec(),
-        PLACES.normal[2].spec(),
-        COMPONENTS.spec(),
-        PLACE.spec(),
-        FACES.spec(),
-        DIRECTION[0].spec(),
-        DIRECTION[1].spec(),
-        DIRECTION[2].spec(),
-        ANGLE.spec(),
-        PICKED.spec(),
-        INVERT.spec(),
-        COMBINE.spec(),
-        GROW.spec(),
-    ],
+    params: &joined::<33>(&[
+        &[ELEMENTS.spec(), BY.spec(), CORNERS.spec(), LOW.spec(), HIGH.spec()],
+        &PLACES.specs(),
+        &[
+            COMPONENTS.spec(),
+            PLACE.spec(),
+            FACES.spec(),
+            DIRECTION[0].spec(),
+            DIRECTION[1].spec(),
+            DIRECTION[2].spec(),
+            ANGLE.spec(),
+            PICKED.spec(),
+            INVERT.spec(),
+            COMBINE.spec(),
+            GROW.spec(),
+        ],
+    ]),
     run,
 };
 

@@ -180,7 +180,7 @@ fn a_step_that_missed_its_target_is_marked_and_never_the_best() {
 fn results_of_different_sizes_are_not_ranked() {
     let mut maker = small(json!({}), [1.0, 2.0, 1.0, 2.0]);
     let params = json!({ "model.module": "Tube", "cut.cost": "A" });
-    maker.step(params, 0, Some(json!({ "err": 1.0, "faces": 103 })));
+    maker.step(params, 0, Some(json!({ "err": 1.0, "faces": 102 })));
     let params = json!({ "model.module": "Tube", "cut.cost": "B" });
     maker.step(params, 0, Some(json!({ "err": 2.0, "faces": 100 })));
     let folder = maker.finish();

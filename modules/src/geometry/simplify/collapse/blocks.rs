@@ -50,21 +50,7 @@ type Parts = (Box<dyn Cost>, Box<dyn Placement>);
 
 /// Simplifies in blocks of about so many faces; `None` where that does not fit, and nothing has
 /// been done.
-///
-/// All of it is on threads of the pool: allocators give each thread an arena of its own, and what
-/// the blocks leave in those of the pool is what the last queue takes.
 pub(super) fn simplify_in_blocks(
-    mesh: &TriMesh,
-    cost: &mut dyn Cost,
-    placement: &mut dyn Placement,
-    options: SimplifyOptions,
-    block: usize,
-    control: Control,
-) -> Result<Option<Simplified>, Cancelled> {
-    rayon::scope(|_| on_the_pool(mesh, cost, placement, options, block, control))
-}
-
-fn on_the_pool(
     mesh: &TriMesh,
     cost: &mut dyn Cost,
     placement: &mut dyn Placement,

@@ -130,8 +130,12 @@ pub fn simplify_observed<'a>(
 ) -> Result<Simplified, Cancelled> {
     if options.order == Schedule::Blocks && observers.is_empty() {
         let block = blocks::BLOCK;
-        let found = blocks::simplify_in_blocks(mesh, cost, placement, options, block, control)?;
-        if let Some(simplified) = found {
+        // All of it on threads of the pool: allocators give each thread an arena of its own, and
+        // what the blocks leave in those of the pool is what the last queue takes.
+        let found = rayon::scope(|_| {
+            blocks::simplify_in_blocks(mesh, cost, placement, options, block, control)
+        });
+        if let Some(simplified) = found? {
             return Ok(simplified);
         }
     }
