@@ -18,6 +18,7 @@ impl EdgeId {
     pub const NONE: Self = Self(u32::MAX);
 
     /// The position of the edge in an array over edges.
+    #[inline]
     pub fn idx(self) -> usize {
         self.0 as usize
     }
@@ -29,11 +30,13 @@ pub struct HalfEdge(u32);
 
 impl HalfEdge {
     /// The face.
+    #[inline]
     pub fn face(self) -> FaceId {
         FaceId(self.0 / 3)
     }
 
     /// Which side of the face, 0 to 2: it runs from that corner to the next.
+    #[inline]
     pub fn corner(self) -> usize {
         self.0 as usize % 3
     }
@@ -100,18 +103,21 @@ impl Adjacency {
     }
 
     /// The ends of each edge, the lower first.
+    #[inline]
     pub fn edges(&self) -> &[[VertexId; 2]] {
         &self.edges
     }
 
     /// The sides of faces that lie on an edge, by face: one at a border, two where the mesh is
     /// manifold, more elsewhere. A face that names three vertices has each edge once.
+    #[inline]
     pub fn sides_of(&self, edge: EdgeId) -> &[HalfEdge] {
         &self.sides
             [self.side_starts[edge.idx()] as usize..self.side_starts[edge.idx() + 1] as usize]
     }
 
     /// Whether an edge is none within a surface: all but those of two different faces.
+    #[inline]
     pub fn is_crease(&self, edge: EdgeId) -> bool {
         match self.sides_of(edge) {
             [one, two] => one.face() == two.face(),
@@ -121,17 +127,20 @@ impl Adjacency {
 
     /// The edges of a face: entry `k` from corner `k` to the next, [`EdgeId::NONE`] where both are
     /// the same vertex.
+    #[inline]
     pub fn edges_of(&self, face: FaceId) -> [EdgeId; 3] {
         self.face_edges[face.idx()]
     }
 
     /// The corners `3 f + k` at a vertex, ascending.
+    #[inline]
     pub fn corners_of(&self, vertex: VertexId) -> &[u32] {
         let starts = &self.corner_starts;
         &self.corners[starts[vertex.idx()] as usize..starts[vertex.idx() + 1] as usize]
     }
 
     /// The faces at a vertex, ascending, each once.
+    #[inline]
     pub fn faces_of(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
         let corners = self.corners_of(vertex);
         let is_first = |at: &usize| *at == 0 || corners[at - 1] / 3 != corners[*at] / 3;
@@ -140,6 +149,7 @@ impl Adjacency {
 
     /// Whether the faces of a two-sided edge run along it in opposite directions, as they do on an
     /// oriented surface. `false` for edges with another number of sides.
+    #[inline]
     pub fn is_oriented(&self, mesh: &TriMesh, edge: EdgeId) -> bool {
         match self.sides_of(edge) {
             [a, b] => start_of(mesh, *a) != start_of(mesh, *b),
@@ -148,6 +158,7 @@ impl Adjacency {
     }
 
     /// How many sides run along the edge from its lower end, less those from its higher end.
+    #[inline]
     pub fn winding(&self, mesh: &TriMesh, edge: EdgeId) -> i64 {
         let low = self.edges[edge.idx()][0];
         let sign = |side: &HalfEdge| if start_of(mesh, *side) == low { 1 } else { -1 };
@@ -190,11 +201,13 @@ pub struct Fans {
 
 impl Fans {
     /// The group of the `at`-th corner: the place of the first corner of the group.
+    #[inline]
     pub fn group(&mut self, at: usize) -> usize {
         self.sets.find(at as u32) as usize
     }
 
     /// The edges at the vertex, sorted, each with the place of a corner whose face has it.
+    #[inline]
     pub fn spokes(&self) -> &[(EdgeId, u32)] {
         &self.spokes
     }

@@ -89,17 +89,20 @@ pub fn sort_by_code(keys: &mut Vec<(u64, u32)>, control: Control) -> Result<(), 
 }
 
 /// The code of integer parts; `as` saturates what is out of range.
+#[inline]
 fn code(cell: DVec3) -> u64 {
     interleave(cell.to_array().map(|c| c as u64))
 }
 
 /// Interleaves the lowest 21 bits of three numbers, those of the first the lowest.
+#[inline]
 pub fn interleave(cell: [u64; 3]) -> u64 {
     let [x, y, z] = cell.map(spread);
     x | y << 1 | z << 2
 }
 
 /// Moves bit `i` to bit `3 i`, for the lowest 21 bits.
+#[inline]
 fn spread(value: u64) -> u64 {
     let mut v = value & 0x1f_ffff;
     v = (v | v << 32) & 0x001f_0000_0000_ffff;

@@ -26,9 +26,9 @@ impl IndexedRandom {
     }
 }
 
-/// The output function of SplitMix64: a bijection of 64 bits.
+/// The output function of SplitMix64: a bijection of 64 bits, of which each depends on all.
 #[inline]
-fn mix(value: u64) -> u64 {
+pub fn mix(value: u64) -> u64 {
     let z = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

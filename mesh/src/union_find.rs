@@ -19,6 +19,7 @@ impl UnionFind {
     }
 
     /// The smallest member of the set of `member`.
+    #[inline]
     pub fn find(&mut self, member: u32) -> u32 {
         let mut at = member;
         while self.parent[at as usize] != at {
@@ -30,6 +31,7 @@ impl UnionFind {
     }
 
     /// Adds a set of one new member, which it returns.
+    #[inline]
     pub fn add(&mut self) -> u32 {
         let member = self.parent.len() as u32;
         self.parent.push(member);
@@ -37,6 +39,7 @@ impl UnionFind {
     }
 
     /// Merges the sets of two members; whether they were two.
+    #[inline]
     pub fn union(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);

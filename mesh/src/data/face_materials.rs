@@ -30,6 +30,7 @@ impl<'a> FaceMaterials<'a> {
     }
 
     /// The material of a face.
+    #[inline]
     pub fn of_face(&self, face: FaceId) -> Option<&'a Material> {
         *self.of_labels.get(*self.of_faces.get(face.idx())? as usize)?
     }

@@ -17,6 +17,7 @@ pub enum PixelKind {
 
 impl PixelKind {
     /// Bytes of a pixel.
+    #[inline]
     pub fn n_bytes(self) -> usize {
         match self {
             Self::Gray => 1,
@@ -80,6 +81,7 @@ impl Image {
     ///
     /// # Panics
     /// Outside of the picture.
+    #[inline]
     pub fn pixel(&self, x: usize, y: usize) -> &[u8] {
         let n = self.kind.n_bytes();
         let at = (y * self.width + x) * n;
@@ -88,6 +90,7 @@ impl Image {
 }
 
 /// A display color in bytes; what is not a number is 0.
+#[inline]
 pub fn bytes_of(color: DVec3) -> [u8; 3] {
     color.to_array().map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8)
 }

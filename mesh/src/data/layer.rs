@@ -35,6 +35,7 @@ pub enum LayerValues {
 
 impl LayerValues {
     /// How many values there are.
+    #[inline]
     pub fn len(&self) -> usize {
         match self {
             Self::Number(v) => v.len(),
@@ -45,6 +46,7 @@ impl LayerValues {
     }
 
     /// Whether there is no value.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

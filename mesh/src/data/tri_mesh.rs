@@ -29,6 +29,7 @@ pub struct FaceId(pub u32);
 
 impl VertexId {
     /// The position of the vertex in an array over vertices.
+    #[inline]
     pub fn idx(self) -> usize {
         self.0 as usize
     }
@@ -36,6 +37,7 @@ impl VertexId {
 
 impl FaceId {
     /// The position of the face in an array over faces.
+    #[inline]
     pub fn idx(self) -> usize {
         self.0 as usize
     }
@@ -118,6 +120,7 @@ impl TriMesh {
     ///
     /// # Panics
     /// When the face or one of its vertices is out of range; see [`TriMesh::check`].
+    #[inline]
     pub fn corners(&self, face: FaceId) -> [DVec3; 3] {
         self.faces[face.idx()].map(|v| self.positions[v.idx()])
     }
@@ -136,6 +139,7 @@ impl TriMesh {
     }
 
     /// How many elements a layer over this domain has.
+    #[inline]
     pub fn n_elements(&self, domain: Domain) -> usize {
         match domain {
             Domain::Vertex => self.positions.len(),

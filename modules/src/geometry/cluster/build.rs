@@ -2,9 +2,10 @@
 
 use mve_core::{Cancelled, Control};
 use mve_mesh::data::{Domain, Layer, NO_VALUE, TriMesh, VertexId};
+use mve_mesh::random::mix;
 use rayon::prelude::*;
 
-use super::grid::{PIECE, is_left};
+use super::grid::{Numbers, PIECE};
 use super::place::Place;
 
 /// What becomes of faces that have the same three vertices.
@@ -32,9 +33,7 @@ pub fn built(
 ) -> Result<TriMesh, Cancelled> {
     let kept = mesh.faces.par_chunks(PIECE).enumerate().map(|(piece, faces)| {
         control.at(0.0)?;
-        let numbered = faces.iter().zip((piece * PIECE) as u32..);
-        let kept = numbered.filter(|(face, _)| is_left(face, clusters)).map(|(_, number)| number);
-        Ok(kept.collect::<Vec<u32>>())
+        Ok(left(faces, (piece * PIECE) as u32, clusters))
     });
     let kept = kept.collect::<Result<Vec<_>, Cancelled>>()?.concat();
     let corners = |face: u32| mesh.faces[face as usize].map(|v| clusters[v.idx()]);
@@ -58,35 +57,108 @@ pub fn built(
     Ok(TriMesh { positions, faces, layers, materials: mesh.materials.clone() })
 }
 
+/// How many faces [`built`] would leave: those with their corners in three cells or clusters, but
+/// for the same ones.
+///
+/// # Errors
+/// [`Cancelled`] when `control` says so.
+pub fn n_faces_left<T: Copy + Ord + Into<u64> + Send + Sync>(
+    mesh: &TriMesh,
+    cells: &[T],
+    duplicates: Duplicates,
+    control: Control,
+) -> Result<usize, Cancelled> {
+    let pieces = mesh.faces.par_chunks(PIECE).enumerate().map(|(piece, faces)| {
+        control.at(0.0)?;
+        let left = left(faces, (piece * PIECE) as u32, cells);
+        if duplicates == Duplicates::Keep {
+            return Ok((left.len(), Vec::new()));
+        }
+        // Numbers of three cells that are equal by chance, once in 2⁶³, only make the count wrong.
+        let key = |face: u32| {
+            let (corners, is_odd) = ordered(mesh.faces[face as usize].map(|v| cells[v.idx()]));
+            let [a, b, c] = corners.map(Into::<u64>::into);
+            mix(mix(mix(a) ^ b) ^ c) & !1 | u64::from(is_odd)
+        };
+        Ok((0, left.into_iter().map(key).collect::<Vec<_>>()))
+    });
+    let pieces = pieces.collect::<Result<Vec<_>, Cancelled>>()?;
+    if duplicates == Duplicates::Keep {
+        return Ok(pieces.iter().map(|(n, _)| n).sum());
+    }
+    // Which ways the faces of each number turn.
+    let (mut known, mut turns) = (Numbers::default(), Vec::<u8>::new());
+    for key in pieces.iter().flat_map(|(_, keys)| keys) {
+        let (number, is_odd) = (known.number(key | 1) as usize, key & 1);
+        turns.resize(turns.len().max(number + 1), 0);
+        turns[number] |= 1 << is_odd;
+    }
+    let n_left = |turns: &u8| match (*turns, duplicates) {
+        (0b11, Duplicates::Cancel) => 0,
+        (turns, _) => turns.count_ones() as usize,
+    };
+    Ok(turns.iter().map(n_left).sum())
+}
+
+/// The faces of a list with their corners in three cells or clusters, counted from `first`.
+fn left<T: Copy + Eq>(faces: &[[VertexId; 3]], first: u32, cells: &[T]) -> Vec<u32> {
+    let mut left = vec![0; faces.len()];
+    let mut n_left = 0;
+    for (face, number) in faces.iter().zip(first..) {
+        // Without branches: which faces stay cannot be foretold.
+        left[n_left] = number;
+        n_left += usize::from(is_left(face, cells));
+    }
+    left.truncate(n_left);
+    left
+}
+
+/// Whether the corners of a face are in three cells or clusters.
+#[inline]
+fn is_left<T: Copy + Eq>(face: &[VertexId; 3], cells: &[T]) -> bool {
+    let [a, b, c] = face.map(|vertex| cells[vertex.idx()]);
+    (a != b) & (b != c) & (c != a)
+}
+
+/// Three numbers in order, and whether that takes an odd number of swaps.
+#[inline]
+fn ordered<T: Copy + Ord>([a, b, c]: [T; 3]) -> ([T; 3], bool) {
+    let least = a.min(b).min(c);
+    let [a, b, c] = match least {
+        _ if least == a => [a, b, c],
+        _ if least == b => [b, c, a],
+        _ => [c, a, b],
+    };
+    if b < c { ([a, b, c], false) } else { ([a, c, b], true) }
+}
+
 /// What stays of the faces, by the vertices at their corners.
 fn without_duplicates(
-    kept: Vec<u32>,
+    mut kept: Vec<u32>,
     is_cancelled: bool,
-    corners: impl Fn(u32) -> [u32; 3] + Sync,
+    corners: impl Fn(u32) -> [u32; 3],
 ) -> Vec<u32> {
-    // The corners in order, whether that takes an odd number of swaps, and the place in the list.
-    let key = |(face, place): (&u32, u32)| {
-        let [a, b, c] = corners(*face);
-        let least = a.min(b).min(c);
-        let [a, b, c] = match least {
-            _ if least == a => [a, b, c],
-            _ if least == b => [b, c, a],
-            _ => [c, a, b],
-        };
-        if b < c { (a, b, c, false, place) } else { (a, c, b, true, place) }
-    };
-    let mut keys: Vec<_> = kept.iter().zip(0..).map(key).collect();
-    keys.par_sort_unstable();
-    let mut is_gone = vec![false; kept.len()];
-    for equal in keys.chunk_by(|x, y| (x.0, x.1, x.2) == (y.0, y.1, y.2)) {
-        let has_both = equal[0].3 != equal[equal.len() - 1].3;
-        for (at, key) in equal.iter().enumerate() {
-            let is_again = at > 0 && equal[at - 1].3 == key.3;
-            is_gone[key.4 as usize] = is_again || (has_both && is_cancelled);
-        }
+    // A number for the first two corners, and one for this and the third.
+    let (mut pairs, mut triples) = (Numbers::default(), Numbers::default());
+    let pair = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+    // By number, the first face that turns either way.
+    let mut firsts: Vec<[u32; 2]> = Vec::new();
+    kept.retain(|&face| {
+        let ([a, b, c], is_odd) = ordered(corners(face));
+        let number = triples.number(pair(pairs.number(pair(a, b)), c)) as usize;
+        firsts.resize(firsts.len().max(number + 1), [NO_VALUE; 2]);
+        let first = &mut firsts[number][usize::from(is_odd)];
+        let is_first = *first == NO_VALUE;
+        *first = (*first).min(face);
+        is_first
+    });
+    if is_cancelled {
+        let mut gone: Vec<u32> =
+            firsts.iter().filter(|first| !first.contains(&NO_VALUE)).flatten().copied().collect();
+        gone.sort_unstable();
+        kept.retain(|face| gone.binary_search(face).is_err());
     }
-    let mut gone = is_gone.into_iter();
-    kept.into_iter().filter(|_| !gone.next().unwrap_or(false)).collect()
+    kept
 }
 
 fn layer_of(layer: &Layer, vertices: &[u32], faces: &[u32]) -> Layer {

@@ -4,160 +4,170 @@
 //! section 3.2: a vertex that lies in no cell so far becomes the center of one. Deviation: in the
 //! end a vertex goes to the nearest of all centers in whose cells it lies, not only of those that
 //! are more important than itself.
+//!
+//! A new center looks for the vertices in its cell, which are runs of a list along a Morton curve;
+//! that list stands for all sizes of cells that are tried.
 
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use mve_mesh::data::TriMesh;
-use mve_mesh::morton::sort_by_code;
-use rayon::prelude::*;
+use mve_mesh::morton::{interleave, sort_by_code};
 
-use super::grid::{Grid, MOST_CELLS, Numbers, PIECE, key, numbered};
+use super::grid::{Grid, MOST_CELLS, Numbers};
 
 /// What is not there.
 const NONE: u32 = u32::MAX;
 
-/// Vertices by falling importance; of equal ones the first.
-///
-/// # Errors
-/// [`Cancelled`] when `control` says so.
-pub fn by_importance(importance: &[f64], control: Control) -> Result<Vec<u32>, Cancelled> {
-    // Importances are no less than 0, so that their bits grow with them.
-    let code = |value: f64| u64::from(!(value.max(0.0) as f32).to_bits());
-    let mut order: Vec<(u64, u32)> =
-        importance.iter().zip(0..).map(|(&value, vertex)| (code(value), vertex)).collect();
-    sort_by_code(&mut order, control)?;
-    Ok(order.into_iter().map(|(_, vertex)| vertex).collect())
+/// The finite vertices of a mesh along a Morton curve, and in the order of their importance.
+pub struct Curve {
+    /// Point, vertex, and the code of the finest octant, by place on the curve.
+    points: Vec<DVec3>,
+    vertices: Vec<u32>,
+    codes: Vec<u64>,
+    /// Places on the curve, that of the most important vertex first.
+    by_importance: Vec<u32>,
+    /// The finest octants.
+    octants: Grid,
+    n_vertices: usize,
 }
 
-/// Cells of a grid that vertices lie in, and which of them are side by side.
-pub struct Cells {
-    grid: Grid,
-    /// The cell of each vertex.
-    of_vertex: Vec<u32>,
-    /// The cells around each, itself in the middle: x fastest, then y, then z.
-    around: Vec<[u32; 27]>,
-}
+/// The center nearest to a vertex so far: its squared distance in halves of a cell as the bits of an
+/// `f32`, then its number; of two numbers the less is the nearer one.
+type Nearest = u64;
+/// Nearest to a vertex that is in no cell so far.
+const NO_CENTER: Nearest = u64::MAX;
 
-impl Cells {
-    /// The cells that vertices of a mesh lie in.
-    pub fn new(mesh: &TriMesh, grid: Grid, control: Control) -> Result<Self, Cancelled> {
-        let keys = grid.keys(&mesh.positions, control.part(0.0, 0.3))?;
-        let (of_vertex, n_cells) = numbered(&keys, control.part(0.3, 0.7))?;
-        let mut known = Numbers::default();
-        let mut cells = vec![[0; 3]; n_cells];
-        for (vertex, &point) in mesh.positions.iter().enumerate() {
-            let number = of_vertex[vertex];
-            if number as usize == known.keys.len() {
-                known.number(keys[vertex]);
-                cells[number as usize] = grid.cell(point);
-            }
-        }
-        let around = cells.par_iter().map(|&cell| neighbors(cell, &known)).collect();
-        control.at(1.0)?;
-        Ok(Self { grid, of_vertex, around })
-    }
-
-    /// The eight cells in which the center of a cell that has this point may lie.
-    #[inline]
-    fn nearby(&self, vertex: usize, point: DVec3) -> impl Iterator<Item = u32> + '_ {
-        let place = self.grid.place(point);
-        let part = place - place.floor();
-        let side = |part: f64, step: usize| if part < 0.5 { [0, step] } else { [step, 2 * step] };
-        let [xs, ys, zs] = [side(part.x, 1), side(part.y, 3), side(part.z, 9)];
-        let around = &self.around[self.of_vertex[vertex] as usize];
-        let at = move |k: usize| around[xs[k & 1] + ys[k >> 1 & 1] + zs[k >> 2]];
-        (0..8).map(at).filter(|&cell| cell != NONE)
-    }
-}
-
-fn neighbors([x, y, z]: [u64; 3], known: &Numbers) -> [u32; 27] {
-    let mut around = [NONE; 27];
-    for (place, number) in around.iter_mut().enumerate() {
-        let step = |at: u64, by: usize| (at + by as u64).checked_sub(1).filter(|&a| a < MOST_CELLS);
-        let cell = (step(x, place % 3), step(y, place / 3 % 3), step(z, place / 9));
-        if let (Some(x), Some(y), Some(z)) = cell {
-            *number = known.get(key([x, y, z])).unwrap_or(NONE);
-        }
-    }
-    around
-}
-
-/// The centers of cells, and in which cell of the grid each lies.
-pub struct Centers<'a> {
-    mesh: &'a TriMesh,
-    cells: &'a Cells,
-    /// The vertices that are centers, by falling importance.
-    pub vertices: Vec<u32>,
-    /// The last center in each cell of the grid, and the one before each center.
-    last: Vec<u32>,
-    before: Vec<u32>,
-}
-
-impl<'a> Centers<'a> {
-    /// Goes through the vertices in the order given.
+impl Curve {
+    /// The vertices of a mesh with `bounds`, most important first where `importance` is highest; of
+    /// equal ones the first in the mesh. O(n).
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
     pub fn new(
-        mesh: &'a TriMesh,
-        cells: &'a Cells,
-        order: &[u32],
+        mesh: &TriMesh,
+        octants: Grid,
+        importance: &[f64],
         control: Control,
     ) -> Result<Self, Cancelled> {
-        let last = vec![NONE; cells.around.len()];
-        let mut centers = Self { mesh, cells, vertices: Vec::new(), last, before: Vec::new() };
-        for (place, &vertex) in order.iter().enumerate() {
-            control.item(place, order.len())?;
-            let point = mesh.positions[vertex as usize];
-            // What is not finite is in no cell but its own.
-            if point.is_finite() && centers.around(vertex as usize, point).next().is_some() {
-                continue;
-            }
-            let cell = cells.of_vertex[vertex as usize] as usize;
-            centers.before.push(centers.last[cell]);
-            centers.last[cell] = centers.vertices.len() as u32;
-            centers.vertices.push(vertex);
-        }
-        Ok(centers)
+        let n_vertices = mesh.positions.len();
+        let finite = mesh.positions.iter().zip(0..).filter(|(point, _)| point.is_finite());
+        let mut order: Vec<(u64, u32)> =
+            finite.map(|(&point, vertex)| (interleave(octants.cell(point)), vertex)).collect();
+        sort_by_code(&mut order, control.part(0.0, 0.4))?;
+        let points = order.iter().map(|&(_, vertex)| mesh.positions[vertex as usize]).collect();
+        let (codes, vertices): (Vec<_>, Vec<_>) = order.into_iter().unzip();
+        let mut places = vec![NONE; n_vertices];
+        vertices.iter().zip(0..).for_each(|(&vertex, place)| places[vertex as usize] = place);
+        // Importances are no less than 0, so that their bits grow with them.
+        let code = |value: f64| u64::from(!(value.max(0.0) as f32).to_bits());
+        let places = importance.iter().zip(places).filter(|(_, place)| *place != NONE);
+        let mut ranks: Vec<_> = places.map(|(&value, place)| (code(value), place)).collect();
+        sort_by_code(&mut ranks, control.part(0.5, 1.0))?;
+        let by_importance = ranks.into_iter().map(|(_, place)| place).collect();
+        Ok(Self { points, vertices, codes, by_importance, octants, n_vertices })
     }
 
-    /// The centers in whose cells a point lies, with the squared distance to each.
-    #[inline]
-    fn around(&self, vertex: usize, point: DVec3) -> impl Iterator<Item = (f64, u32)> + '_ {
-        let half = 0.5 * self.cells.grid.edge();
-        let in_cell = |cell: u32| {
-            let first = self.last[cell as usize];
-            std::iter::successors((first != NONE).then_some(first), |&center| {
-                let before = self.before[center as usize];
-                (before != NONE).then_some(before)
-            })
-        };
-        self.cells.nearby(vertex, point).flat_map(in_cell).filter_map(move |center| {
-            let center_at = self.mesh.positions[self.vertices[center as usize] as usize];
-            let apart = (point - center_at).abs();
-            (apart.max_element() <= half).then(|| (apart.length_squared(), center))
-        })
-    }
-
-    /// The center that each vertex goes to.
+    /// The cluster of each vertex, where cells have this edge, and how many there are: numbers are
+    /// in the order in which they first occur. What is not finite is a cluster of its own.
     ///
     /// # Errors
     /// [`Cancelled`] when `control` says so.
-    pub fn of_vertices(&self, control: Control) -> Result<Vec<u32>, Cancelled> {
-        let positions = &self.mesh.positions;
-        let mut found = vec![NONE; positions.len()];
-        self.vertices.iter().zip(0..).for_each(|(&v, center)| found[v as usize] = center);
-        found.par_chunks_mut(PIECE).enumerate().try_for_each(|(piece, found)| {
-            control.at(0.0)?;
-            for (center, vertex) in found.iter_mut().zip(piece * PIECE..) {
-                if *center == NONE {
-                    let near = self.around(vertex, positions[vertex]);
-                    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                    *center = nearest.map_or(NONE, |(_, center)| center);
+    pub fn clusters(&self, edge: f64, control: Control) -> Result<(Vec<u32>, usize), Cancelled> {
+        let (nearest, n_centers) = self.nearest(edge, control)?;
+        let mut of_vertex = vec![NONE; self.n_vertices];
+        for (nearest, &vertex) in nearest.iter().zip(&self.vertices) {
+            of_vertex[vertex as usize] = *nearest as u32;
+        }
+        let (mut numbers, mut n_clusters) = (vec![NONE; n_centers], 0);
+        for center in &mut of_vertex {
+            let mut alone = NONE;
+            let number = numbers.get_mut(*center as usize).unwrap_or(&mut alone);
+            if *number == NONE {
+                (*number, n_clusters) = (n_clusters, n_clusters + 1);
+            }
+            *center = *number;
+        }
+        Ok((of_vertex, n_clusters as usize))
+    }
+
+    /// The nearest center of each vertex by place, and how many centers there are.
+    fn nearest(&self, edge: f64, control: Control) -> Result<(Vec<Nearest>, usize), Cancelled> {
+        let runs = Runs::new(self, edge);
+        let mut nearest = vec![NO_CENTER; self.points.len()];
+        let mut n_centers = 0;
+        for (at, &place) in self.by_importance.iter().enumerate() {
+            control.item(at, self.by_importance.len())?;
+            if nearest[place as usize] == NO_CENTER {
+                runs.claim(self, self.points[place as usize], n_centers, &mut nearest);
+                n_centers += 1;
+            }
+        }
+        Ok((nearest, n_centers as usize))
+    }
+}
+
+/// The runs of a curve in octants no smaller than a cell.
+struct Runs {
+    /// Half the length of a cell's edge.
+    half: f64,
+    /// How often the finest octants are halved.
+    level: u32,
+    numbers: Numbers,
+    /// Where the run of each octant begins, and the end of the last one.
+    starts: Vec<u32>,
+}
+
+impl Runs {
+    fn new(curve: &Curve, edge: f64) -> Self {
+        let half = 0.5 * edge;
+        let mut level = 0;
+        while curve.octants.edge() * f64::from(1 << level) < edge && 1 << level < MOST_CELLS {
+            level += 1;
+        }
+        let (mut numbers, mut starts) = (Numbers::default(), Vec::new());
+        let mut last = None;
+        for (&code, place) in curve.codes.iter().zip(0..) {
+            let octant = code >> (3 * level);
+            if last != Some(octant) {
+                last = Some(octant);
+                numbers.number(octant);
+                starts.push(place);
+            }
+        }
+        starts.push(curve.codes.len() as u32);
+        Self { half, level, numbers, starts }
+    }
+
+    /// Gives a center the vertices in its cell that are nearer to it than to those before.
+    fn claim(&self, curve: &Curve, point: DVec3, center: u32, nearest: &mut [Nearest]) {
+        let corner = |side: f64| curve.octants.cell(point + side * self.half);
+        let (low, high) = (corner(-1.0), corner(1.0));
+        let scale = 1.0 / self.half;
+        let axis = |k: usize| {
+            (low[k] >> self.level..=high[k] >> self.level).map(move |at| {
+                let mut cell = [0; 3];
+                cell[k] = at;
+                interleave(cell)
+            })
+        };
+        for z in axis(2) {
+            for y in axis(1) {
+                for x in axis(0) {
+                    let Some(octant) = self.numbers.get(x | y | z) else { continue };
+                    let run = self.starts[octant as usize]..self.starts[octant as usize + 1];
+                    let run = run.start as usize..run.end as usize;
+                    for (at, nearest) in curve.points[run.clone()].iter().zip(&mut nearest[run]) {
+                        // Without branches: which vertices are in the cell cannot be foretold.
+                        let apart = (*at - point).abs();
+                        let is_in = (apart.x <= self.half)
+                            & (apart.y <= self.half)
+                            & (apart.z <= self.half);
+                        let distance = ((apart * scale).length_squared() as f32).to_bits();
+                        let key = u64::from(distance) << 32 | u64::from(center);
+                        *nearest = (*nearest).min(key | u64::from(is_in).wrapping_sub(1));
+                    }
                 }
             }
-            Ok(())
-        })?;
-        Ok(found)
+        }
     }
 }

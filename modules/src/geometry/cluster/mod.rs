@@ -18,6 +18,9 @@ pub mod importance;
 pub mod place;
 pub mod search;
 
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
 use glam::DVec3;
 use mve_core::{Cancelled, Control};
 use mve_mesh::data::{FaceId, TriMesh};
@@ -25,12 +28,12 @@ use mve_mesh::union_find::UnionFind;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use self::build::{Duplicates, built};
-use self::floating::{Cells, Centers, by_importance};
-use self::grid::{Grid, MOST_CELLS, PIECE, n_faces_left, numbered};
+use self::build::{Duplicates, built, n_faces_left};
+use self::floating::Curve;
+use self::grid::{Grid, Keys, MOST_CELLS, PIECE, numbered};
 use self::importance::{Weights, importance};
 use self::place::{Clusters, Place, Representative};
-use self::search::size_for;
+use self::search::{TOLERANCE, size_for};
 use super::edit::clean::{CleanOptions, clean};
 use super::edit::manifold::Repair;
 
@@ -101,7 +104,7 @@ pub enum ClusterError {
 }
 
 /// Faces that a first guess looks at.
-const SAMPLE: usize = 1 << 14;
+const SAMPLE: usize = 1 << 13;
 /// Tries of a goal after the first, where faces that go in the end were counted.
 const MOST_CORRECTIONS: usize = 3;
 
@@ -120,7 +123,7 @@ pub fn cluster(
     if n_levels == 1 {
         return run.last(control);
     }
-    let edge = Prepared::new(mesh, options, control.part(0.0, 0.2))?.edge(
+    let (edge, _) = Prepared::new(mesh, options, control.part(0.0, 0.2))?.edge(
         options.size,
         None,
         control.part(0.2, 0.3),
@@ -155,7 +158,7 @@ impl Run<'_> {
         for _ in 0..MOST_CORRECTIONS {
             let n_faces = clustered.mesh.faces.len() as f64;
             let off = n_faces / asked as f64;
-            if (off - 1.0).abs() <= search::TOLERANCE || n_faces == 0.0 {
+            if (off - 1.0).abs() <= TOLERANCE || n_faces == 0.0 {
                 break;
             }
             let goal = self.goal.map_or(asked as f64, |(goal, _)| goal) / off;
@@ -177,8 +180,11 @@ impl Run<'_> {
             }
             (size, _) => (size, None),
         };
-        let edge = prepared.edge(size, first, control.part(0.0, 0.5))?;
-        let (mut of_vertex, mut n_clusters) = prepared.clusters(edge, control.part(0.5, 0.7))?;
+        let (edge, made) = prepared.edge(size, first, control.part(0.0, 0.5))?;
+        let (mut of_vertex, mut n_clusters) = match made {
+            Some(made) => made,
+            None => prepared.clusters(edge, control.part(0.5, 0.7))?,
+        };
         if self.options.is_manifold {
             (of_vertex, n_clusters) = parted(self.mesh, &of_vertex, control.part(0.7, 0.8))?;
         }
@@ -209,27 +215,32 @@ struct Prepared<'a> {
     /// The box around the finite vertices of faces.
     bounds: (DVec3, DVec3),
     importance: Vec<f64>,
-    order: Vec<u32>,
+    /// For floating cells.
+    curve: Option<Curve>,
 }
+
+/// The cluster of each vertex, and how many there are.
+type Made = (Vec<u32>, usize);
 
 impl<'a> Prepared<'a> {
     fn new(
         mesh: &'a TriMesh,
         options: &'a ClusterOptions,
         control: Control,
-    ) -> Result<Self, Cancelled> {
+    ) -> Result<Self, ClusterError> {
         let is_floating = options.cells == CellKind::Floating;
         let is_important = is_floating || options.representative == Representative::Important;
         let importance = match is_important {
             true => importance(mesh, options.weights, control.part(0.0, 0.7))?,
             false => Vec::new(),
         };
-        let order = match is_floating {
-            true => by_importance(&importance, control.part(0.7, 1.0))?,
-            false => Vec::new(),
-        };
-        let bounds = bounds(mesh);
-        Ok(Self { mesh, options, bounds, importance, order })
+        let mut prepared = Self { mesh, options, bounds: bounds(mesh), importance, curve: None };
+        if is_floating {
+            let octants = prepared.grid(prepared.least())?;
+            let part = control.part(0.7, 1.0);
+            prepared.curve = Some(Curve::new(mesh, octants, &prepared.importance, part)?);
+        }
+        Ok(prepared)
     }
 
     fn grid(&self, edge: f64) -> Result<Grid, ClusterError> {
@@ -243,29 +254,48 @@ impl<'a> Prepared<'a> {
         2.0 * (self.bounds.1 - self.bounds.0).max_element()
     }
 
-    /// The length of the cells' edges for what was asked; a search begins at `first`.
-    fn edge(&self, size: Size, first: Option<f64>, control: Control) -> Result<f64, ClusterError> {
+    /// The smallest edge that is tried.
+    fn least(&self) -> f64 {
+        self.largest() / MOST_CELLS as f64
+    }
+
+    /// The length of the cells' edges for what was asked, and the clusters, where these were made
+    /// on the way; a search begins at `first`.
+    fn edge(
+        &self,
+        size: Size,
+        first: Option<f64>,
+        control: Control,
+    ) -> Result<(f64, Option<Made>), ClusterError> {
         let (low, high) = self.bounds;
         let diagonal = (high - low).length();
         let side = (high - low).max_element();
         match size {
-            Size::Edge(edge) => Ok(edge),
+            Size::Edge(edge) => Ok((edge, None)),
             // A little more, so that the last vertex is in the last of them.
-            Size::PerAxis(n) => Ok((side / n.max(1) as f64).max(f64::MIN_POSITIVE) * (1.0 + 1e-12)),
+            Size::PerAxis(n) => {
+                let edge = (side / n.max(1) as f64).max(f64::MIN_POSITIVE) * (1.0 + 1e-12);
+                Ok((edge, None))
+            }
             Size::Faces(n_faces) => {
                 let goal = n_faces.max(1) as f64;
                 let first = match first {
                     Some(first) => first,
                     None => self.guess(goal, diagonal)?,
                 };
-                self.search(goal, -2.0, first, |edge| Ok(self.n_faces(edge, control)? as f64))
+                let (edge, made) = self
+                    .search((goal, TOLERANCE), -2.0, first, |edge| self.n_faces(edge, control))?;
+                Ok((edge, made.flatten()))
             }
-            Size::Shift(shift) => self.search(shift, 1.0, 4.0 * shift * diagonal, |edge| {
-                let (of_vertex, n_clusters) = self.clusters(edge, control)?;
-                let clusters = Clusters { mesh: self.mesh, of_vertex: &of_vertex, n_clusters };
-                let places = self.places(&clusters, edge, control)?;
-                Ok(mean_shift(self.mesh, &of_vertex, &places) / diagonal)
-            }),
+            Size::Shift(shift) => {
+                self.search((shift, TOLERANCE), 1.0, 4.0 * shift * diagonal, |edge| {
+                    let made = self.clusters(edge, control)?;
+                    let clusters =
+                        Clusters { mesh: self.mesh, of_vertex: &made.0, n_clusters: made.1 };
+                    let places = self.places(&clusters, edge, control)?;
+                    Ok((mean_shift(self.mesh, &made.0, &places) / diagonal, made))
+                })
+            }
         }
     }
 
@@ -279,63 +309,67 @@ impl<'a> Prepared<'a> {
             .map(|face| self.mesh.corners(FaceId(face)))
             .collect();
         let first = diagonal / goal.sqrt();
-        let edge = self.search(goal / step as f64, -2.0, first, |edge| {
+        let (edge, _) = self.search((goal / step as f64, 0.02), -2.0, first, |edge| {
             let grid = self.grid(edge)?;
             let is_left = |corners: &&[DVec3; 3]| {
                 let [a, b, c] = corners.map(|point| grid.key(point));
-                a != b && b != c && c != a
+                (a != b) & (b != c) & (c != a)
             };
-            Ok(sample.iter().filter(is_left).count() as f64)
+            Ok((sample.iter().filter(is_left).count() as f64, ()))
         })?;
         Ok(if self.options.cells == CellKind::Floating { FLOATING * edge } else { edge })
     }
 
-    fn search(
+    fn search<T>(
         &self,
-        goal: f64,
+        goal: (f64, f64),
         power: f64,
         first: f64,
-        measure: impl Fn(f64) -> Result<f64, ClusterError>,
-    ) -> Result<f64, ClusterError> {
+        measure: impl Fn(f64) -> Result<(f64, T), ClusterError>,
+    ) -> Result<(f64, Option<T>), ClusterError> {
         let largest = self.largest();
         if largest <= 0.0 {
-            return Ok(1.0);
+            return Ok((1.0, None));
         }
-        let least = largest / MOST_CELLS as f64;
+        let least = self.least();
         let measured = |edge: f64| match measure(edge.max(least)) {
-            Ok(found) => Ok(found),
+            Ok((found, made)) => Ok((found, Some(made))),
             Err(ClusterError::Cancelled(cancelled)) => Err(cancelled),
             // As if nothing were clustered.
-            Err(ClusterError::TooSmall(_)) => Ok(if power < 0.0 { f64::MAX } else { 0.0 }),
+            Err(ClusterError::TooSmall(_)) => Ok((if power < 0.0 { f64::MAX } else { 0.0 }, None)),
         };
-        let edge = size_for(goal, power, (first.max(least), largest), measured)?;
-        Ok(edge.max(least))
+        let (edge, made) = size_for(goal, power, (first.max(least), largest), measured)?;
+        Ok((edge.max(least), made.flatten()))
     }
 
-    fn n_faces(&self, edge: f64, control: Control) -> Result<usize, ClusterError> {
+    /// The faces that cells of this edge leave, and for floating cells the clusters.
+    fn n_faces(&self, edge: f64, control: Control) -> Result<(f64, Option<Made>), ClusterError> {
+        let duplicates = self.options.duplicates;
         let grid = self.grid(edge)?;
-        Ok(match self.options.cells {
-            CellKind::Uniform => {
-                let keys = grid.keys(&self.mesh.positions, control)?;
-                n_faces_left(self.mesh, &keys, control)?
+        let (n_faces, made) = match &self.curve {
+            None => {
+                let n_faces = match grid.cells(&self.mesh.positions, control)? {
+                    Keys::Few(keys, _) => n_faces_left(self.mesh, &keys, duplicates, control)?,
+                    Keys::Many(keys) => n_faces_left(self.mesh, &keys, duplicates, control)?,
+                };
+                (n_faces, None)
             }
-            CellKind::Floating => {
-                let (of_vertex, _) = self.clusters(edge, control)?;
-                n_faces_left(self.mesh, &of_vertex, control)?
+            Some(curve) => {
+                let made = curve.clusters(edge, control)?;
+                (n_faces_left(self.mesh, &made.0, duplicates, control)?, Some(made))
             }
-        })
+        };
+        Ok((n_faces as f64, made))
     }
 
     /// The cluster of each vertex, and how many there are.
-    fn clusters(&self, edge: f64, control: Control) -> Result<(Vec<u32>, usize), ClusterError> {
+    fn clusters(&self, edge: f64, control: Control) -> Result<Made, ClusterError> {
         let grid = self.grid(edge)?;
-        if self.options.cells == CellKind::Uniform {
-            let keys = grid.keys(&self.mesh.positions, control.part(0.0, 0.3))?;
-            return Ok(numbered(&keys, control.part(0.3, 1.0))?);
+        if let Some(curve) = &self.curve {
+            return Ok(curve.clusters(edge, control)?);
         }
-        let cells = Cells::new(self.mesh, grid, control.part(0.0, 0.3))?;
-        let centers = Centers::new(self.mesh, &cells, &self.order, control.part(0.3, 0.8))?;
-        Ok((centers.of_vertices(control.part(0.8, 1.0))?, centers.vertices.len()))
+        let cells = grid.cells(&self.mesh.positions, control.part(0.0, 0.3))?;
+        Ok(cells.numbered(control.part(0.3, 1.0))?)
     }
 
     fn places(
@@ -354,11 +388,16 @@ impl<'a> Prepared<'a> {
 
 /// The box around the finite vertices of faces; one of no size where there are none.
 fn bounds(mesh: &TriMesh) -> (DVec3, DVec3) {
+    let is_used: Vec<AtomicBool> = mesh.positions.iter().map(|_| AtomicBool::new(false)).collect();
+    mesh.faces.par_chunks(PIECE).for_each(|faces| {
+        faces.iter().flatten().for_each(|vertex| is_used[vertex.idx()].store(true, Relaxed));
+    });
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let around = |(low, high): (DVec3, DVec3), p: DVec3| (low.min(p), high.max(p));
-    let boxes = mesh.faces.par_chunks(PIECE).map(|faces| {
-        let points = faces.iter().flatten().map(|vertex| mesh.positions[vertex.idx()]);
-        points.filter(|p| p.is_finite()).fold(none, around)
+    let boxes = mesh.positions.par_chunks(PIECE).zip(is_used.par_chunks(PIECE));
+    let boxes = boxes.map(|(points, is_used)| {
+        let used = points.iter().zip(is_used).filter(|(_, is_used)| is_used.load(Relaxed));
+        let finite = used.map(|(point, _)| *point).filter(|point| point.is_finite());
+        finite.fold(none, |(low, high), p| (low.min(p), high.max(p)))
     });
     let (low, high) = boxes.reduce(|| none, |a, b| (a.0.min(b.0), a.1.max(b.1)));
     if low.x > high.x { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
@@ -379,20 +418,26 @@ fn parted(
             }
         }
     }
-    let roots: Vec<u64> =
-        (0..mesh.positions.len() as u32).map(|v| u64::from(parts.find(v))).collect();
+    let roots: Vec<u32> = (0..mesh.positions.len() as u32).map(|v| parts.find(v)).collect();
     numbered(&roots, control)
 }
 
 /// How far the finite vertices of a mesh are from those of their clusters, in the mean.
 fn mean_shift(mesh: &TriMesh, of_vertex: &[u32], places: &[Place]) -> f64 {
-    let (mut sum, mut n) = (0.0, 0_usize);
-    for (&point, &cluster) in mesh.positions.iter().zip(of_vertex) {
-        let distance = point.distance(places[cluster as usize].point);
-        if distance.is_finite() {
-            (sum, n) = (sum + distance, n + 1);
+    let pieces = mesh.positions.par_chunks(PIECE).zip(of_vertex.par_chunks(PIECE));
+    let sums = pieces.map(|(points, of_vertex)| {
+        let (mut sum, mut n) = (0.0, 0_usize);
+        for (&point, &cluster) in points.iter().zip(of_vertex) {
+            let distance = point.distance(places[cluster as usize].point);
+            if distance.is_finite() {
+                (sum, n) = (sum + distance, n + 1);
+            }
         }
-    }
+        (sum, n)
+    });
+    // Added in their order, so that threads change nothing.
+    let sums: Vec<(f64, usize)> = sums.collect();
+    let (sum, n) = sums.iter().fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
     sum / n.max(1) as f64
 }
 

@@ -109,15 +109,50 @@ fn floating_cells_lie_around_the_most_important_vertices() {
     let faces: Vec<[u32; 3]> =
         (0..6).map(|k| 2 * k).flat_map(|k| [[k, k + 2, k + 1], [k + 1, k + 2, k + 3]]).collect();
     let mesh = mesh_of(&points, &faces);
-    let grid = Grid::new(bounds(&mesh), 2.5).unwrap();
-    let cells = Cells::new(&mesh, grid, Control::none()).unwrap();
     let order = [6, 0, 2, 4, 8, 10, 12, 1, 3, 5, 7, 9, 11, 13];
-    let centers = Centers::new(&mesh, &cells, &order, Control::none()).unwrap();
-    assert_eq!(centers.vertices, [6, 0, 10, 1, 5, 9, 13]);
-    // Along the lower line: 3 first, then 0, then 5; 1 is as near to 0 as 2 is to 3.
-    let of_vertex = centers.of_vertices(Control::none()).unwrap();
-    let lower: Vec<u32> = (0..7).map(|k| centers.vertices[of_vertex[2 * k] as usize] / 2).collect();
-    assert_eq!(lower, [0, 0, 3, 3, 3, 5, 5]);
+    let mut importance = [0.0; 14];
+    order.iter().enumerate().for_each(|(place, &vertex)| importance[vertex] = 14.0 - place as f64);
+    let octants = Grid::new(bounds(&mesh), 0.01).unwrap();
+    let curve = Curve::new(&mesh, octants, &importance, Control::none()).unwrap();
+    let (of_vertex, n_clusters) = curve.clusters(2.5, Control::none()).unwrap();
+    // Along the lower line: 3 first, then 0, then 5; 1 is as near to 0 as 2 is to 3. Along the
+    // upper line every other one, and between two the more important.
+    let (lower, upper) = ([0, 0, 3, 3, 3, 5, 5], [0, 0, 2, 2, 4, 4, 6]);
+    let expected = (0..7).flat_map(|k| [2 * lower[k], 2 * upper[k] + 1]);
+    for (vertex, center) in expected.enumerate() {
+        assert_eq!(of_vertex[vertex], of_vertex[center], "{vertex}");
+    }
+    assert_eq!(n_clusters, 7);
+    // Numbers are in the order in which they first occur.
+    assert_eq!(of_vertex[..6], [0, 1, 0, 1, 2, 3]);
+}
+
+/// Any list gives what a look at all centers does.
+#[test]
+fn cells_of_any_size_find_their_centers() {
+    let mesh = torus(2.0, 0.5, 30);
+    let importance = importance(&mesh, PLAIN.weights, Control::none()).unwrap();
+    let octants = Grid::new(bounds(&mesh), 1e-3).unwrap();
+    let curve = Curve::new(&mesh, octants, &importance, Control::none()).unwrap();
+    let mut order: Vec<usize> = (0..mesh.positions.len()).collect();
+    order.sort_by(|&a, &b| (importance[b] as f32).total_cmp(&(importance[a] as f32)));
+    for edge in [0.05, 0.3, 0.7, 2.0, 9.0] {
+        let apart = |a: usize, b: usize| (mesh.positions[a] - mesh.positions[b]).abs();
+        let mut centers: Vec<usize> = Vec::new();
+        for &vertex in &order {
+            if !centers.iter().any(|&c| apart(c, vertex).max_element() <= 0.5 * edge) {
+                centers.push(vertex);
+            }
+        }
+        let (of_vertex, n_clusters) = curve.clusters(edge, Control::none()).unwrap();
+        assert_eq!(n_clusters, centers.len(), "{edge}");
+        for vertex in 0..mesh.positions.len() {
+            let own = centers.iter().filter(|&&c| apart(c, vertex).max_element() <= 0.5 * edge);
+            let least = own.map(|&c| apart(c, vertex).length()).fold(f64::INFINITY, f64::min);
+            let found = centers.iter().find(|&&c| of_vertex[c] == of_vertex[vertex]).unwrap();
+            assert!(apart(*found, vertex).length() <= least * (1.0 + 1e-6), "{edge} {vertex}");
+        }
+    }
 }
 
 #[test]
