@@ -129,7 +129,7 @@ impl Appraiser {
         };
         let removal = self.removal(quadrics, line, target);
         match self.options.largest_distance {
-            _ if !(removal.price < f64::INFINITY) => Err(Refusal::Odd),
+            _ if !removal.price.is_finite() => Err(Refusal::Odd),
             Some(largest) if removal.distance > largest => Err(Refusal::Distance),
             _ => Ok(removal),
         }
@@ -197,7 +197,7 @@ impl Appraiser {
         for at in 0..self.candidates.len() {
             let (order, place) = self.candidates[at];
             self.work += self.star.blades.len();
-            if !(order < f64::INFINITY) {
+            if !order.is_finite() {
                 continue;
             }
             if !self.keeps_sides(place) {

@@ -188,7 +188,8 @@ impl Fill {
         }
         let normals: Vec<DVec3> = self.triangles.iter().map(|own| normal_of(star, own)).collect();
         for (at, (own, &normal)) in self.triangles.iter().zip(&normals).enumerate() {
-            if !(normal.dot(self.normal) > 0.0) {
+            let looks_up = normal.dot(self.normal) > 0.0;
+            if !looks_up {
                 return Err(Refusal::Shape);
             }
             for k in 0..3 {

@@ -99,3 +99,8 @@ pub fn decimate(
         refusals,
     })
 }
+
+#[cfg(test)]
+mod mesh_tests;
+#[cfg(test)]
+mod tests;

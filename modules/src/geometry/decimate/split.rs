@@ -32,7 +32,7 @@ pub fn split_vertices(
     for vertex in 0..n_vertices as u32 {
         control.item(vertex as usize, n_vertices)?;
         let n_faces = mesh.corners_of(vertex).len();
-        if n_faces < 2 || n_faces > MOST_FACES {
+        if !(2..=MOST_FACES).contains(&n_faces) {
             continue;
         }
         let parts = match star.look(mesh, vertex) {
