@@ -16,14 +16,14 @@ impl Enumeration for ImportanceKind {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         (
             "EdgeSwitching",
-            "Sum over the edges at it of the distance to the edge that could be in its place (Franz \
-             2000).",
+            "Sum over the edges at it of the distance to the edge that could be in its place \
+             (Franz 2000).",
         ),
         ("MeanPlane", "Distance from the mean plane of its faces (Schroeder et al. 1992)."),
         (
             "Quadric",
-            "Squared distance of the neighbor that it goes to from the planes of all faces that the \
-             two stand for (Garland and Heckbert 1997): half the error of the others.",
+            "Squared distance of the neighbor that it goes to from the planes of all faces that \
+             the two stand for (Garland and Heckbert 1997): half the error of the others.",
         ),
     ];
     const VALUES: &'static [Self] = &[Self::EdgeSwitching, Self::MeanPlane, Self::Quadric];
@@ -41,8 +41,8 @@ impl Enumeration for Sequence {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         (
             "Passes",
-            "By their importance at the start of a pass; vertices whose faces have changed wait for \
-             the next pass.",
+            "By their importance at the start of a pass; vertices whose faces have changed wait \
+             for the next pass.",
         ),
         ("Queue", "The one that is least important as the mesh is now."),
     ];

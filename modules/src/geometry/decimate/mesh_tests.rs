@@ -237,8 +237,8 @@ fn nothing_comes_of_nothing() {
 }
 
 proptest! {
-    /// Any mesh gives a mesh with vertices of the input; unless a rule is opened all of its borders,
-    /// irregular edges and Euler number stay.
+    /// Any mesh gives a mesh with vertices of the input; unless a rule is opened all of its
+    /// borders, irregular edges and Euler number stay.
     #[test]
     fn any_mesh_keeps_its_topology(mesh in any_mesh(), rule in 0..12_usize, open in 0..8_u32) {
         let rules = all_rules();

@@ -23,7 +23,8 @@ pub enum EdgeChoice {
 /// Which vertex goes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sequence {
-    /// By their importance at the start of a pass; those whose faces have changed wait for the next.
+    /// By their importance at the start of a pass; those whose faces have changed wait for the
+    /// next.
     Passes,
     /// The one that is least important now.
     Queue,

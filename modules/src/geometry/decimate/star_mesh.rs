@@ -1,4 +1,4 @@
-//! The mesh while it is decimated: faces, and the corners at each vertex, for any list of triangles.
+//! The mesh while it is decimated: faces, and the corners at each vertex, for any triangles.
 //!
 //! Vertices are numbered along a space-filling curve and faces by their vertices, for locality and
 //! so that neither the order of the input nor that of its faces decides anything.

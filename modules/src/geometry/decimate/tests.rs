@@ -222,8 +222,8 @@ fn on_lines_importance_is_the_distance_from_the_line() {
     assert_eq!(left.mesh.faces.len(), 1);
 }
 
-/// The edge to (0.5, 0) is the shortest, but the line of the outer edge at x = 0.4 lies between; the
-/// next is that to (0.4, 0.8).
+/// The edge to (0.5, 0) is the shortest, but the line of the outer edge at x = 0.4 lies between;
+/// the next is that to (0.4, 0.8).
 #[test]
 fn the_shortest_edge_that_passes_the_half_plane_test_goes() {
     let ring =
