@@ -273,8 +273,9 @@ impl Appraiser {
             }
             n_at_wing += usize::from(others.contains(&wings[0]));
         }
-        // A face alone at its vertex may go only where another one is behind it.
-        form == Form::Closed || n > 2 || n_at_wing > 0
+        // A face alone at its vertex may go only where one other is behind it: more would lose an
+        // edge of three.
+        form == Form::Closed || n > 2 || n_at_wing == 1
     }
 
     /// The corners of the vertex and of a neighbor in each face that they share, and the others of

@@ -59,7 +59,7 @@ impl Fill {
                 // The loop is closed by a new border, or by the far side of the only face.
                 let ends = [star.ring[0], star.ring[n - 1]];
                 let is_kept =
-                    if n == 2 { mesh.n_faces_at(ends) > 1 } else { !mesh.are_neighbors(ends) };
+                    if n == 2 { mesh.n_faces_at(ends) == 2 } else { !mesh.are_neighbors(ends) };
                 if !is_kept {
                     return Err(Refusal::Topology);
                 }

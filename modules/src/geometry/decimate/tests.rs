@@ -276,6 +276,13 @@ fn topology_is_kept_whatever_is_asked_for() {
             assert!(found.mesh.faces.len() >= 4);
         }
     }
+    // A face at an edge of three stays, for else that would be one of two.
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
+    let three = mesh_of(&points, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
+    for removal in [RemovalKind::Collapse, HOLES.removal] {
+        let found = decimated(&three, DecimateOptions { removal, ..WITH_BORDERS });
+        assert_eq!(topology(&found.mesh), (6, 1, 1));
+    }
     // A border of three edges stays, as does a face alone.
     let hole = fan([0.0; 3], &[[1.0, 0.0, 0.0], [-0.5, 0.8, 0.0], [-0.5, -0.8, 0.0]]);
     let found = decimated(&hole, WITH_BORDERS);
