@@ -129,3 +129,17 @@ fn packing_a_picture_stops_and_leaves_no_file() {
     });
     assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0);
 }
+
+/// The order of vertices, their importances, and their removal, by waves and by passes.
+#[test]
+fn a_decimation_stops() {
+    let fine = VaseOptions { segments: 768, profile_segments: 768, ..VaseOptions::DEFAULT };
+    let mesh = vase(&fine);
+    let module = registry().find("DecimateVertices").expect("the module").module;
+    for order in ["Queue", "Passes"] {
+        stops(|| {
+            let trial = Trial::of(module).input("mesh", mesh.clone());
+            trial.set("ratio", 0.02).set("order", order)
+        });
+    }
+}

@@ -8,6 +8,7 @@ mve_core::modules! { "filters":
     cluster_vertices,
     color_map,
     crop,
+    decimate_vertices,
     delete_faces,
     field_math,
     fill_holes,

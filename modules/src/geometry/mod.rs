@@ -2,6 +2,7 @@
 
 pub mod cluster;
 pub mod curvature;
+pub mod decimate;
 pub mod distance;
 pub mod edit;
 pub mod fields;
