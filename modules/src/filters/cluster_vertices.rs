@@ -34,6 +34,7 @@ impl Enumeration for Representative {
 #[derive(Clone, Copy)]
 enum SizeBy {
     Faces,
+    Ratio,
     Cells,
     Edge,
     Shift,
@@ -42,11 +43,12 @@ enum SizeBy {
 impl Enumeration for SizeBy {
     const NAMES: &'static [(&'static str, &'static str)] = &[
         ("Faces", "As it takes for so many faces, within 1 % where a size of cells gives that."),
+        ("Ratio", "The same for a part of the input's faces."),
         ("Cells", "So many cells along the longest side of the bounding box."),
         ("Edge", "The length of a cell's edge."),
         ("Shift", "As it takes for vertices to move so far in the mean, within 1 %."),
     ];
-    const VALUES: &'static [Self] = &[Self::Faces, Self::Cells, Self::Edge, Self::Shift];
+    const VALUES: &'static [Self] = &[Self::Faces, Self::Ratio, Self::Cells, Self::Edge, Self::Shift];
 }
 
 impl Enumeration for Duplicates {
@@ -65,6 +67,10 @@ const TARGET_FACES: Param<i64> = Param::integer("target_faces", "Faces to be lef
     .between((1, i64::MAX))
     .mostly((100, 100_000))
     .only_where(Condition::Is { param: "size_by", value: "Faces" });
+const RATIO: Param<f64> = Param::number("ratio", "The part of the input's faces to be left.", 0.1)
+    .within((0.0, 1.0))
+    .usually((0.001, 1.0))
+    .only_where(Condition::Is { param: "size_by", value: "Ratio" });
 const CELLS_AN_AXIS: Param<i64> =
     Param::integer("cells_an_axis", "Cells along the longest side of the bounding box.", 50)
         .between((1, 1 << 20))
@@ -142,6 +148,7 @@ pub static MODULE: Module = Module {
         CELLS.spec(),
         SIZE_BY.spec(),
         TARGET_FACES.spec(),
+        RATIO.spec(),
         CELLS_AN_AXIS.spec(),
         CELL_EDGE.spec(),
         SHIFT.spec(),
@@ -164,6 +171,9 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
     let size = match io.param(SIZE_BY)? {
         SizeBy::Faces => {
             Size::Faces(usize::try_from(io.param(TARGET_FACES)?).unwrap_or(usize::MAX))
+        }
+        SizeBy::Ratio => {
+            Size::Faces((io.param(RATIO)? * mesh.faces.len() as f64).round() as usize)
         }
         SizeBy::Cells => Size::PerAxis(io.param(CELLS_AN_AXIS)?.unsigned_abs()),
         SizeBy::Edge => Size::Edge(io.param(CELL_EDGE)?),

@@ -83,8 +83,10 @@ fn nodes_are_dragged_and_the_search_closes() {
 fn nodes_of_the_shipped_maps_stand_apart() {
     let maps = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../maps");
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
-    let found = std::fs::read_dir(maps).expect("maps are shipped");
-    for path in found.map(|entry| entry.expect("can be read").path()) {
+    let theses = maps.join("theses");
+    let found = [maps, theses].map(|maps| std::fs::read_dir(maps).expect("maps are shipped"));
+    let paths = found.into_iter().flatten().map(|entry| entry.expect("can be read").path());
+    for path in paths.filter(|path| path.is_file()) {
         let mut hand = Hand::with_map(folder.path(), &path);
         hand.step();
         if std::env::var_os("UPDATE").is_some() {
