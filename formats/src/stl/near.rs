@@ -1,5 +1,5 @@
-//! Joins the corners of a few triangles: most of the corners at a point follow each other closely in
-//! a file, and a small table answers from the caches next to the core.
+//! Joins the corners of a few triangles: most corners at a point follow each other closely in a
+//! file, and a small table answers from the caches next to the core.
 
 use super::points::{Point, hash_of};
 
