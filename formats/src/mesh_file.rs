@@ -99,7 +99,7 @@ pub fn load(
              number of faces is; StlLoader reads it nonetheless",
         )),
         Some(Format::Ply) => ply::load(path, scope, control),
-        Some(Format::Stl) => load_with(path, control, stl::read_stl),
+        Some(Format::Stl) => stl::load(path, control),
         Some(Format::Off) => load_with(path, control, off::read_off),
         Some(Format::Gltf) => gltf::load(path, scope, Vertices::Welded, control),
         Some(Format::Iv) => iv::load(path, scope, control),
@@ -179,7 +179,7 @@ pub fn load_by_ending(
     match &*ending_of(path) {
         "obj" => obj::load(path, control).map_err(|error| error.about(path)),
         "ply" => ply::load(path, FileScope::Folder, control),
-        "stl" => load_with(path, control, stl::read_stl),
+        "stl" => stl::load(path, control),
         "off" => load_with(path, control, off::read_off),
         "glb" => gltf::load(path, FileScope::Folder, Vertices::Welded, control),
         "iv" => iv::load(path, FileScope::Folder, control),

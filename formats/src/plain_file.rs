@@ -94,13 +94,19 @@ fn read_on_threads(file: &File, n_bytes: u64, control: Control) -> io::Result<Ve
 
 /// How a file that gzip has packed begins.
 const GZIP: &[u8] = b"\x1f\x8b";
+
+/// Whether gzip has packed a file that begins with these bytes.
+pub fn is_packed(bytes: &[u8]) -> bool {
+    bytes.starts_with(GZIP)
+}
+
 /// Bytes of the largest mesh that is unpacked.
 const MOST_UNPACKED: u64 = 16 << 30;
 
 /// Reads the file of a mesh, unpacked if gzip has packed it.
 pub fn read_mesh_file(path: &Path, control: Control) -> io::Result<Vec<u8>> {
     let bytes = read_long(path, u64::MAX, control)?;
-    if !bytes.starts_with(GZIP) {
+    if !is_packed(&bytes) {
         return Ok(bytes);
     }
     let mut packed = MultiGzDecoder::new(bytes.as_slice());
@@ -121,7 +127,7 @@ pub fn read_mesh_file(path: &Path, control: Control) -> io::Result<Vec<u8>> {
 pub fn read_beginning(path: &Path, n_bytes: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open_plain(path)?.0.take(n_bytes).read_to_end(&mut bytes)?;
-    if bytes.starts_with(GZIP) {
+    if is_packed(&bytes) {
         bytes.clear();
         MultiGzDecoder::new(open_plain(path)?.0).take(n_bytes).read_to_end(&mut bytes)?;
     }

@@ -56,7 +56,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
         kind => error.raw_os_error().map_or(kind.into(), io::Error::from_raw_os_error),
     };
     let file = builder.tempfile_in(folder).map_err(plain)?;
-    let mut buffered = BufWriter::with_capacity(1 << 18, EarlySync::of(file.as_file()));
+    let mut buffered = BufWriter::with_capacity(1 << 16, EarlySync::of(file.as_file()));
     fill(&mut buffered)?;
     buffered.into_inner().map_err(|error| error.into_error())?.finish()?;
     if let Ok(old) = fs::metadata(&target) {

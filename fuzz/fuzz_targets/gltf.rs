@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::gltf::{Vertices, read_gltf};
+use mve_formats::gltf::{Vertices, read_gltf};
 
 fuzz_target!(|bytes: &[u8]| {
     for vertices in [Vertices::Welded, Vertices::AsInFile] {

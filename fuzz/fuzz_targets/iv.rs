@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::iv::read_iv;
+use mve_formats::iv::read_iv;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok((mesh, _)) = read_iv(bytes, Control::none()) {

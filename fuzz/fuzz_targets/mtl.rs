@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use mve_modules::formats::obj::{parse_mtl, write_mtl};
+use mve_formats::obj::{parse_mtl, write_mtl};
 
 fuzz_target!(|bytes: &[u8]| {
     let (materials, _) = parse_mtl(bytes);

@@ -5,7 +5,7 @@ use std::io;
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::obj::parse;
+use mve_formats::obj::parse;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut none = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));

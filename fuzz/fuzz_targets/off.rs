@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::off::read_off;
+use mve_formats::off::read_off;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok((mesh, _)) = read_off(bytes, Control::none()) {

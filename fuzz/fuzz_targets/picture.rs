@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use mve_modules::formats::png::read_png;
-use mve_modules::formats::texture_file::read_texture;
+use mve_formats::png::read_png;
+use mve_formats::texture_file::read_texture;
 
 fuzz_target!(|bytes: &[u8]| {
     for picture in [read_png(bytes, "a"), read_texture(bytes)].into_iter().flatten() {

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::ply::read_ply;
+use mve_formats::ply::read_ply;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok((mesh, _)) = read_ply(bytes, Control::none()) {

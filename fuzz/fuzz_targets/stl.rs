@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use mve_core::Control;
-use mve_modules::formats::stl::read_stl;
+use mve_formats::stl::read_stl;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok((mesh, _)) = read_stl(bytes, Control::none()) {

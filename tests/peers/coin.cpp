@@ -1,16 +1,26 @@
 // What Coin (libcoin-dev) reads from an Open Inventor file: triangles, area, signed volume, bounds.
 //
 //   c++ -O2 -o coin tests/peers/coin.cpp -lCoin && ./coin a.iv
+//   ./coin --write ascii|gzip|binary a.iv b.iv
+//   ./coin --time 5 a.iv
 //
-// One line for each file. Triangles are those that Coin would draw, where transforms put them.
+// One line for each file. Triangles are those that Coin would draw, where transforms put them. With
+// --write Coin writes what it read; with --time the seconds of the processor that so many readings
+// took come out, as JSON.
 
 #include <Inventor/SbVec3d.h>
 #include <Inventor/SoDB.h>
 #include <Inventor/SoPrimitiveVertex.h>
+#include <Inventor/SbName.h>
+#include <Inventor/SoOutput.h>
 #include <Inventor/actions/SoCallbackAction.h>
+#include <Inventor/actions/SoWriteAction.h>
 #include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoShape.h>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
 
 struct Sums {
     long n = 0;
@@ -36,11 +46,45 @@ static void triangle(void *data, SoCallbackAction *action, const SoPrimitiveVert
     sums.volume += points[0].dot(points[1].cross(points[2])) / 6;
 }
 
+static SoSeparator *scene(const char *name) {
+    SoInput in;
+    return in.openFile(name) ? SoDB::readAll(&in) : nullptr;
+}
+
+static int write(const char *form, const char *from, const char *to) {
+    SoSeparator *root = scene(from);
+    if (!root) return 1;
+    root->ref();
+    SoOutput out;
+    if (!strcmp(form, "gzip")) out.setCompression(SbName("GZIP"), 0.5f);
+    if (!out.openFile(to)) return 1;
+    out.setBinary(!strcmp(form, "binary"));
+    SoWriteAction(&out).apply(root);
+    out.closeFile();
+    root->unref();
+    return 0;
+}
+
+static int time(int n, const char *name) {
+    printf("{\"cpu\": [");
+    for (int i = 0; i < n; i++) {
+        clock_t start = clock();
+        SoSeparator *root = scene(name);
+        if (!root) return 1;
+        printf("%s%.6f", i ? ", " : "", double(clock() - start) / CLOCKS_PER_SEC);
+        root->ref();
+        root->unref();
+    }
+    printf("]}\n");
+    return 0;
+}
+
 int main(int n, char **names) {
     SoDB::init();
+    if (n == 4 && !strcmp(names[1], "--time")) return time(atoi(names[2]), names[3]);
+    if (n == 5 && !strcmp(names[1], "--write")) return write(names[2], names[3], names[4]);
     for (int i = 1; i < n; i++) {
-        SoInput in;
-        SoSeparator *root = in.openFile(names[i]) ? SoDB::readAll(&in) : nullptr;
+        SoSeparator *root = scene(names[i]);
         if (!root) {
             printf("%s: not read\n", names[i]);
             continue;

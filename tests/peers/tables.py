@@ -242,9 +242,9 @@ def markdown(rows, machine):
     return "\n".join(lines)
 
 
-def put(text, path):
+def put(text, path, begin=BEGIN, end=END):
     """Replaces what stands between the markers of a document."""
     whole = path.read_text(encoding="utf-8")
-    before, rest = whole.split(BEGIN)
-    after = rest.split(END)[1]
-    path.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+    before, rest = whole.split(begin)
+    after = rest.split(end)[1]
+    path.write_text(f"{before}{begin}\n\n{text}\n\n{end}{after}", encoding="utf-8")

@@ -87,6 +87,34 @@ pub(super) fn count(buffers: &Buffers, number: Whole) -> Result<usize, ReadError
     Ok(accessor.count.0)
 }
 
+/// The numbers of an accessor as indices.
+///
+/// # Errors
+/// As [`vectors`].
+pub(super) fn indices(
+    buffers: &Buffers,
+    number: Whole,
+    control: Control,
+) -> Result<Vec<u32>, ReadError> {
+    let n = count(buffers, number)?;
+    let accessor = &buffers.document.accessors[number.0];
+    let is_plain = accessor.component_type.0 == 5125
+        && accessor.shape == "SCALAR"
+        && !accessor.normalized
+        && accessor.sparse.is_none()
+        && accessor.buffer_view.is_some();
+    // What large files have.
+    if is_plain
+        && let Ok((bytes, 4)) = elements(buffers, accessor, 4)
+        && let Some(bytes) = bytes.get(..4 * n)
+    {
+        control.at(0.0)?;
+        return Ok(bytes.as_chunks().0.iter().map(|four| u32::from_le_bytes(*four)).collect());
+    }
+    let numbers = vectors::<1>(buffers, number, control)?;
+    Ok(numbers.into_iter().map(|[number]| number as u32).collect())
+}
+
 /// The elements of an accessor, the first `N` numbers of each.
 ///
 /// # Errors

@@ -59,7 +59,10 @@ impl Assembly {
             }
         }
         let n = self.all.positions.len();
-        self.all.positions.extend(&more.positions);
+        match n {
+            0 => self.all.positions = more.positions,
+            _ => self.all.positions.extend(&more.positions),
+        }
         put(&mut self.all.normals, n, DVec3::NAN, &more.normals);
         put(&mut self.all.colors, n, DVec3::NAN, &more.colors);
         for (set, values) in more.texcoords {
@@ -78,6 +81,13 @@ impl Assembly {
         self.object_names.len() as u32 - 1
     }
 
+    /// Makes room for so many more faces.
+    pub fn reserve_faces(&mut self, n: usize) {
+        self.faces.reserve(n);
+        self.materials.reserve(n);
+        self.objects.reserve(n);
+    }
+
     pub fn add_face(&mut self, corners: [u32; 3], material: u32, object: u32) {
         self.faces.push(corners);
         self.materials.push(material);
@@ -90,6 +100,8 @@ impl Assembly {
         let start = self.vertices.len();
         let more = &self.all.positions[start..];
         let first = self.positions.len() as u32;
+        self.vertices.reserve(more.len());
+        self.positions.reserve(more.len());
         match vertices {
             Vertices::AsInFile => {
                 self.vertices.extend((0..more.len() as u32).map(|v| first + v));
@@ -116,7 +128,15 @@ impl Assembly {
     pub fn finish(mut self, materials: Vec<Material>) -> Result<(TriMesh, Warnings), ReadError> {
         self.left_out.tell(self.faces.len(), &mut self.warnings)?;
         let vertex = |source: u32| VertexId(self.vertices[source as usize]);
-        let faces: Vec<[VertexId; 3]> = self.faces.iter().map(|face| face.map(vertex)).collect();
+        let has_values = [self.all.normals.len(), self.all.colors.len()] != [0; 2]
+            || !self.texcoords.is_empty()
+            || !self.numbers.is_empty();
+        // What has no values needs no sources of its corners, and their memory is that of the faces.
+        let sources = match has_values {
+            true => self.faces.clone(),
+            false => std::mem::take(&mut self.faces),
+        };
+        let faces: Vec<_> = sources.into_iter().map(|face| face.map(vertex)).collect();
         settle_points(&mut self.positions, &faces, &mut self.warnings)?;
         let mut mesh = TriMesh::new(std::mem::take(&mut self.positions), faces);
         let n = self.vertices.len();

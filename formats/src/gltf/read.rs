@@ -8,7 +8,7 @@ use mve_core::Control;
 use mve_mesh::data::{NO_VALUE, TriMesh};
 
 use super::Vertices;
-use super::accessor::{count, vectors};
+use super::accessor::{count, indices, vectors};
 use super::assembly::{Assembly, Attributes};
 use super::buffers::{BufferSource, Buffers};
 use super::container;
@@ -255,8 +255,7 @@ impl Reader<'_> {
             None => (0..faces.n_vertices as u32).collect(),
             Some(number) => {
                 self.check_size(assembly, count(self.buffers, number)? / 3)?;
-                let numbers = vectors::<1>(self.buffers, number, self.control)?;
-                numbers.into_iter().map(|[number]| number as u32).collect()
+                indices(self.buffers, number, self.control)?
             }
         };
         let material = primitive.material.and_then(|at| *self.materials.of_file.get(at.0)?);
@@ -270,6 +269,7 @@ impl Reader<'_> {
             let text = "one or two corners at the end of a list of triangles are left out";
             assembly.warnings.add_once(text.to_owned());
         }
+        assembly.reserve_faces(n_triangles);
         let is_mirrored = faces.transform.determinant() < 0.0;
         for at in 0..n_triangles {
             self.control.item(at, n_triangles)?;

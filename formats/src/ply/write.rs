@@ -134,13 +134,14 @@ fn write_rows(
     control: Control,
     row: impl Fn(usize, &mut Rows) -> io::Result<()> + Sync,
 ) -> io::Result<()> {
-    write_pieces(n, ROWS, out, control, |range| {
-        let mut rows = Rows { buffer: Vec::with_capacity(16 * ROWS), options };
+    write_pieces(n, ROWS, out, control, |range, buffer| {
+        buffer.reserve(16 * ROWS);
+        let mut rows = Rows { buffer, options };
         for number in range {
             row(number, &mut rows)?;
             rows.end();
         }
-        Ok(rows.buffer)
+        Ok(())
     })
 }
 
@@ -360,12 +361,12 @@ fn header(
 }
 
 /// Rows of numbers on their way to the writer.
-struct Rows {
-    buffer: Vec<u8>,
+struct Rows<'b> {
+    buffer: &'b mut Vec<u8>,
     options: PlyOptions,
 }
 
-impl Rows {
+impl Rows<'_> {
     /// The corners of a face.
     fn triangle(&mut self, corners: [VertexId; 3]) {
         match self.options.encoding {

@@ -5,11 +5,16 @@
 //! programs write zeros, so they are passed over; so are the two bytes behind each binary triangle,
 //! in which some programs keep colors, each in its own way.
 
+mod file;
+mod near;
+mod points;
 mod read;
+mod records;
 mod save;
 mod weld;
 mod write;
 
+pub use file::load;
 pub use read::read_stl;
 pub use save::save;
 pub use write::{StlEncoding, write_stl};

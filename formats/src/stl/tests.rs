@@ -39,6 +39,32 @@ fn text_by_hand() {
     assert_eq!(String::from_utf8(written(&mesh, StlEncoding::Ascii)).unwrap(), expected);
 }
 
+/// What is read from a file piece by piece is what is read from memory, errors included.
+#[test]
+fn a_file_is_read_as_its_bytes_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.stl");
+    // More triangles than are joined at once.
+    let binary = written(&mve_mesh::fixtures::torus(2.0, 0.5, 60), StlEncoding::Binary);
+    let text = written(&tetrahedron(), StlEncoding::Ascii);
+    let with_more = [&binary[..], b"colors"].concat();
+    for bytes in [&binary[..], &with_more, &text, &binary[..binary.len() - 1], b"solid", b""] {
+        std::fs::write(&path, bytes).unwrap();
+        let from_file = load(&path, Control::none());
+        match read_stl(bytes, Control::none()) {
+            Ok((mesh, warnings)) => {
+                let (other, others) = from_file.unwrap();
+                assert_eq!((other.positions, other.faces), (mesh.positions, mesh.faces));
+                assert_eq!(format!("{others:?}"), format!("{warnings:?}"));
+            }
+            Err(error) => {
+                let found = from_file.unwrap_err().to_string();
+                assert!(found.ends_with(&error.to_string()), "{found}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_binary_file_may_begin_with_solid() {
     let mut bytes = written(&tetrahedron(), StlEncoding::Binary);

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 use mve_core::{Control, Enumeration};
-use mve_mesh::data::TriMesh;
+use mve_mesh::data::{TriMesh, VertexId};
 
 use super::{HEAD, RECORD};
 use crate::pieces::write_pieces;
@@ -66,12 +66,20 @@ pub fn write_stl(
         }
         StlEncoding::Ascii => out.write_all(b"solid mesh\n")?,
     }
-    write_pieces(mesh.faces.len(), CHUNK, out, control, |range| {
-        let mut buffer = Vec::with_capacity(CHUNK * RECORD);
-        for face in &mesh.faces[range] {
-            record(face.map(|v| mesh.positions[v.idx()]), encoding, &mut buffer);
+    let corners = |face: &[VertexId; 3]| face.map(|v| mesh.positions[v.idx()]);
+    write_pieces(mesh.faces.len(), CHUNK, out, control, |range, buffer| {
+        let faces = &mesh.faces[range];
+        match encoding {
+            StlEncoding::Binary => {
+                buffer.resize(faces.len() * RECORD, 0);
+                let records = buffer.as_chunks_mut().0;
+                for (record, face) in records.iter_mut().zip(faces) {
+                    *record = binary_record(corners(face));
+                }
+            }
+            StlEncoding::Ascii => faces.iter().for_each(|face| text_record(corners(face), buffer)),
         }
-        Ok(buffer)
+        Ok(())
     })?;
     match encoding {
         StlEncoding::Binary => Ok(()),
@@ -79,27 +87,25 @@ pub fn write_stl(
     }
 }
 
-/// Adds a triangle.
-fn record(corners: [DVec3; 3], encoding: StlEncoding, buffer: &mut Vec<u8>) {
-    match encoding {
-        StlEncoding::Binary => {
-            let mut bytes = [0; RECORD];
-            let points = [normal(corners), corners[0], corners[1], corners[2]];
-            let numbers = points.iter().flat_map(|p| p.as_vec3().to_array());
-            for (four, number) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-                *four = number.to_le_bytes();
-            }
-            buffer.extend_from_slice(&bytes);
-        }
-        StlEncoding::Ascii => {
-            text(buffer, "facet normal", normal(corners));
-            buffer.extend(b"  outer loop\n");
-            corners.iter().for_each(|p| text(buffer, "    vertex", *p));
-            buffer.extend(b"  endloop\nendfacet\n");
-        }
+#[inline]
+fn binary_record(corners: [DVec3; 3]) -> [u8; RECORD] {
+    let [a, b, c] = corners;
+    let points = [normal(corners), a, b, c].map(|p| p.as_vec3().to_array());
+    let mut bytes = [0; RECORD];
+    for (four, number) in bytes.as_chunks_mut().0.iter_mut().zip(points.as_flattened()) {
+        *four = number.to_le_bytes();
     }
+    bytes
 }
 
+fn text_record(corners: [DVec3; 3], buffer: &mut Vec<u8>) {
+    text(buffer, "facet normal", normal(corners));
+    buffer.extend(b"  outer loop\n");
+    corners.iter().for_each(|p| text(buffer, "    vertex", *p));
+    buffer.extend(b"  endloop\nendfacet\n");
+}
+
+#[inline]
 fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }

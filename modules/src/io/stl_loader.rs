@@ -1,7 +1,6 @@
 //! Loads an STL file.
 
-use mve_formats::load_with;
-use mve_formats::stl::read_stl;
+use mve_formats::stl;
 
 use crate::prelude::*;
 
@@ -26,7 +25,7 @@ pub static MODULE: Module = Module {
 
 fn run(io: &mut Io) -> Result<(), ModuleError> {
     let path = io.param(PATH)?;
-    let (mesh, warnings) = load_with(&path, io.control(), read_stl)?;
+    let (mesh, warnings) = stl::load(&path, io.control())?;
     for warning in warnings {
         io.warn(format!("{}: {warning}", path.display()));
     }
