@@ -84,7 +84,7 @@ fn steps_are_planned_together_as_they_are_alone() {
 const LONG: [&str; 1] = ["image_driven.json"];
 
 /// Programs on a large model: of these every n-th step runs. No value may be left out.
-const EVERY_NTH: [(&str, usize); 1] = [("fit.json", 5)];
+const EVERY_NTH: [(&str, usize); 2] = [("clustering.json", 7), ("fit.json", 5)];
 
 /// Scalars and values of a run of the map, and of all steps of its programs.
 fn summary(path: &Path) -> String {

@@ -65,12 +65,12 @@ class Bench:
         source, result = mesh.with_suffix(".mesh"), self.scratch / "result.mesh"
         n_calls = meshes.n_calls(case["input_faces"])
         target = str(case["target"])
-        if name in mve.SETTINGS or name in mve.WALL:
-            setting, n_threads = mve.SETTINGS.get(name, {}), mve.WALL.get(name, 1)
-            pinned = self.pinned if name in mve.SETTINGS else []
+        if name in mve.ALL or name in mve.WALL:
+            setting, n_threads = mve.ALL.get(name, {}), mve.WALL.get(name, 1)
+            pinned = self.pinned if name in mve.ALL else []
             found = mve.run(setting, case["target"], n_calls, mesh.with_suffix(".obj"),
                             self.scratch, pinned, n_threads)
-            found["cpu"] = found["cpu"] if name in mve.SETTINGS else found["wall"]
+            found["cpu"] = found["cpu"] if name in mve.ALL else found["wall"]
             result = self.scratch / "simplified.obj"
             return found, lambda: meshes.read_obj(result)
         if name in CGAL:
@@ -118,7 +118,7 @@ class Bench:
 
     def version(self, name):
         """Of what has none in the package index."""
-        if name in mve.SETTINGS or name in mve.WALL:
+        if name in mve.ALL or name in mve.WALL:
             return mve.version()
         key = "cgal" if name in CGAL else "meshoptimizer"
         return json.loads((programs.FOLDER / "versions.json").read_text(encoding="utf-8"))[key]

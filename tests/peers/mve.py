@@ -31,6 +31,29 @@ SETTINGS = {
     "mve LindstromTurk, head start 3, refit 6": {**HEAD_START, "refit": 6},
 }
 
+# What `run clusters` compares, with the module where that is another one.
+THESIS = {"importance": "EdgeSwitching", "edge": "Shortest", "order": "Passes"}
+CLUSTERS = {
+    "mve, uniform cells": {"module": "ClusterVertices"},
+    "mve, uniform cells, manifold": {"module": "ClusterVertices", "manifold": True},
+    "mve, floating cells": {"module": "ClusterVertices", "cells": "Floating"},
+    "mve, floating cells, manifold":
+        {"module": "ClusterVertices", "cells": "Floating", "manifold": True},
+    "mve, vertex decimation": {"module": "DecimateVertices"},
+    "mve, vertex decimation of the thesis": {"module": "DecimateVertices", **THESIS},
+    "mve": {},
+}
+
+ALL = {**SETTINGS, **CLUSTERS}
+
+# A parameter of each module and its default: a billionth more of it tells equal nodes apart and
+# changes nothing.
+TWEAKS = {
+    "Simplificator": ("sliver_angle", 3),
+    "ClusterVertices": ("length_weight", 1),
+    "DecimateVertices": ("feature_angle", 60),
+}
+
 # The seconds that pass on two threads and on one, in place of those of the processor.
 WALL = {"mve, 1 thread": 1, "mve, 2 threads": 2}
 
@@ -53,11 +76,12 @@ def map_of(setting, target, n_calls, source):
     nodes = {"load": {"module": "ObjLoader", "params": {"path": str(source)}}}
     links = ["cut0.mesh -> save.mesh"]
     for call in range(n_calls):
-        # Equal nodes are computed once; a billionth of a degree tells them apart and changes
-        # nothing. The first, which is saved, is as asked for.
-        params = {"target_faces": target, **({"sliver_angle": 3 + call * 1e-9} if call else {})}
-        params.update(setting)
-        nodes[f"cut{call}"] = {"module": "Simplificator", "params": params}
+        # Equal nodes are computed once. The first, which is saved, is as asked for.
+        params = {"target_faces": target, **setting}
+        module = params.pop("module", "Simplificator")
+        tweak, value = TWEAKS[module]
+        params.update({tweak: value + call * 1e-9} if call else {})
+        nodes[f"cut{call}"] = {"module": module, "params": params}
         links.append(f"load.mesh -> cut{call}.mesh")
     nodes["save"] = {"module": "ObjSaver", "params": {"path": "simplified.obj"}}
     return {"mve": 1, "nodes": nodes, "links": links}

@@ -43,6 +43,8 @@ class Meshoptimizer:
 
     def call(self, target):
         size, no_end = ctypes.c_size_t, ctypes.c_float(1e9)
+        if self.function == "sloppy":
+            return self.call_sloppy(size(3 * target), no_end)
         indices = self.indices.ctypes.data_as(ctypes.c_void_p)
         mesh = [indices, size(self.indices.size), self.positions.ctypes.data_as(ctypes.c_void_p)]
         mesh += [size(len(self.positions)), size(12)]
@@ -52,6 +54,17 @@ class Meshoptimizer:
         else:
             attributes = [None, size(0), None, size(0), None]
             self.n = self.library.meshopt_simplifyWithUpdate(*mesh, *attributes, *stop)
+
+    def call_sloppy(self, target, no_end):
+        size, indices = ctypes.c_size_t, self.indices.ctypes.data_as(ctypes.c_void_p)
+        positions = self.positions.ctypes.data_as(ctypes.c_void_p)
+        self.library.meshopt_simplifySloppy.restype = ctypes.c_size_t
+        kept = np.empty_like(self.indices)
+        self.n = self.library.meshopt_simplifySloppy(
+            kept.ctypes.data_as(ctypes.c_void_p), indices, size(self.indices.size), positions,
+            size(len(self.positions)), size(12), None, target, no_end, None,
+        )
+        self.indices = kept
 
     def result(self):
         return self.positions, self.indices[: self.n].reshape(-1, 3)
@@ -85,9 +98,12 @@ class Vtk:
         mesh.SetPolys(cells)
         self.filter = getattr(core, self.name)()
         self.filter.SetInputData(mesh)
-        self.filter.SetTargetReduction(1 - target / len(faces))
+        self.aim(positions, target, len(faces))
         for switch in self.switches:
             getattr(self.filter, switch)()
+
+    def aim(self, positions, target, n_faces):
+        self.filter.SetTargetReduction(1 - target / n_faces)
 
     def call(self, target):
         self.filter.Update()
@@ -98,6 +114,36 @@ class Vtk:
         mesh = self.filter.GetOutput()
         faces = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
         return vtk_to_numpy(mesh.GetPoints().GetData()), faces
+
+
+class VtkCells(Vtk):
+    """A filter of VTK that puts vertices into cells: as many along the longest axis as leave about
+    the number of faces, which are searched for before the call that is timed."""
+
+    def aim(self, positions, target, n_faces):
+        size = positions.max(axis=0) - positions.min(axis=0)
+        shares = size / size.max()
+        if self.hint is None:
+            low, high = 1, 2
+            while self.n_faces(shares, high) < target:
+                low, high = high, 2 * high
+            while high - low > 1:
+                middle = (low + high) // 2
+                is_less = self.n_faces(shares, middle) < target
+                low, high = (middle, high) if is_less else (low, middle)
+            self.hint = min((abs(self.n_faces(shares, n) - target), n) for n in (low, high))[1]
+        self.divide(shares, max(1, int(self.hint)))
+        self.filter.Modified()
+
+    def divide(self, shares, n):
+        if hasattr(self.filter, "AutoAdjustNumberOfDivisionsOff"):
+            self.filter.AutoAdjustNumberOfDivisionsOff()
+        self.filter.SetNumberOfDivisions(*(max(1, round(share * n)) for share in shares))
+
+    def n_faces(self, shares, n):
+        self.divide(shares, n)
+        self.filter.Update()
+        return self.filter.GetOutput().GetNumberOfPolys()
 
 
 class MeshLab:
@@ -279,6 +325,14 @@ PROGRAMS = {
     "libigl qslim": Libigl("qslim"),
 }
 
+# What `run clusters` compares.
+CLUSTERS = {
+    "vtkBinnedDecimation": VtkCells("vtkBinnedDecimation"),
+    "vtkQuadricClustering": VtkCells("vtkQuadricClustering"),
+    "vtkDecimatePro": Vtk("vtkDecimatePro", "PreserveTopologyOn"),
+    "meshoptimizer, sloppy": Meshoptimizer("sloppy"),
+}
+
 
 def status(key):
     """Bytes of a line of /proc/self/status."""
@@ -296,7 +350,7 @@ def give_back():
 def main():
     name, target, n_calls = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     source, destination = sys.argv[4:6]
-    program = PROGRAMS[name]
+    program = {**PROGRAMS, **CLUSTERS}[name]
     # A small mesh first: what the program loads is no memory of the mesh.
     program.hint = 0.0
     program.prepare(*meshes.tetrahedron(), 2)
