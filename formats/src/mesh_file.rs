@@ -52,7 +52,7 @@ impl Format {
                 Self::Iv
             }
             _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => Self::Gltf,
-            _ if word.ends_with(b"OFF") && word.len() <= 8 => Self::Off,
+            _ if word.ends_with(b"OFF") && word.len() <= 8 || is_counts(text) => Self::Off,
             _ if word.eq_ignore_ascii_case(b"solid") || !is_text => Self::Stl,
             _ => Self::Obj,
         }
@@ -61,6 +61,33 @@ impl Format {
     fn of_file(path: &Path) -> Option<Self> {
         read_beginning(path, N_BYTES).ok().map(|bytes| Self::of(&bytes))
     }
+}
+
+/// Whether text begins with a line of two or three whole numbers, as OFF does whose first word is
+/// missing: the vertices, faces and edges. No other format begins with a number.
+fn is_counts(text: &[u8]) -> bool {
+    let line = text.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default();
+    let words = || line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    (2..=3).contains(&words().count()) && words().all(|word| word.iter().all(u8::is_ascii_digit))
+}
+
+/// What a file is that begins with these bytes and holds no mesh, or one that nobody reads here.
+fn other_kind(bytes: &[u8]) -> Option<&'static str> {
+    const KINDS: [(&[u8], &str); 11] = [
+        (b"\x89PNG", "is a PNG picture, no mesh; PngLoader reads it"),
+        (b"\xff\xd8\xff", "is a JPEG picture, no mesh"),
+        (b"GIF8", "is a GIF picture, no mesh"),
+        (b"%PDF", "is a PDF document, no mesh"),
+        (b"PK\x03\x04", "is a ZIP archive (also .3mf, .usdz, .docx); unpack it first"),
+        (b"7z\xbc\xaf", "is a 7z archive; unpack it first"),
+        (b"BZh", "is packed by bzip2; unpack it first, or pack it by gzip"),
+        (b"\xfd7zXZ", "is packed by xz; unpack it first, or pack it by gzip"),
+        (b"Kaydara FBX Binary", "is an FBX file; save it as glTF, PLY or OBJ there"),
+        (b"BLENDER", "is a file of Blender; save it as glTF, PLY or OBJ there"),
+        (b"PXR-USDC", "is a USD file; save it as glTF, PLY or OBJ there"),
+    ];
+    let (_, what) = KINDS.iter().find(|(start, _)| bytes.starts_with(start))?;
+    Some(what)
 }
 
 /// Whether a file that is not text has about the length that binary STL says of itself. Of a
@@ -89,8 +116,13 @@ pub fn load(
     scope: FileScope,
     control: Control,
 ) -> Result<(TriMesh, Vec<Warning>), ModuleError> {
-    if read_beginning(path, N_BYTES).is_ok_and(|bytes| bytes.trim_ascii().is_empty()) {
-        return Err(ModuleError::io(path, "the file is empty"));
+    if let Ok(bytes) = read_beginning(path, N_BYTES) {
+        if bytes.trim_ascii().is_empty() {
+            return Err(ModuleError::io(path, "the file is empty"));
+        }
+        if let Some(what) = other_kind(&bytes) {
+            return Err(ModuleError::io(path, what));
+        }
     }
     match Format::of_file(path) {
         Some(Format::Stl) if !can_be_stl(path) => Err(ModuleError::io(
@@ -270,6 +302,26 @@ mod tests {
             assert_eq!(read.positions.len(), n_vertices);
             assert_eq!(read.layer(Layer::NORMAL).is_some(), reader == Reader::Anybody);
         }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_named_and_off_needs_no_word() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            load(&path, FileScope::Folder, Control::none())
+        };
+        let png = include_bytes!("../../tests/data/example.png");
+        for (bytes, what) in [(&png[..], "is a PNG picture"), (b"PK\x03\x04a", "is a ZIP archive")]
+        {
+            let error = read(bytes).unwrap_err().to_string();
+            assert!(error.contains(what), "{error}");
+        }
+        let (mesh, _) = read(b"# no OFF\n3 1 0\n0 0 0\n2 0 0\n0 2 0\n3 0 1 2\n").unwrap();
+        assert_eq!((mesh.positions.len(), mesh.area()), (3, 2.0));
+        // Not a count of anything.
+        assert!(read(b"1 2 0.5\n").is_err());
     }
 
     #[test]

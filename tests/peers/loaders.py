@@ -12,6 +12,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 from importlib.metadata import version
 from pathlib import Path
@@ -203,7 +204,7 @@ def main():
     known = ", ".join(f"{name} {found}" for name, package in packages.items()
                       if (found := version_of(package)))
     head = f"{datetime.date.today()}; {bench.machine()}. Medians of {args.runs} readings. {known}."
-    text = "\n\n".join([head, *parts])
+    text = "\n\n".join([textwrap.fill(head, 100), *parts])
     print(text)
     if args.write:
         tables.put(text, meshes.ROOT / "docs" / "BENCHMARKS.md", *MARKS)

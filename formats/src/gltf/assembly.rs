@@ -131,7 +131,7 @@ impl Assembly {
         let has_values = [self.all.normals.len(), self.all.colors.len()] != [0; 2]
             || !self.texcoords.is_empty()
             || !self.numbers.is_empty();
-        // What has no values needs no sources of its corners, and their memory is that of the faces.
+        // What has no values needs no sources of its corners; their memory is that of the faces.
         let sources = match has_values {
             true => self.faces.clone(),
             false => std::mem::take(&mut self.faces),
