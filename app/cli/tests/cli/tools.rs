@@ -32,7 +32,7 @@ fn modules_are_listed_and_described() {
     folder.mve(&["modules", "Print"]).succeeds().says("Inputs:").says("`label` (text;");
     folder.mve(&["modules", "Prnt"]).fails(2, "\"Prnt\"; did you mean \"Print\"?\n");
     let found = folder.mve(&["modules", "decimate"]).succeeds();
-    assert!(found.says("Simplificator").out.ends_with("4 modules; `mve modules ID` tells more\n"));
+    assert!(found.says("Simplificator").out.ends_with("5 modules; `mve modules ID` tells more\n"));
     folder.mve(&["modules", "hausdorff"]).succeeds().says("MeshComparer");
     let found = folder.mve(&["modules", "albedo"]).succeeds().says("Render");
     let found = found.says("in metric.Flip, metric.ImageRms, metric.ImageSsim\n");
