@@ -48,7 +48,8 @@ impl Enumeration for SizeBy {
         ("Edge", "The length of a cell's edge."),
         ("Shift", "As it takes for vertices to move so far in the mean, within 1 %."),
     ];
-    const VALUES: &'static [Self] = &[Self::Faces, Self::Ratio, Self::Cells, Self::Edge, Self::Shift];
+    const VALUES: &'static [Self] =
+        &[Self::Faces, Self::Ratio, Self::Cells, Self::Edge, Self::Shift];
 }
 
 impl Enumeration for Duplicates {
@@ -172,9 +173,7 @@ fn run(io: &mut Io) -> Result<(), ModuleError> {
         SizeBy::Faces => {
             Size::Faces(usize::try_from(io.param(TARGET_FACES)?).unwrap_or(usize::MAX))
         }
-        SizeBy::Ratio => {
-            Size::Faces((io.param(RATIO)? * mesh.faces.len() as f64).round() as usize)
-        }
+        SizeBy::Ratio => Size::Faces((io.param(RATIO)? * mesh.faces.len() as f64).round() as usize),
         SizeBy::Cells => Size::PerAxis(io.param(CELLS_AN_AXIS)?.unsigned_abs()),
         SizeBy::Edge => Size::Edge(io.param(CELL_EDGE)?),
         SizeBy::Shift => Size::Shift(io.param(SHIFT)?),

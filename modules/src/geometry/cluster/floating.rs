@@ -31,8 +31,8 @@ pub struct Curve {
     n_vertices: usize,
 }
 
-/// The center nearest to a vertex so far: its squared distance in halves of a cell as the bits of an
-/// `f32`, then its number; of two numbers the less is the nearer one.
+/// The center nearest to a vertex so far: its squared distance in halves of a cell as the bits of
+/// an `f32`, then its number; of two numbers the less is the nearer one.
 type Nearest = u64;
 /// Nearest to a vertex that is in no cell so far.
 const NO_CENTER: Nearest = u64::MAX;

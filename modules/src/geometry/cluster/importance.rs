@@ -81,8 +81,8 @@ pub fn importance(
         .collect())
 }
 
-/// What [`Around::look`] says of a vertex whose faces are a closed fan of up to eight, turned alike:
-/// nearly all are, and that is seen without a branch.
+/// What [`Around::look`] says of a vertex whose faces are a closed fan of up to eight, turned
+/// alike: nearly all are, and that is seen without a branch.
 fn look_at_fan(mesh: &TriMesh, vertex: usize, corners: &[u32]) -> Option<(f64, f64)> {
     const MOST: usize = 8;
     if corners.len() > MOST {
